@@ -1,0 +1,73 @@
+"""A finite-element fingertip, from a touch to the spikes of its nerve fibers.
+
+    import fefinger as ff
+    scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.RampHold(60, 1.5, hold=5))
+    result = ff.run(scene)
+
+Names are imported when they are used, so that importing the package costs nothing. Only `run` is
+bound at once: later it would be shadowed by the module of that name.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from fefinger.run import run as run
+from fefinger.version import VERSION
+
+
+if TYPE_CHECKING:
+    from fefinger.ask import Ask as Ask
+    from fefinger.checks import ConvergenceError as ConvergenceError
+    from fefinger.checks import InputError as InputError
+    from fefinger.files import load as load
+    from fefinger.finger import Finger as Finger
+    from fefinger.indenter import Ellipsoid as Ellipsoid
+    from fefinger.indenter import Flat as Flat
+    from fefinger.indenter import Sphere as Sphere
+    from fefinger.motion import ForceRamp as ForceRamp
+    from fefinger.motion import ForceRampHold as ForceRampHold
+    from fefinger.motion import ForceRampSinusoid as ForceRampSinusoid
+    from fefinger.motion import ForceSampled as ForceSampled
+    from fefinger.motion import ForceTrapezoid as ForceTrapezoid
+    from fefinger.motion import Ramp as Ramp
+    from fefinger.motion import RampHold as RampHold
+    from fefinger.motion import RampSinusoid as RampSinusoid
+    from fefinger.motion import Sampled as Sampled
+    from fefinger.motion import Trapezoid as Trapezoid
+    from fefinger.plan import choose as choose
+    from fefinger.plan import explain as explain
+    from fefinger.scene import Scene as Scene
+    from fefinger.theory.relaxation import Prony as Prony
+    from fefinger.tissue import Tissue as Tissue
+
+__version__ = VERSION
+
+_HOMES = {
+    "ask": ("Ask",),
+    "checks": ("ConvergenceError", "InputError"),
+    "files": ("load",),
+    "finger": ("Finger",),
+    "indenter": ("Ellipsoid", "Flat", "Sphere"),
+    "motion": (
+        *("Ramp", "RampHold", "RampSinusoid", "Trapezoid", "Sampled"),
+        *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceTrapezoid", "ForceSampled"),
+    ),
+    "plan": ("choose", "explain"),
+    "scene": ("Scene",),
+    "theory.relaxation": ("Prony",),
+    "tissue": ("Tissue",),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted([*_HOME, "run"])
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        msg = f"module 'fefinger' has no attribute {name!r}"
+        raise AttributeError(msg)
+    return getattr(importlib.import_module(f"fefinger.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *_HOME]

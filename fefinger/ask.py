@@ -1,0 +1,75 @@
+"""What is asked of a scene."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fefinger.checks import InputError, choice, flag, number, reject_unknown
+from fefinger.lists import choices
+from fefinger.neural.drives import DRIVES
+from fefinger.neural.endorgans import TYPES
+from fefinger.neural.generators import GENERATORS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """What the answer should hold, and how good it has to be.
+
+    Parameters
+    ----------
+    force, pressure, strain, fields
+        Whether the result holds the force, the pressure on the pad, the strain at the end organs
+        and the fields on the mesh.
+    spikes
+        Afferent types out of SAI, SAII, FAI, FAII; one unit of each, under first touch.
+    rel_error
+        Relative error of the force that is good enough, 0 to 1.
+    seconds
+        Longest time in s that the answer may take; None is no limit.
+    depths
+        Depth of the end organs in mm under the skin, for the types that differ from the library.
+    drives
+        What part of the strain drives a type, where it differs from the default.
+    generator
+        Current as a function of the end organ's output: "saturating", or "linear" as the thesis.
+    """
+
+    force: bool = True
+    pressure: bool = True
+    strain: bool = True
+    fields: bool = True
+    spikes: tuple[str, ...] = ()
+    rel_error: float = 0.05
+    seconds: float | None = None
+    depths: Mapping[str, float] = field(default_factory=dict, hash=False)
+    drives: Mapping[str, str] = field(default_factory=dict, hash=False)
+    generator: str = "saturating"
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        for name in ("force", "pressure", "strain", "fields"):
+            flag(f"ask.{name}", getattr(self, name))
+        error = number("ask.rel_error", self.rel_error, above=0, at_most=1)
+        checked: dict[str, Any] = {
+            "spikes": choices("ask.spikes", self.spikes, TYPES),
+            "rel_error": error,
+            "depths": _per_type("ask.depths", self.depths),
+            "drives": _per_type("ask.drives", self.drives),
+        }
+        for name, value in checked["depths"].items():
+            checked["depths"][name] = number(f"ask.depths.{name}", value, above=0, unit="mm")
+        for name, value in checked["drives"].items():
+            choice(f"ask.drives.{name}", value, DRIVES)
+        if self.seconds is not None:
+            checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
+        choice("ask.generator", self.generator, GENERATORS)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+
+def _per_type(name: str, table: Any) -> dict[str, Any]:
+    if not isinstance(table, Mapping):
+        msg = f"{name}: expected a table such as {{SAI = ...}}, received {table!r}"
+        raise InputError(msg)
+    reject_unknown(name, table, TYPES)
+    return dict(table)

@@ -1,0 +1,80 @@
+"""Input checks that speak in sentences: what was expected, what was received, what to do."""
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+
+class InputError(ValueError):
+    """Input that cannot be used; the message names the field, the expectation and what came."""
+
+
+class ConvergenceError(RuntimeError):
+    """An iteration that failed; the message says what was asked, what was reached, what to try."""
+
+
+def number(
+    name: str,
+    value: Any,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    at_most: float | None = None,
+    unit: str = "",
+) -> float:
+    """Return `value` as a finite float inside the given limits, or raise InputError."""
+    limits = [
+        (above, "above", lambda v, x: v > x),
+        (at_least, "at least", lambda v, x: v >= x),
+        (below, "below", lambda v, x: v < x),
+        (at_most, "at most", lambda v, x: v <= x),
+    ]
+    suffix = f" {unit}" if unit else ""
+    wanted = " and ".join(f"{word} {limit:g}" for limit, word, _ in limits if limit is not None)
+    expected = f"expected a finite number{suffix}" + (f" {wanted}" if wanted else "")
+    message = f"{name}: {expected}, received {value!r}"
+    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
+        raise InputError(message)
+    result = float(value)
+    if not math.isfinite(result):
+        raise InputError(message)
+    if not all(holds(result, limit) for limit, _, holds in limits if limit is not None):
+        raise InputError(message)
+    return result
+
+
+def nearest(name: str, options: Iterable[str]) -> str:
+    """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string."""
+    close = difflib.get_close_matches(str(name), list(options), n=1, cutoff=0.5)
+    return f" Did you mean {close[0]!r}?" if close else ""
+
+
+def choice(name: str, value: Any, options: Iterable[str]) -> str:
+    """Return `value` if it is one of `options`, or raise InputError with the nearest of them."""
+    known = list(options)
+    if value not in known:
+        listed = ", ".join(repr(option) for option in known)
+        message = f"{name}: expected one of {listed}, received {value!r}.{nearest(value, known)}"
+        raise InputError(message)
+    return str(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """Return `value` if it is true or false, or raise InputError."""
+    if not isinstance(value, bool):
+        message = f"{name}: expected true or false, received {value!r}"
+        raise InputError(message)
+    return value
+
+
+def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) -> None:
+    """Raise InputError for the first key that is not among `options`, with the nearest name."""
+    known = list(options)
+    for key in keys:
+        if key not in known:
+            where = f" in [{table}]" if table else ""
+            listed = ", ".join(known)
+            message = f"{key}: unknown key{where}.{nearest(key, known)} Known keys: {listed}"
+            raise InputError(message)

@@ -1,0 +1,165 @@
+"""What the command line shows: a progress bar on a terminal, plain tables, records for --json."""
+
+import json
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+
+if TYPE_CHECKING:
+    from fefinger.mesh.record import FingerMesh
+    from fefinger.records import Plan, Progress, Result
+
+
+@contextmanager
+def progress() -> "Iterator[Progress | None]":
+    """Yield a progress report that draws bars on standard error, or None if it is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bars
+    from rich.progress import TaskID
+
+    with Bars(console=Console(stderr=True), transient=True) as bars:
+        tasks: dict[str, TaskID] = {}
+
+        def report(stage: str, fraction: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=fraction)
+
+        yield report
+
+
+def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
+    """Return rows of text in columns that are as wide as their widest entry."""
+    every = [list(heading), *rows] if heading else list(rows)
+    widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in every
+    ]
+    return "\n".join(lines)
+
+
+def print_json(record: Any) -> None:
+    """Print a record as JSON on standard output, with null for numbers that are not finite."""
+    click.echo(json.dumps(_finite(record), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:
+    """Return what `run --json` prints; area and centroid are those at the largest force."""
+    import numpy as np
+
+    force, area, centroid = result.force, result.contact_area, result.centroid
+    peak = int(np.argmax(result.response.force))
+    return {
+        "status": result.status,
+        "mechanics": result.plan.mechanics,
+        "peak_force_N": None if force is None else float(force.max()),
+        "final_force_N": None if force is None else float(force[-1]),
+        "contact_area_mm2": None if area is None else float(area[peak]),
+        "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
+        "seconds": seconds,
+        "files": files,
+    }
+
+
+def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -> str:
+    """Return the same as text for a reader."""
+    record = run_record(result, seconds, files)
+    rows = [("mechanics", result.plan.sentence)]
+    if result.force is not None:
+        when = result.time[result.force.argmax()]
+        rows.append(("peak force", f"{record['peak_force_N']:.4g} N at {when:.4g} s"))
+        rows.append(("final force", f"{record['final_force_N']:.4g} N"))
+    if record["contact_area_mm2"] is not None:
+        x, y = record["centroid_mm"]
+        rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm2 at the peak"))
+        rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
+    if result.spikes is not None:
+        counts = zip(result.spikes.names, result.spikes.count().tolist(), strict=True)
+        rows.append(("spikes", ", ".join(f"{name} {count}" for name, count in counts)))
+    times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
+    rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
+    rows += [("note", note) for note in result.notes]
+    rows += [("file", file) for file in files]
+    return f"{result.status}\n{table(rows)}"
+
+
+def plan_record(plan: "Plan") -> dict[str, Any]:
+    """Return what `explain --json` prints."""
+    from dataclasses import asdict
+
+    return asdict(plan)
+
+
+def plan_summary(plan: "Plan") -> str:
+    """Return a plan as text: the choice, then the ladder with the reasons of the refusals."""
+    rows = [
+        (
+            rung.mechanics,
+            f"{rung.seconds:.3g} s",
+            f"{rung.error:.2g}",
+            rung.evidence,
+            "; ".join(f"{r.about}: {r.reason}" for r in rung.refusals) or "-",
+        )
+        for rung in plan.rungs
+    ]
+    return (
+        f"{plan.sentence}\n\n{table(rows, ('mechanics', 'time', 'error', 'evidence', 'refused'))}"
+    )
+
+
+def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
+    """Return what `mesh --json` prints."""
+    return {
+        "name": mesh.name,
+        "half": mesh.half,
+        "points": len(mesh.points),
+        "tetrahedra": len(mesh.cells),
+        "recipe": dict(mesh.recipe),
+        "quality": dict(mesh.quality),
+    }
+
+
+def mesh_summary(mesh: "FingerMesh") -> str:
+    """Return the size, recipe and quality of a mesh as text."""
+    record = mesh_record(mesh)
+    rows = [(key, str(record[key])) for key in ("name", "half", "points", "tetrahedra")]
+    for part in ("recipe", "quality"):
+        rows += [(f"{part}.{key}", _short(value)) for key, value in record[part].items()]
+    return table(rows)
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def validation_summary(record: dict[str, Any]) -> str:
+    """Return the outcome of the suites as text, one line per case."""
+    rows = [
+        (
+            suite["suite"],
+            case["name"],
+            f"{case['value']:.6g}",
+            f"{case['expected']:.6g} +- {case['tolerance']:.2g} {case['unit']}",
+            case["verdict"],
+        )
+        for suite in record["suites"]
+        for case in suite["cases"]
+    ]
+    return table(rows, ("suite", "case", "value", "expected", "verdict"))

@@ -1,0 +1,1 @@
+"""Finite elements on tetrahedra: spaces and forms, solution, contact, time, fields at points."""

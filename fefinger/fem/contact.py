@@ -1,0 +1,173 @@
+"""Frictionless unilateral contact as a linear complementarity problem on the pad.
+
+The pressure is a combination of linear hat functions psi_j on the pad with coefficients
+lambda_j >= 0; it acts along the indenter's normal n. With U_j the displacement under psi_j n, the
+weighted gaps are w = s - d m + F lambda, where F_ij is the integral of psi_i n . U_j, s_i that of
+psi_i n . axis times the gap at first touch, m_i that of psi_i n . axis and d the depth:
+w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis is m . lambda.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from fefinger.checks import ConvergenceError
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.spaces import Array, Integers, Space, Trace, trace
+from fefinger.tolerances import COMPLEMENTARITY
+
+
+PATIENCE = 12  # block exchanges without progress before single ones take over
+EXCHANGES = 500
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The candidate vertices of the pad and what the obstacle means to them.
+
+    vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
+    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, areas (n,)
+    mm² of the hats, edge (n,) the vertices beyond which contact could spread out of the patch.
+    """
+
+    vertices: Integers
+    triangles: Integers
+    loads: sparse.csc_matrix
+    gap: Array
+    travel: Array
+    areas: Array
+    edge: NDArray[np.bool_]
+
+
+def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
+    """Return the quadrature points (n_tri, n_q, 3) lifted from the facets to the smooth surface.
+
+    Each edge bulges at its middle by (n1 - n0) . (x1 - x0) / 8 along the mean normal, which is
+    exact for a sphere to third order in the edge; the facet in between is quadratic.
+    """
+    corners, directions = points[surface.triangles], normals[surface.triangles]
+    lifts = np.zeros((len(corners), 6, 3))
+    for place, (a, b) in enumerate(((0, 1), (1, 2), (0, 2)), start=3):
+        edge = corners[:, b] - corners[:, a]
+        height = np.sum((directions[:, b] - directions[:, a]) * edge, axis=1) / 8
+        mean = directions[:, a] + directions[:, b]
+        length = np.linalg.norm(mean, axis=1, keepdims=True)
+        lifts[:, place] = height[:, None] * mean / np.where(length > 0, length, 1.0)
+    return surface.places + np.einsum("kq,tkd->tqd", surface.quadratic, lifts)
+
+
+def patch(
+    space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
+) -> Patch:
+    """Return the patch of the pad vertices whose gap at first touch is at most `reach` mm.
+
+    `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
+    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles.
+    """
+    surface = trace(space, triangles)
+    distance, direction = obstacle.gap(smooth_places(space.points, normals, surface))
+    behind = ~np.isfinite(distance).all(axis=1)
+    used = np.zeros(len(space.points), dtype=bool)
+    pad = np.unique(triangles)
+    used[pad[obstacle.gap(space.points[pad])[0] <= reach]] = True
+    used[triangles[behind]] = False
+    carrying = used[triangles].any(axis=1)
+    border = np.zeros_like(used)
+    border[triangles[carrying & ~used[triangles].all(axis=1)]] = True
+    vertices = np.flatnonzero(used)
+    column = np.full(len(used), -1, dtype=np.int64)
+    column[vertices] = np.arange(len(vertices))
+    part = trace(space, triangles[carrying])
+    cosine = direction[carrying] @ obstacle.axis
+    hats = part.linear[None] * part.weights[:, None, :]
+    owner = column[part.triangles]
+
+    def gathered(density: Array) -> Array:
+        values = np.einsum("tjq,tq->tj", hats, density)
+        return np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
+
+    return Patch(
+        vertices=vertices,
+        triangles=part.triangles,
+        loads=_loads(space, part, hats, direction[carrying], owner, len(vertices)),
+        gap=gathered(cosine * distance[carrying]),
+        travel=gathered(cosine),
+        areas=gathered(np.ones_like(cosine)),
+        edge=border[vertices],
+    )
+
+
+def _loads(
+    space: Space, part: Trace, hats: Array, direction: Array, owner: Integers, count: int
+) -> sparse.csc_matrix:
+    """Unit loads (n_unknowns, count): the integral of psi_j n . v for every displacement v."""
+    block = np.einsum("tjq,kq,tqc->tkcj", hats, part.quadratic, direction)
+    rows = np.broadcast_to(
+        (3 * part.nodes[:, :, None] + np.arange(3))[:, :, :, None], block.shape
+    ).ravel()
+    columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
+    kept = columns >= 0
+    entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+    return sparse.coo_matrix(entries, shape=(space.n_unknowns, count)).tocsc()
+
+
+class Complementarity:
+    """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
+
+    Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994): finite for every
+    positive definite F. It starts from the last active set, whose factor is kept.
+    """
+
+    def __init__(self, flexibility: Array) -> None:
+        self.flexibility = flexibility
+        self.active = np.zeros(len(flexibility), dtype=bool)
+        self._factored: tuple[bytes, Integers, tuple[Array, bool]] | None = None
+
+    def solve(self, offset: Array) -> Array:
+        """Return lambda (n,) for b = `offset` (n,).
+
+        Raises
+        ------
+        ConvergenceError
+            If F is not positive definite or the exchanges do not end.
+        """
+        least, patience = len(offset) + 1, PATIENCE
+        scale = float(np.max(np.abs(offset), initial=0.0))
+        for _ in range(EXCHANGES):
+            answer = self.on_active(-offset)
+            gaps = self.flexibility @ answer + offset
+            pull = self.active & (answer < 0)
+            pressed = ~self.active & (gaps < -COMPLEMENTARITY * scale)
+            wrong = pull | pressed
+            if not wrong.any():
+                return answer
+            count = int(wrong.sum())
+            if count < least:
+                least, patience = count, PATIENCE
+            elif patience > 0:
+                patience -= 1
+            else:
+                wrong[: int(np.flatnonzero(wrong)[-1])] = False
+            self.active = self.active ^ wrong
+        message = f"contact: no consistent contact set after {EXCHANGES} exchanges; refine the step"
+        raise ConvergenceError(message)
+
+    def on_active(self, right: Array) -> Array:
+        """Return x (n,), zero off the active set, with F x = `right` on it."""
+        key = self.active.tobytes()
+        if self._factored is None or self._factored[0] != key:
+            where = np.flatnonzero(self.active)
+            try:
+                factors = cho_factor(self.flexibility[np.ix_(where, where)], check_finite=False)
+            except LinAlgError as error:
+                message = "contact: the flexibility of the pad is not positive definite"
+                raise ConvergenceError(message) from error
+            self._factored = (key, where, factors)
+        _, where, factors = self._factored
+        answer = np.zeros(len(right))
+        if len(where):
+            answer[where] = cho_solve(factors, right[where], check_finite=False)
+        return answer

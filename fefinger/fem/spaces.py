@@ -1,0 +1,154 @@
+"""Taylor-Hood spaces on tetrahedra, with one continuous pressure per tissue.
+
+Displacements are continuous quadratics, the pressure p = lambda div u is a continuous linear
+inside each tissue and free to jump from one tissue to the next, as the exact one does. The pair is
+inf-sup stable, so nu = 0.5 is an ordinary case (Boffi, Brezzi and Fortin, Mixed Finite Element
+Methods, 2013, section 8.8).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Basis, ElementTetP2, ElementTriP1, ElementTriP2, MeshTet, MeshTri
+
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Space:
+    """Taylor-Hood space on a set of tetrahedra.
+
+    points (n_points, 3) mm, cells (n_cells, 4), tissue (n_cells,) an integer label per cell.
+    Displacement unknown 3 * node + component, with the vertices first among the nodes (the order
+    of scikit-fem); pressure unknowns follow, numbered tissue by tissue.
+    """
+
+    points: Array
+    cells: Integers
+    tissue: NDArray[np.int8]
+
+    @cached_property
+    def scalar(self) -> Basis:
+        """The scalar quadratic basis; degree 2 is exact for products of its gradients."""
+        mesh = MeshTet(self.points.T.copy(), self.cells.T.astype(np.int64).copy())
+        return Basis(mesh, ElementTetP2(), intorder=2)
+
+    @cached_property
+    def nodes(self) -> Integers:
+        """Node numbers of each cell (n_cells, 10), in the local order of scikit-fem."""
+        return np.asarray(self.scalar.element_dofs.T, dtype=np.int64)
+
+    @cached_property
+    def node_points(self) -> Array:
+        """Positions of the nodes (n_nodes, 3): vertices, then edge midpoints."""
+        return np.asarray(self.scalar.doflocs.T)
+
+    @cached_property
+    def pressures(self) -> Integers:
+        """Pressure numbers of each cell (n_cells, 4), counted from zero, apart per tissue."""
+        numbers = np.empty_like(self.vertices)
+        start = 0
+        for label in np.unique(self.tissue):
+            inside = self.tissue == label
+            own, inverse = np.unique(self.vertices[inside], return_inverse=True)
+            numbers[inside] = start + inverse.reshape(-1, 4)
+            start += len(own)
+        return numbers
+
+    @cached_property
+    def vertices(self) -> Integers:
+        """Vertex numbers of each cell (n_cells, 4), in the local order of scikit-fem."""
+        return np.asarray(self.scalar.mesh.t.T, dtype=np.int64)
+
+    @cached_property
+    def unknowns(self) -> Integers:
+        """Unknowns of each cell (n_cells, 34): 30 displacements, then 4 pressures."""
+        displacements = (3 * self.nodes[:, :, None] + np.arange(3)).reshape(len(self.nodes), -1)
+        return np.hstack([displacements, self.n_displacements + self.pressures])
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of displacement nodes."""
+        return int(self.scalar.N)
+
+    @property
+    def n_displacements(self) -> int:
+        """Number of displacement unknowns."""
+        return 3 * self.n_nodes
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of displacement and pressure unknowns."""
+        return self.n_displacements + int(self.pressures.max()) + 1
+
+    def edge_nodes(self, triangles: Integers) -> Integers:
+        """Edge nodes (n_triangles, 3) of vertex triples, on the edges 01, 12 and 02.
+
+        Raises
+        ------
+        KeyError
+            If a triangle has an edge that is not an edge of the mesh.
+        """
+        pairs = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
+        keys = self._edge_key(*np.moveaxis(pairs, 2, 0))
+        edges = np.sort(self.scalar.mesh.edges, axis=0)
+        known = self._edge_key(edges[0], edges[1])
+        order = np.argsort(known)
+        place = np.minimum(np.searchsorted(known, keys, sorter=order), len(known) - 1)
+        found = order[place]
+        if not np.array_equal(known[found], keys):
+            message = "triangles: expected faces of the mesh, received an edge that it lacks"
+            raise KeyError(message)
+        return np.asarray(self.scalar.edge_dofs[0][found], dtype=np.int64)
+
+    def face_nodes(self, triangles: Integers) -> Integers:
+        """All nodes that lie on the given vertex triples, sorted."""
+        return np.unique(np.concatenate([triangles.ravel(), self.edge_nodes(triangles).ravel()]))
+
+    def has_faces(self, triangles: Integers) -> NDArray[np.bool_]:
+        """Return which vertex triples (n_triangles, 3) are faces of the mesh."""
+        faces = {tuple(face) for face in np.sort(self.scalar.mesh.facets, axis=0).T.tolist()}
+        return np.array([tuple(t) in faces for t in np.sort(triangles).tolist()], dtype=np.bool_)
+
+    def _edge_key(self, low: Integers, high: Integers) -> Integers:
+        return low.astype(np.int64) * len(self.points) + high
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Quadratic displacements and linear pressures on a set of surface triangles.
+
+    Quadrature of degree 5 on each triangle: weights (n_tri, n_q) mm², places (n_tri, n_q, 3) mm on
+    the flat facets, linear (3, n_q) and quadratic (6, n_q) shape functions, nodes (n_tri, 6) of the
+    displacement space (three vertices, then the edges 01, 12, 02).
+    """
+
+    triangles: Integers
+    nodes: Integers
+    weights: Array
+    places: Array
+    linear: Array
+    quadratic: Array
+
+
+def trace(space: Space, triangles: Integers) -> Trace:
+    """Return the traces of the space on vertex triples (n_tri, 3)."""
+    reference = MeshTri.init_refdom()
+    quadratic = Basis(reference, ElementTriP2(), intorder=5)
+    linear = Basis(reference, ElementTriP1(), intorder=5)
+    shapes = np.array([np.asarray(f[0])[0] for f in linear.basis])
+    corners = space.points[triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normal, axis=1) / 2
+    return Trace(
+        triangles=triangles,
+        nodes=np.hstack([triangles, space.edge_nodes(triangles)]),
+        weights=areas[:, None] * 2 * quadratic.dx[0][None, :],
+        places=np.einsum("iq,tid->tqd", shapes, corners),
+        linear=shapes,
+        quadratic=np.array([np.asarray(f[0])[0] for f in quadratic.basis]),
+    )

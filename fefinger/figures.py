@@ -1,0 +1,299 @@
+"""Figures of a Result, drawn with matplotlib's objects (no pyplot) for the report and for view.
+
+Every function returns a matplotlib Figure; `svg` and `png` turn one into text or bytes.
+"""
+
+import io
+from typing import Any
+
+import numpy as np
+
+from fefinger.records import Array, Result
+from fefinger.scene import Scene
+
+
+Curves = list[tuple[str, str, Array]]
+
+# Okabe and Ito (2008): told apart with every color vision.
+COLORS = {"SAI": "#0072B2", "SAII": "#009E73", "FAI": "#D55E00", "FAII": "#AA4499"}
+INK, STEEL, BONE = "#1f2933", "#8b98a5", "#efe6d6"
+STYLE: Any = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9,
+    "axes.edgecolor": STEEL,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e8ecf0",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "text.color": INK,
+    "lines.linewidth": 1.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "fefinger",
+}
+WIDE = 9.2  # inches: the width of a figure that fills the report
+SHORT = 0.25  # s: shorter spans are labelled in ms
+
+
+def style() -> Any:
+    """Return a context in which figures get the house style."""
+    import matplotlib
+
+    return matplotlib.rc_context(STYLE)
+
+
+def figure(width: float, height: float) -> Any:
+    """Return an empty Figure in inches, with constrained layout."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def svg(drawn: Any) -> str:
+    """Return the figure as SVG text."""
+    buffer = io.StringIO()
+    with style():
+        drawn.savefig(buffer, format="svg", metadata={"Date": None})
+    return buffer.getvalue()
+
+
+def png(drawn: Any, dpi: int = 150) -> bytes:
+    """Return the figure as a PNG picture."""
+    buffer = io.BytesIO()
+    with style():
+        drawn.savefig(buffer, format="png", dpi=dpi)
+    return buffer.getvalue()
+
+
+def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
+    """Return the spans (title, t0, t1) in s that a signal is drawn over: early part, then whole.
+
+    A first movement that fills less than a fifth of the time gets its own panel, and so do the
+    last cycles of a vibration of many.
+    """
+    spans = [("whole stimulus", 0.0, end)]
+    frequency = getattr(scene.motion, "frequency", None)
+    if frequency is not None and end * frequency > 20:
+        spans.insert(0, ("last four cycles", end - 4 / frequency, end))
+    # A wave begins a movement of its own, so the ramp ends at the first break in the middle.
+    moves = scene.motion.moving
+    stop = moves[0][1] if moves else end
+    if stop < end / 5:
+        spans.insert(0, ("first movement", 0.0, min(end, 1.8 * stop)))
+    return spans
+
+
+def signals(result: Result, rows: list[tuple[str, Array, Curves]]) -> Any:
+    """Draw curves against time: one row per (axis label, time, [(label, color, values)]).
+
+    Each row is drawn over all `windows`, on one scale; times in ms where the span is short.
+    """
+    spans = windows(result.scene, float(result.time[-1]))
+    with style():
+        drawn = figure(WIDE, 0.5 + 1.75 * len(rows))
+        axes = drawn.subplots(
+            len(rows),
+            len(spans),
+            sharey="row",
+            sharex="col",
+            squeeze=False,
+            width_ratios=[1.0] * (len(spans) - 1) + [1.5],
+        )
+        for (label, time, curves), line in zip(rows, axes, strict=True):
+            for axis, (_, start, stop) in zip(line, spans, strict=True):
+                scale = _scale(start, stop)
+                for name, color, values in curves:
+                    axis.plot(time * scale, values, color=color, label=name or "_")
+                axis.set_xlim(start * scale, stop * scale)
+            line[0].set_ylabel(label)
+        handles = [
+            line for axis in axes[:, -1] for line in axis.lines if line.get_label()[:1] != "_"
+        ]
+        if handles:
+            drawn.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+        _label_time(axes, spans)
+        return drawn
+
+
+def _scale(start: float, stop: float) -> float:
+    return 1e3 if stop - start < SHORT else 1.0
+
+
+def _label_time(axes: Any, spans: list[tuple[str, float, float]]) -> None:
+    for column, (title, start, stop) in enumerate(spans):
+        axes[0, column].set_title(title)
+        name = "time / ms" if stop - start < SHORT else "time / s"
+        axes[-1, column].set_xlabel(name)
+
+
+def force(result: Result) -> Any:
+    """Draw force and depth against time."""
+    rows = [
+        ("force / N", result.time, [("", INK, result.response.force)]),
+        ("depth / mm", result.time, [("", STEEL, result.depth)]),
+    ]
+    return signals(result, rows)
+
+
+def contact(result: Result) -> Any:
+    """Draw contact area and centroid against time."""
+    rows = []
+    if result.contact_area is not None:
+        rows.append(("contact area / mm²", result.time, [("", INK, result.contact_area)]))
+    if result.centroid is not None:
+        x, y = result.centroid.T
+        curves = [("x (distal)", "#0072B2", x), ("y (radial)", "#E69F00", y)]
+        rows.append(("centroid / mm", result.time, curves))
+    return signals(result, rows)
+
+
+def site_strain(result: Result) -> Any:
+    """Draw the largest compressive and tensile strain at every end-organ site against time."""
+    assert result.strain is not None
+    assert result.sites is not None
+    principal = 100 * np.linalg.eigvalsh(result.strain)
+    labels = [
+        f"{kind}, {depth:g} mm"
+        for kind, depth in zip(result.sites.types, result.sites.depths, strict=True)
+    ]
+    colors = [COLORS.get(kind, INK) for kind in result.sites.types]
+    rows: list[tuple[str, Array, Curves]] = []
+    for name, part in (
+        ("compressive strain / %", np.maximum(0, -principal[..., 0])),
+        ("tensile strain / %", np.maximum(0, principal[..., 2])),
+    ):
+        curves = list(zip(labels, colors, part.T, strict=True))
+        rows.append((name, result.time, curves if not rows else [("", c, v) for _, c, v in curves]))
+    return signals(result, rows)
+
+
+def currents(result: Result) -> Any:
+    """Draw the input of the end organs and the generator current of every unit against time."""
+    spikes = result.spikes
+    assert spikes is not None
+    colors = [COLORS.get(kind, INK) for kind in spikes.types]
+    inputs = list(zip(spikes.names, colors, spikes.x_in.T, strict=True))
+    rows = [
+        ("end-organ input / mm", spikes.time, inputs),
+        (
+            "current / µA/cm²",
+            spikes.time,
+            [("", color, i) for color, i in zip(colors, spikes.current.T, strict=True)],
+        ),
+    ]
+    return signals(result, rows)
+
+
+def spikes(result: Result) -> Any:
+    """Draw the spike raster, and below it the instantaneous rate of units that fired twice."""
+    trains = result.spikes
+    assert trains is not None
+    end = float(result.time[-1])
+    spans = windows(result.scene, end)
+    colors = [COLORS.get(kind, INK) for kind in trains.types]
+    firing = [unit for unit, times in enumerate(trains.times) if len(times) > 1]
+    heights = [0.24 * len(trains) + 0.15] + [1.0] * len(firing)
+    with style():
+        drawn = figure(WIDE, 0.8 + sum(heights))
+        axes = drawn.subplots(
+            1 + len(firing),
+            len(spans),
+            sharex="col",
+            sharey="row",
+            squeeze=False,
+            width_ratios=[1.0] * (len(spans) - 1) + [1.5],
+            height_ratios=heights,
+        )
+        for line, (_, start, stop) in zip(axes.T, spans, strict=True):
+            scale = _scale(start, stop)
+            times = [t * scale for t in trains.times]
+            line[0].eventplot(times, colors=colors, linelengths=0.8, linewidths=0.9)
+            line[0].set_xlim(start * scale, stop * scale)
+            line[0].grid(visible=False)
+            for unit, axis in zip(firing, line[1:], strict=True):
+                _draw_rate(axis, trains.times[unit], end, colors[unit], scale)
+        axes[0, 0].set_yticks(range(len(trains)), trains.names)
+        axes[0, 0].set_ylim(len(trains) - 0.4, -0.6)
+        for unit, axis in zip(firing, axes[1:, 0], strict=True):
+            axis.set_ylabel(f"{trains.names[unit]}\nrate / Hz")
+            axis.set_ylim(bottom=0)
+        _label_time(axes, spans)
+        return drawn
+
+
+def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) -> None:
+    """Draw one over the interval, all through each interval; zero outside of them."""
+    edges = np.concatenate([[0.0], times, [max(end, times[-1])]])
+    rates = np.concatenate([[0.0], 1 / np.diff(times), [0.0]])
+    axis.stairs(rates, edges * scale, color=color, fill=True, alpha=0.25)
+    axis.stairs(rates, edges * scale, color=color, linewidth=1.1)
+
+
+def pressure_map(result: Result) -> Any:
+    """Draw the pressure on the pad at the largest force, seen from below, with its centroid."""
+    assert result.pad is not None
+    assert result.pressure is not None
+    step = int(np.argmax(result.response.force))
+    pressure, pad = result.pressure[step], result.pad
+    palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
+    loaded = np.flatnonzero(pressure > 0)
+    near = pad.points[loaded if loaded.size else slice(None)]
+    low, high = near.min(axis=0) - 2.0, near.max(axis=0) + 2.0
+    with style():
+        drawn = figure(5.4, 4.6)
+        axis = drawn.subplots()
+        x, y = pad.points[:, 0], pad.points[:, 1]
+        drawn_map = axis.tripcolor(
+            x,
+            y,
+            pad.triangles[palmar],
+            pressure,
+            shading="gouraud",
+            cmap="OrRd",
+            vmin=0,
+            vmax=max(float(pressure.max()), 1e-9),
+        )
+        axis.triplot(x, y, pad.triangles[palmar], color=STEEL, linewidth=0.25, alpha=0.5)
+        if result.centroid is not None:
+            for width, color in ((4.5, "white"), (2.0, "#0072B2")):
+                axis.plot(*result.centroid[step], marker="+", ms=13, mew=width, color=color)
+            axis.annotate(
+                "centroid",
+                result.centroid[step],
+                (8, 8),
+                textcoords="offset points",
+                color="#0072B2",
+                bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
+            )
+        axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
+        axis.set_title(
+            f"t = {result.time[step]:.4g} s: peak {pressure.max():.3g} kPa, "
+            f"force {result.response.force[step]:.3g} N"
+        )
+        drawn.colorbar(drawn_map, label="contact pressure / kPa", shrink=0.85)
+        return drawn
+
+
+def stages(result: Result) -> Any:
+    """Draw the wall time of every stage as bars."""
+    names, seconds = list(result.seconds), list(result.seconds.values())
+    with style():
+        drawn = figure(WIDE, 0.6 + 0.26 * len(names))
+        axis = drawn.subplots()
+        bars = axis.barh(names, seconds, color="#7aa6c2", height=0.66)
+        axis.bar_label(bars, [f" {value:.3g} s" for value in seconds], color=INK)
+        axis.invert_yaxis()
+        axis.margins(x=0.12)
+        axis.set_xlabel("wall time / s")
+        axis.grid(visible=False, axis="y")
+        return drawn

@@ -1,0 +1,325 @@
+"""A Result on disk: `save` writes a folder of files that other programs read, `load` reads it back.
+
+    result.nc      everything: labelled arrays with units, the scene (TOML), the plan (JSON)
+    result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
+    spikes.csv     one row per spike
+    report.html    the report
+
+Files are written into a hidden folder beside their final place and moved when all are complete.
+"""
+
+import csv
+import dataclasses
+import json
+import os
+import tempfile
+from contextlib import suppress
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from fefinger import records
+from fefinger.checks import InputError
+from fefinger.neural.trains import SpikeTrains
+from fefinger.scene import Scene
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+FORMAT = "fefinger result 1"
+NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
+SPIKE_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
+
+
+class Variable(NamedTuple):
+    """How an array of a record is labelled in `result.nc`."""
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+LAYOUT: dict[tuple[str, str], Variable] = {
+    ("Response", "time"): Variable("time", ("time",), "s", "time"),
+    ("Response", "depth"): Variable("depth", ("time",), "mm", "indenter travel after first touch"),
+    ("Response", "force"): Variable("force", ("time",), "N", "force along the indenter's normal"),
+    ("Response", "contact_area"): Variable("contact_area", ("time",), "mm2", "contact area"),
+    ("Response", "centroid"): Variable(
+        "centroid", ("time", "plane_axis"), "mm", "centroid of the contact pressure"
+    ),
+    ("Response", "pressure"): Variable(
+        "pressure", ("time", "pad"), "kPa", "contact pressure, positive in compression"
+    ),
+    ("Response", "strain"): Variable(
+        "strain", ("time", "site", "axis", "axis_2"), "1", "strain tensor, positive in tension"
+    ),
+    ("Pad", "points"): Variable("pad_points", ("pad", "axis"), "mm", "points on the pad"),
+    ("Pad", "areas"): Variable("pad_areas", ("pad",), "mm2", "area that each pad point stands for"),
+    ("Pad", "normals"): Variable("pad_normals", ("pad", "axis"), "1", "outward normals of the pad"),
+    ("Pad", "triangles"): Variable(
+        "pad_triangles", ("pad_triangle", "pad_corner"), "1", "triangles between pad points"
+    ),
+    ("Sites", "points"): Variable("site_points", ("site", "axis"), "mm", "end-organ sites"),
+    ("Sites", "normals"): Variable(
+        "site_normals", ("site", "axis"), "1", "outward normals of the skin above the sites"
+    ),
+    ("Sites", "depths"): Variable("site_depths", ("site",), "mm", "depth of the sites under skin"),
+    ("Reference", "normals"): Variable(
+        "reference_normals", ("reference", "axis"), "1", "normals at the reference sites"
+    ),
+    ("Reference", "strain"): Variable(
+        "reference_strain", ("reference", "axis", "axis_2"), "1", "strain in the reference press"
+    ),
+    ("Fields", "points"): Variable("mesh_points", ("point", "axis"), "mm", "mesh points"),
+    ("Fields", "cells"): Variable("mesh_cells", ("cell", "corner"), "1", "tetrahedra of the mesh"),
+    ("Fields", "region"): Variable(
+        "mesh_region", ("cell",), "1", "region: 1 skin, 2 subcutaneous tissue, 3 bone"
+    ),
+    ("Fields", "times"): Variable("frame_time", ("frame",), "s", "times of the stored fields"),
+    ("Fields", "displacement"): Variable(
+        "mesh_displacement", ("frame", "point", "axis"), "mm", "displacement of the mesh points"
+    ),
+    ("Fields", "strain"): Variable(
+        "mesh_strain", ("frame", "point", "component"), "1", "strain tensor at the mesh points"
+    ),
+    ("Fields", "pressure"): Variable(
+        "mesh_pressure", ("frame", "point"), "kPa", "contact pressure at the mesh points"
+    ),
+    ("SpikeTrains", "times"): Variable("spike_time", ("spike",), "s", "times of the spikes"),
+    ("SpikeTrains", "time"): Variable("unit_time", ("unit_time",), "s", "time of the unit signals"),
+    ("SpikeTrains", "x_in"): Variable(
+        "unit_x_in", ("unit_time", "unit"), "mm", "input of the end organs, compression positive"
+    ),
+    ("SpikeTrains", "current"): Variable(
+        "unit_current", ("unit_time", "unit"), "uA/cm2", "generator current"
+    ),
+    ("SpikeTrains", "peak_mV"): Variable(
+        "unit_peak", ("unit",), "mV", "highest membrane potential above rest"
+    ),
+    ("SpikeTrains", "block_seconds"): Variable(
+        "unit_block", ("unit",), "s", "time in depolarization block"
+    ),
+    ("SpikeTrains", "stimulus_driven"): Variable(
+        "unit_stimulus_driven", ("unit",), "1", "spikes that the current alone also produces"
+    ),
+    ("SpikeTrains", "positions"): Variable(
+        "unit_positions", ("unit", "axis"), "mm", "places of the end organs"
+    ),
+}
+COORDINATES = {
+    "axis": ("x", "y", "z"),
+    "axis_2": ("x", "y", "z"),
+    "plane_axis": ("x", "y"),
+    "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
+}
+RECORDS = {
+    record.__name__: record
+    for record in (
+        records.Result,
+        records.Plan,
+        records.Rung,
+        records.Refusal,
+        records.Response,
+        records.Pad,
+        records.Sites,
+        records.Reference,
+        records.Fields,
+        SpikeTrains,
+    )
+}
+
+
+def output_folder(folder: str | PathLike[str]) -> Path:
+    """Create `folder` if needed and return it; InputError when files cannot be written there."""
+    path = Path(folder)
+    advice = "name another folder with -o"
+    if path.exists() and not path.is_dir():
+        message = f"output folder: expected a folder, received the file {str(path)!r}; {advice}"
+        raise InputError(message)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        message = (
+            f"output folder: expected a folder that can be written, received {str(path)!r} "
+            f"({reason}); {advice}"
+        )
+        raise InputError(message) from None
+    return path
+
+
+def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
+    """Write `result` into `folder` and return the paths written, `result.nc` first.
+
+    `result.vtkhdf` is written only where the result has fields, `spikes.csv` only where it has
+    spikes; files of these names from an earlier result are removed. An interruption or an error
+    leaves the folder as it was. Raises InputError when the folder cannot be written.
+    """
+    from fefinger import report, vtkhdf
+
+    target = output_folder(folder)
+    with tempfile.TemporaryDirectory(dir=target, prefix=".saving-") as scratch:
+        new = {name: Path(scratch, name) for name in NAMES}
+        _write_dataset(result, new["result.nc"])
+        if result.fields is not None:
+            vtkhdf.write(result.fields, new["result.vtkhdf"])
+        if result.spikes is not None:
+            _write_spikes(result.spikes, new["spikes.csv"])
+        report.write(result, new["report.html"])
+        for name, path in new.items():
+            if path.exists():
+                os.replace(path, target / name)
+            else:
+                with suppress(FileNotFoundError):
+                    os.unlink(target / name)
+    return [str(target / name) for name in NAMES if (target / name).exists()]
+
+
+def load(path: str | PathLike[str]) -> records.Result:
+    """Return the Result that `save` wrote: `path` is its folder or its `result.nc`.
+
+    Raises InputError when there is no such file, or when it is foreign or damaged.
+    """
+    import xarray as xr
+
+    file = Path(path)
+    if file.is_dir():
+        file = file / "result.nc"
+    if not file.is_file():
+        message = (
+            f"result: expected a folder written by `fefinger run -o` or its result.nc, "
+            f"received {str(path)!r}, where there is no file {str(file)!r}"
+        )
+        raise InputError(message)
+    try:
+        with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as dataset:
+            kind = dataset.attrs.get("format")
+            if kind == FORMAT:
+                return _decode(json.loads(dataset["record"].item()), dataset.load())
+    except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
+        message = (
+            f"result: {str(file)!r} is damaged or is no result of fefinger ({error}); "
+            "run the scene again to write it anew"
+        )
+        raise InputError(message) from None
+    message = f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}"
+    raise InputError(message)
+
+
+def _write_dataset(result: records.Result, path: Path) -> None:
+    """Write everything in `result` to the netCDF file `path`."""
+    import xarray as xr
+
+    variables: dict[str, Any] = {}
+    record = json.dumps(_encode(result, "", variables))
+    variables["scene"] = xr.Variable((), result.scene.to_toml(), {"long_name": "scene as TOML"})
+    variables["record"] = xr.Variable(
+        (), record, {"long_name": "all that is no array: plan, status, notes, provenance (JSON)"}
+    )
+    coordinates: dict[str, Any] = {
+        name: list(labels)
+        for name, labels in COORDINATES.items()
+        if any(name in variable.dims for variable in variables.values())
+    }
+    if result.spikes is not None:
+        coordinates["unit"] = list(result.spikes.names)
+        coordinates["unit_type"] = ("unit", list(result.spikes.types))
+    if result.sites is not None:
+        coordinates["site_type"] = ("site", list(result.sites.types))
+    dataset = xr.Dataset(
+        variables,
+        coordinates,
+        {"format": FORMAT, "title": f"{result.scene.name}: {result.plan.mechanics}"},
+    )
+    plain = {name: {"_FillValue": None} for name in dataset.variables}
+    dataset.to_netcdf(path, engine="h5netcdf", encoding=plain)
+
+
+def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
+    """Return `value` as JSON, with its arrays moved into `variables`.
+
+    Tuples become JSON lists, lists {"list": [...]}, arrays {"array": name}, records
+    {"record": class, field: ...}; a tuple of arrays becomes one array and {"ragged": name}.
+    """
+    if isinstance(value, Scene):
+        return {"scene": "scene"}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        kind = type(value).__name__
+        fields = {
+            f.name: _encode_field(getattr(value, f.name), (kind, f.name), variables)
+            for f in dataclasses.fields(value)
+        }
+        return {"record": kind} | fields
+    if isinstance(value, dict):
+        return {"dict": {str(key): _encode(v, place, variables) for key, v in value.items()}}
+    if isinstance(value, list):
+        return {"list": [_encode(v, place, variables) for v in value]}
+    if isinstance(value, tuple):
+        return [_encode(v, place, variables) for v in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if value is None or isinstance(value, str | bool | int | float):
+        return value
+    message = f"{place}: expected numbers, text or records to save, received {type(value)}"
+    raise TypeError(message)
+
+
+def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -> Any:
+    """Encode one field of a record: arrays by LAYOUT, ragged where it is a tuple of arrays."""
+    import xarray as xr
+
+    if isinstance(value, np.ndarray):
+        label = LAYOUT[key]
+        attributes = {"units": label.units, "long_name": label.long_name}
+        variables[label.name] = xr.Variable(label.dims, value, attributes)
+        return {"array": label.name}
+    if isinstance(value, tuple) and key in LAYOUT:
+        label = LAYOUT[key]
+        rows = np.repeat(np.arange(len(value)), [len(row) for row in value])
+        flat = np.concatenate([np.empty(0), *value])
+        attributes = {"units": label.units, "long_name": label.long_name}
+        variables[label.name] = xr.Variable(label.dims, flat, attributes)
+        index = {"units": "1", "long_name": f"unit that each {label.name} belongs to"}
+        variables[f"{label.name}_unit"] = xr.Variable(label.dims, rows, index)
+        return {"ragged": label.name, "rows": len(value)}
+    return _encode(value, ".".join(key), variables)
+
+
+def _decode(value: Any, dataset: "xr.Dataset") -> Any:
+    """Return what `_encode` was given."""
+    if isinstance(value, list):
+        return tuple(_decode(v, dataset) for v in value)
+    if not isinstance(value, dict):
+        return value
+    if "record" in value:
+        kind = RECORDS[value["record"]]
+        return kind(**{key: _decode(v, dataset) for key, v in value.items() if key != "record"})
+    if "scene" in value:
+        return Scene.from_toml(dataset["scene"].item())
+    if "array" in value:
+        return dataset[value["array"]].values
+    if "ragged" in value:
+        flat, rows = dataset[value["ragged"]].values, dataset[value["ragged"] + "_unit"].values
+        return tuple(flat[rows == row] for row in range(value["rows"]))
+    if "list" in value:
+        return [_decode(v, dataset) for v in value["list"]]
+    return {key: _decode(v, dataset) for key, v in value["dict"].items()}
+
+
+def _write_spikes(spikes: SpikeTrains, path: Path) -> None:
+    """Write one row per spike, in the columns SPIKE_COLUMNS; empty places where unknown."""
+    places: list[tuple[str, ...]] = [("", "", "")] * len(spikes)
+    if spikes.positions is not None:
+        places = [tuple(repr(float(x)) for x in row) for row in spikes.positions]
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(SPIKE_COLUMNS)
+        for name, kind, time in spikes.to_rows():
+            writer.writerow((name, kind, *places[spikes.index(name)], repr(time)))

@@ -1,0 +1,122 @@
+"""The fingertip: its size, its tissues and how it relaxes."""
+
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Self
+
+from fefinger import library
+from fefinger.checks import InputError, choice, number
+from fefinger.theory.relaxation import Prony
+from fefinger.tissue import Tissue
+
+
+BONES = ("rigid",)
+CUTS = ("fixed", "nail")
+RESOLUTIONS = ("coarse", "standard", "fine")
+PULP = 0.5
+"""Part of the finger's thickness that is soft tissue under the pad, at most."""
+
+_FROM_LIBRARY: Any = None
+
+
+@dataclass(frozen=True)
+class Finger:
+    """The distal phalanx of a finger.
+
+    Parameters
+    ----------
+    width, thickness
+        Size of the fingertip in mm, across (y) and from pad to nail (z).
+    pad_radius
+        Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default the mean of
+        its subjects. The transverse radius follows from width and thickness.
+    subject_name
+        The subject of the thesis whose values these are, or None.
+    tissue
+        Name of the set in the library that `skin` and `subcutaneous` are taken from by default.
+    prony
+        Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
+    bone
+        "rigid".
+    cut
+        What holds the proximal cut: "fixed" holds it, with "nail" only nail and bone hold the
+        finger.
+    resolution
+        Mesh: "coarse", "standard" or "fine".
+
+    Raises
+    ------
+    InputError
+        A field that cannot be used, called by its name in a scene file.
+    """
+
+    width: float
+    thickness: float
+    _: KW_ONLY
+    pad_radius: float = _FROM_LIBRARY
+    subject_name: str | None = None
+    tissue: str = "maeno1998"
+    skin: Tissue = _FROM_LIBRARY
+    subcutaneous: Tissue = _FROM_LIBRARY
+    prony: Prony = _FROM_LIBRARY
+    bone: str = "rigid"
+    cut: str = "fixed"
+    resolution: str = "standard"
+
+    def __post_init__(self) -> None:
+        """Fill in what the library knows, then check every field."""
+        name = self.subject_name or "means"
+        if self.subject_name is not None:
+            choice("finger.subject", self.subject_name, library.subjects())
+        tissues = library.tissue_set(self.tissue)
+        self._default("pad_radius", library.pawluk_quasistatic()[name].radius)
+        self._default("skin", tissues.skin)
+        self._default("subcutaneous", tissues.subcutaneous)
+        self._default("prony", library.pawluk_relaxation()[name])
+        for size in ("width", "thickness", "pad_radius"):
+            value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
+            object.__setattr__(self, size, value)
+        choice("finger.bone", self.bone, BONES)
+        choice("finger.cut", self.cut, CUTS)
+        choice("finger.resolution", self.resolution, RESOLUTIONS)
+        self._check_layers()
+
+    def _default(self, name: str, value: Any) -> None:
+        if getattr(self, name) is None:
+            object.__setattr__(self, name, value)
+
+    def _check_layers(self) -> None:
+        for name, kind in (("skin", Tissue), ("subcutaneous", Tissue), ("prony", Prony)):
+            if not isinstance(getattr(self, name), kind):
+                msg = f"finger.{name}: expected a {kind.__name__}, received {getattr(self, name)!r}"
+                raise InputError(msg)
+        number("finger.skin.thickness", self.skin.thickness, above=0, below=self.pulp, unit="mm")
+        if self.subcutaneous.thickness is not None:
+            msg = (
+                f"finger.subcutaneous.thickness: expected none, because the tissue fills the pulp, "
+                f"received {self.subcutaneous.thickness!r}; leave it out"
+            )
+            raise InputError(msg)
+
+    @property
+    def pulp(self) -> float:
+        """Upper bound of the thickness of soft tissue under the pad in mm."""
+        return PULP * self.thickness
+
+    @classmethod
+    def subject(cls, name: str, **overrides: Any) -> Self:
+        """Return the finger of a subject of the thesis: Tables 2.1 (w, t), 3.1 (G) and 3.2 (R).
+
+        `overrides` replace single fields; f.c., who was not measured, needs width and thickness.
+        """
+        choice("finger.subject", name, library.subjects())
+        row = library.pawluk_bulk().get(name)
+        size = {} if row is None else {"width": row.width, "thickness": row.thickness}
+        values = size | overrides
+        missing = [key for key in ("width", "thickness") if values.get(key) is None]
+        if missing:
+            msg = (
+                f"finger.{missing[0]}: missing; expected a number in mm, because the thesis gives "
+                f"no size of subject {name!r}: give width and thickness"
+            )
+            raise InputError(msg)
+        return cls(**(values | {"subject_name": name}))

@@ -1,0 +1,201 @@
+"""Published parameter sets, one function per source, each with how far its digits can be trusted.
+
+Confidence: "high" is read in the source, "medium" is quoted from memory of a widely reused value
+and has to be checked before it decides anything, "low" is a guess that fills a gap.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fefinger.checks import choice
+from fefinger.theory.relaxation import Prony
+from fefinger.tissue import Tissue
+
+
+Confidence = Literal["high", "medium", "low"]
+
+PAWLUK = "Pawluk (1997), A Viscoelastic Model of the Human Fingerpad, PhD thesis, Harvard"
+
+
+# Subjects of the thesis
+
+
+@dataclass(frozen=True)
+class Lumped:
+    """A row of Table 2.1: T(x) = (b/m) [exp(m (x - x0)) - 1], and its relaxation function.
+
+    width and thickness of the fingertip in mm, m 1/mm, b N/mm.
+    """
+
+    width: float
+    thickness: float
+    m: float
+    b: float
+    prony: Prony
+
+
+@dataclass(frozen=True)
+class Quasistatic:
+    """A row of Table 3.2: effective radius R mm, m 1/mm and b kPa/mm of t(u) (Eq. 3.11).
+
+    `b` is as printed, which is most likely c0 b, the steady-state value (the text says that c0 b
+    was fitted; only so do the tables 2.1 and 3.2 agree).
+    """
+
+    radius: float
+    m: float
+    b: float
+
+
+def pawluk_bulk() -> dict[str, Lumped]:
+    """Return Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
+    rows = {
+        "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
+        "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77)),
+        "a.h.": (14, 10, 2.1, 0.18, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63)),
+        "p.w.": (17, 13, 1.6, 0.22, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69)),
+        "means": (14, 11, 2.1, 0.19, (0.26, 0.41, 0.18, 0.15), (231, 15, 0.69)),
+    }
+    return {name: Lumped(*row[:4], Prony(*row[4:])) for name, row in rows.items()}
+
+
+def pawluk_relaxation() -> dict[str, Prony]:
+    """Return Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
+    return {
+        "d.p.": Prony((0.33, 0.44, 0.13, 0.10), (163, 2.8, 0.31)),
+        "d.s.": Prony((0.33, 0.42, 0.16, 0.08), (256, 9.7, 0.91)),
+        "a.h.": Prony((0.29, 0.47, 0.13, 0.10), (226, 8.6, 0.61)),
+        "p.w.": Prony((0.33, 0.42, 0.16, 0.08), (238, 20.5, 0.79)),
+        "f.c.": Prony((0.29, 0.49, 0.11, 0.10), (175, 8.2, 0.59)),
+        "means": Prony((0.31, 0.45, 0.14, 0.09), (212, 10.0, 0.64)),
+    }
+
+
+def pawluk_quasistatic() -> dict[str, Quasistatic]:
+    """Return Table 3.2 of the thesis: quasi-static pressure, per subject (confidence high).
+
+    The mean radius is 14.6 mm, the mean of the column; the thesis prints 14.
+    """
+    return {
+        "d.p.": Quasistatic(15, 2.1, 2.3),
+        "d.s.": Quasistatic(12, 1.1, 6.1),
+        "a.h.": Quasistatic(14, 1.9, 1.9),
+        "p.w.": Quasistatic(17, 1.1, 3.6),
+        "f.c.": Quasistatic(15, 1.7, 3.8),
+        "means": Quasistatic(14.6, 1.6, 3.5),
+    }
+
+
+def subjects() -> tuple[str, ...]:
+    """Return the names of the thesis's subjects; f.c. has no width and thickness."""
+    return tuple(name for name in pawluk_relaxation() if name != "means")
+
+
+# Tissue sets
+
+
+@dataclass(frozen=True)
+class TissueSet:
+    """Elastic properties of the two soft layers, relaxed values, with where they come from."""
+
+    skin: Tissue
+    subcutaneous: Tissue
+    source: str
+    confidence: Confidence
+
+
+def maeno1998() -> TissueSet:
+    """Return the three layers of Maeno et al. (1998), with epidermis and dermis made one skin.
+
+    Epidermis 136 kPa, dermis 80 kPa, subcutaneous tissue 34 kPa, all with Poisson's ratio 0.48
+    (confidence medium: widely reused digits, the paper itself was not read). The skin here is one
+    layer of 1 mm: 0.4 mm of epidermis over 0.6 mm of dermis, so its modulus is the mean weighted
+    by thickness, (0.4 x 136 + 0.6 x 80) / 1.0 = 102.4 kPa, which keeps the stiffness of the layer
+    against stretching, the way in which a skin over soft tissue carries most of its load.
+    """
+    epidermis, dermis = Tissue(136, 0.48, 0.4), Tissue(80, 0.48, 0.6)
+    return TissueSet(
+        skin=_stretched_together(epidermis, dermis),
+        subcutaneous=Tissue(34, 0.48),
+        source="Maeno, Kobayashi, Yamazaki (1998), JSME Int. J. C 41, 94-100",
+        confidence="medium",
+    )
+
+
+def dandekar2003() -> TissueSet:
+    """Return the human moduli of Dandekar et al. (2003): a stiff skin over very soft tissue.
+
+    Outer layer 180 kPa, inner 18 kPa, Poisson's ratio 0.48 (confidence medium: the abstract says
+    that such a contrast is needed to match the profile under a line load, the digits are quoted
+    from memory). The thickness of 1 mm is that of the other sets.
+    """
+    return TissueSet(
+        skin=Tissue(180, 0.48, 1.0),
+        subcutaneous=Tissue(18, 0.48),
+        source="Dandekar, Raju, Srinivasan (2003), J. Biomech. Eng. 125, 682-691",
+        confidence="medium",
+    )
+
+
+def saal2017() -> TissueSet:
+    """Return the homogeneous tissue of TouchSim: 50 kPa and Poisson's ratio 0.4 (confidence high).
+
+    Read in the program's source; fitted there to a half-space without a bone, so it is the set
+    for comparisons with theory, not for a finger.
+    """
+    return TissueSet(
+        skin=Tissue(50, 0.4, 1.0),
+        subcutaneous=Tissue(50, 0.4),
+        source="Saal, Delhaye, Rayhaun, Bensmaia (2017), PNAS 114, E5693 (TouchSim, constants.py)",
+        confidence="high",
+    )
+
+
+TISSUE_SETS = {"maeno1998": maeno1998, "dandekar2003": dandekar2003, "saal2017": saal2017}
+
+
+def tissue_set(name: str) -> TissueSet:
+    """Return the tissue set called `name`, or raise InputError with the nearest name."""
+    return TISSUE_SETS[choice("finger.tissue", name, TISSUE_SETS)]()
+
+
+def _stretched_together(*layers: Tissue) -> Tissue:
+    """Return one layer that is as stiff against stretching as thin `layers` on top of each other.
+
+    The layers share Poisson's ratio, so the moduli average weighted by thickness.
+    """
+    thicknesses = [layer.thickness or 0.0 for layer in layers]
+    total = sum(thicknesses)
+    stiffness = sum(layer.modulus * h for layer, h in zip(layers, thicknesses, strict=True))
+    return Tissue(stiffness / total, layers[0].poisson, round(total, 12))
+
+
+# Receptors
+
+
+@dataclass(frozen=True)
+class Receptor:
+    """Where the end organs of one type lie: depth under the skin's surface in mm."""
+
+    end_organ: str
+    depth: float
+    published: tuple[float, float]
+    source: str
+    confidence: Confidence
+
+
+def receptors() -> dict[str, Receptor]:
+    """Return the end organ of each type and its depth, with the range that is commonly quoted.
+
+    No primary measurement of these depths in the human fingertip was found, so every one is a
+    user's parameter (`ask.depths`) with confidence medium at best. The effective depths of
+    TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
+    """
+    ridge = "under the epidermis (0.3 to 0.5 mm thick), at the base of the intermediate ridges"
+    papilla = "in the dermal papillae just below the epidermis"
+    return {
+        "SAI": Receptor("Merkel cells", 0.8, (0.7, 1.0), ridge, "medium"),
+        "SAII": Receptor("Ruffini corpuscle", 1.25, (1.0, 1.5), "in the deep dermis", "low"),
+        "FAI": Receptor("Meissner corpuscle", 0.5, (0.5, 0.5), papilla, "medium"),
+        "FAII": Receptor("Pacinian corpuscle", 2.5, (2.0, 3.0), "under the dermis", "medium"),
+    }

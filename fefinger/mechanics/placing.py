@@ -1,0 +1,119 @@
+"""Where the indenter touches the finger, and where the end organs lie below it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+from fefinger.fem.body import Body
+from fefinger.fem.contact import smooth_places
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.spaces import trace
+from fefinger.records import Sites
+from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
+
+
+Array = NDArray[np.float64]
+
+STANDARD = Flat(angle=30.0)
+"""The plate whose first touch is the origin, and whose small press is the reference of strain."""
+
+
+def obstacle(indenter: Indenter, body: Body) -> Obstacle:
+    """Return the indenter at first touch on this body.
+
+    Raises
+    ------
+    InputError
+        If the place `at` is not on the pad, or the first touch lies on the border of the pad.
+    """
+    if isinstance(indenter, Flat):
+        axis = direction(indenter)
+        flat = Obstacle(axis, np.zeros(3) if indenter == STANDARD else _foremost(body, axis))
+        return _touching(flat, body, f"indenter.angle {indenter.angle:g} degrees")
+    if indenter.at is None:
+        origin, axis = np.zeros(3), direction(STANDARD)
+    else:
+        origin, axis = _pad_point(body, indenter.at)
+    radii = np.array(_radii(indenter))
+    return _touching(Obstacle(axis, origin, radii), body, "indenter.at")
+
+
+def direction(flat: Flat) -> Array:
+    """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
+    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
+    up = np.cos(angle)
+    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+
+
+def sites(touch: Obstacle, types: Sequence[str], depths: Sequence[float]) -> Sites:
+    """Return one site per type at its depth under the first touch, along the inward normal."""
+    depth = np.asarray(depths, dtype=np.float64)
+    points = touch.origin + depth[:, None] * touch.axis
+    return Sites(points, np.tile(-touch.axis, (len(depth), 1)), depth, tuple(types))
+
+
+def _radii(indenter: Sphere | Ellipsoid) -> tuple[float, float, float]:
+    if isinstance(indenter, Sphere):
+        return (indenter.radius, indenter.radius, indenter.radius)
+    return indenter.radii
+
+
+def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
+    """Move the obstacle along its axis to first touch on the smooth surface of the pad."""
+    surface = trace(body.space, body.pad)
+    places = smooth_places(body.space.points, body.normals, surface)
+    distance, _ = placed.gap(places)
+    if not np.isfinite(distance).any():
+        message = f"{field}: expected a place on the pad, received one that the indenter misses"
+        raise InputError(message)
+    first = np.unravel_index(int(np.argmin(distance)), distance.shape)
+    corner = surface.triangles[first[0]]
+    if np.isin(corner, border(body)).any():
+        message = (
+            f"{field}: expected a first touch on the pad, received one on the border of the pad, "
+            "where the finger is cut or the nail begins; choose another angle or place"
+        )
+        raise InputError(message)
+    return Obstacle(placed.axis, placed.origin + distance[first] * placed.axis, placed.radii)
+
+
+def _foremost(body: Body, axis: Array) -> Array:
+    """Return the pad vertex (3,) that a plate moving along `axis` meets first."""
+    points = body.space.points[np.unique(body.pad)]
+    return np.asarray(points[int(np.argmin(points @ axis))])
+
+
+def border(body: Body) -> NDArray[np.int64]:
+    """Return the pad vertices on edges of only one pad triangle, the medial plane aside."""
+    edges = np.sort(body.pad[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    single = unique[count == 1]
+    if body.half:
+        medial = (np.abs(body.space.points[single][:, :, 1]) == 0).all(axis=1)
+        single = single[~medial]
+    return np.unique(single)
+
+
+def _pad_point(body: Body, at: tuple[float, float]) -> tuple[Array, Array]:
+    """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,)."""
+    points = body.space.points[body.pad]
+    palmar = body.normals[body.pad][:, :, 2].max(axis=1) < 0
+    a, b, c = np.moveaxis(points[palmar][:, :, :2], 1, 0)
+    place = np.asarray(at, dtype=np.float64)
+    total = _cross(b - a, c - a)
+    weights = np.stack([_cross(b - place, c - place), _cross(c - place, a - place)], axis=1)
+    weights = weights / total[:, None]
+    weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
+    best = int(np.argmax(weights.min(axis=1)))
+    if weights[best].min() < -1e-9:
+        message = f"indenter.at: expected a place (x, y) mm on the pad, received {tuple(at)}"
+        raise InputError(message)
+    triangle = body.pad[palmar][best]
+    normal = weights[best] @ body.normals[triangle]
+    return weights[best] @ body.space.points[triangle], -normal / np.linalg.norm(normal)
+
+
+def _cross(u: Array, v: Array) -> Array:
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

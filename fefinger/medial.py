@@ -1,0 +1,200 @@
+"""The medial section of the finger as a figure: a field, the regions, indenter and end organs.
+
+The colored section itself comes from a renderer (`view.section_png`) or, without one, from
+matplotlib; everything on top of it is drawn here, so both look alike.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fefinger import figures, section
+from fefinger.records import Array, Integers, Result
+
+
+MARGIN = 1.2  # mm about the section
+CLOSE = 4.5  # mm: half the width of the close view
+OFF_PLANE = 0.5  # mm: end organs farther than this from the section are drawn hollow
+
+
+class Raster(NamedTuple):
+    """A picture (h, w, 3) of the section, and its extent (x0, x1, z0, z1) in mm."""
+
+    picture: Any
+    extent: tuple[float, float, float, float]
+
+
+class Span(NamedTuple):
+    """Range of the color bar, its map, and which ends values lie beyond."""
+
+    low: float
+    high: float
+    colors: str
+    extend: str
+
+
+@dataclass(frozen=True)
+class Medial:
+    """The deformed medial section at one frame.
+
+    places (n, 2) x and z in mm, triangles (k, 3) of the soft tissues and bone (l, 3), values (n,)
+    of the field, outlines (m, 2) edges between regions, span of the colors, indenter (j, 2)
+    outline, title of the picture.
+    organs: (place (2,), label, color, whether it lies in the plane) per end organ.
+    """
+
+    places: Array
+    triangles: Integers
+    bone: Integers
+    values: Array
+    outlines: Integers
+    span: Span
+    indenter: Array
+    organs: list[tuple[Array, str, str, bool]]
+    field: str
+    title: str
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """Return x0, x1, z0, z1 in mm around the section."""
+        low, high = self.places.min(axis=0) - MARGIN, self.places.max(axis=0) + MARGIN
+        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+
+
+def span(values: Array, field: str) -> Span:
+    """Return the color range of a field: without the highest half percent, which sits at edges."""
+    if section.signed(field):
+        top = max(float(np.percentile(np.abs(values), 99.5)), 1e-12)
+        return Span(-top, top, "RdBu_r", "both")
+    if field == "pressure":
+        return Span(0.0, max(float(values.max()), 1e-12), "OrRd", "neither")
+    top = max(float(np.percentile(values, 99.5)), 1e-12)
+    return Span(0.0, top, "viridis", "max" if values.max() > top else "neither")
+
+
+def medial(result: Result, field: str, frame: int) -> Medial:
+    """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
+    fields = result.fields
+    assert fields is not None
+    cut = section.cut(fields.points, fields.cells, fields.region)
+    values = cut.at(section.values(fields, field, frame))
+    rest, moved = cut.at(fields.points), cut.at(fields.displacement[frame])
+    places = (rest + moved)[:, [0, 2]]
+    time = float(fields.times[frame])
+    depth = float(np.interp(time, result.time, result.depth))
+    soft = cut.region != section.BONE
+    return Medial(
+        places=places,
+        triangles=cut.triangles[soft],
+        bone=cut.triangles[~soft],
+        values=values,
+        outlines=cut.outlines(),
+        span=span(values[np.unique(cut.triangles[soft])], field),
+        indenter=section.pose(result, depth).outline(30.0),
+        organs=_organs(result, rest, moved),
+        field=field,
+        title=f"t = {time:.4g} s, depth {depth:.3g} mm",
+    )
+
+
+def _organs(result: Result, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
+    """Return the end organs, moved with the nearest vertex of the section."""
+    if result.sites is None:
+        return []
+    found = []
+    for point, depth, kind in zip(
+        result.sites.points, result.sites.depths, result.sites.types, strict=True
+    ):
+        nearest = int(np.argmin(np.sum((rest - point) ** 2, axis=1)))
+        place = (point + moved[nearest])[[0, 2]]
+        label = f"{kind}  {depth:.2g} mm"
+        color = figures.COLORS.get(kind, figures.INK)
+        found.append((place, label, color, bool(abs(point[1]) <= OFF_PLANE)))
+    return found
+
+
+def draw(cut: Medial, raster: Raster | None = None) -> Any:
+    """Draw the whole section, and a close view of the end organs under the indenter."""
+    with figures.style():
+        drawn = figures.figure(figures.WIDE, 4.4)
+        whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
+        x0, x1, z0, z1 = cut.extent
+        for axis in (whole, close):
+            _draw_section(axis, cut, raster)
+            axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
+        whole.set(xlim=(x0, x1), ylim=(z0, z1), title=f"medial section, {cut.title}")
+        center = cut.indenter.mean(axis=0) if not cut.organs else cut.organs[0][0]
+        close.set(
+            xlim=(center[0] - CLOSE, center[0] + CLOSE),
+            ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
+            title="close view of the end organs",
+        )
+        _draw_organs(whole, close, cut)
+        _draw_bar(drawn, close, cut)
+        return drawn
+
+
+def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
+    """Draw the colored section, the outlines of its regions, and the indenter."""
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.patches import Polygon
+
+    if raster is None:
+        bone = PolyCollection(list(cut.places[cut.bone]), color=figures.BONE)
+        axis.add_collection(bone)
+        axis.tripcolor(
+            *cut.places.T,
+            cut.triangles,
+            cut.values,
+            shading="gouraud",
+            cmap=cut.span.colors,
+            vmin=cut.span.low,
+            vmax=cut.span.high,
+        )
+    else:
+        axis.imshow(raster.picture, extent=raster.extent, interpolation="bilinear")
+    lines = LineCollection(
+        list(cut.places[cut.outlines]), colors="white", linewidths=0.9, alpha=0.9
+    )
+    axis.add_collection(lines)
+    if len(cut.indenter):
+        slab = Polygon(cut.indenter, facecolor="#b8c2cc", edgecolor=figures.INK, linewidth=0.9)
+        axis.add_patch(slab)
+    axis.grid(visible=False)
+
+
+def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
+    """Mark the end organs; their labels stand in a column beside the close view's marks."""
+    ordered = sorted(cut.organs, key=lambda organ: -organ[0][1])
+    for row, (place, label, color, inside) in enumerate(ordered):
+        face = color if inside else "none"
+        for axis, size in ((whole, 5), (close, 9)):
+            axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=1.0, zorder=5)
+        close.annotate(
+            label,
+            place,
+            xytext=(0.74, 0.36 - 0.088 * row),
+            textcoords="axes fraction",
+            va="center",
+            color=color,
+            fontweight="bold",
+            zorder=6,
+            bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color},
+            arrowprops={
+                "arrowstyle": "-",
+                "color": figures.INK,
+                "linewidth": 0.8,
+                "relpos": (0.0, 0.5),
+                "shrinkA": 0.0,
+            },
+        )
+
+
+def _draw_bar(drawn: Any, axis: Any, cut: Medial) -> None:
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    bar = ScalarMappable(Normalize(cut.span.low, cut.span.high), cut.span.colors)
+    label = f"{cut.field} / {section.unit(cut.field)}"
+    drawn.colorbar(bar, ax=axis, label=label, shrink=0.85, extend=cut.span.extend)

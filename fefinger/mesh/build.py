@@ -1,0 +1,195 @@
+"""Building a half finger: surfaces, tetrahedra, regions, smooth boundaries, quality gate."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import ConvergenceError
+from fefinger.mesh import improve, surface, topology
+from fefinger.mesh.mesher import Settings, tetrahedra
+from fefinger.mesh.quality import gate, measure
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.record import BONE, REGIONS, FingerMesh, volumes
+from fefinger.mesh.shapes import PATCH_CENTER, PATCH_RADIUS, Shape, parametric
+
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Progress = Callable[[str], None]
+
+SETTINGS = {
+    "coarse": Settings(pad=0.8, deep=0.7, far=0.9, largest=4.0, envelope=5e-3, facet=1.0),
+    "standard": Settings(pad=0.42, deep=0.5, far=0.6),
+    "fine": Settings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
+}
+
+ATTEMPTS = 4
+"""Builds before giving up; each has another envelope, since the mesher is not deterministic."""
+
+WANTED_SINE = np.sin(np.radians(14.0))
+"""Vertices of a cell with a smaller sine of a dihedral angle are moved."""
+
+
+def build(
+    recipe: Recipe,
+    *,
+    settings: Settings | None = None,
+    name: str = "finger",
+    progress: Progress | None = None,
+) -> FingerMesh:
+    """Return the mesh of half a finger (y >= 0) that passed the quality gate.
+
+    Raises ConvergenceError with the last attempt's faults if none passes.
+    """
+    shape = parametric(recipe)
+    settings = settings or SETTINGS[recipe.resolution]
+    say = progress or (lambda _: None)
+    for attempt in range(ATTEMPTS):
+        say(f"meshing, attempt {attempt + 1}")
+        chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
+        mesh = _attempt(shape, recipe, chosen, name=name, say=say)
+        try:
+            gate(mesh.quality)
+        except ConvergenceError as error:
+            fault = error
+            say(str(fault))
+            continue
+        return mesh
+    message = f"{fault} after {ATTEMPTS} attempts; try another resolution or other dimensions"
+    raise ConvergenceError(message)
+
+
+def sizes(shape: Shape, settings: Settings) -> Callable[[Array], Array]:
+    """Return the wanted edge length (n,) mm at points (n, 3): fine at the pad, growing inward."""
+
+    def size(points: Array) -> Array:
+        below = np.maximum(-shape.subcutaneous.level(points), 0.0)
+        aside = np.maximum(np.linalg.norm(points - PATCH_CENTER, axis=1) - PATCH_RADIUS, 0.0)
+        wanted = settings.pad + settings.deep * below + settings.far * aside
+        return np.minimum(wanted, settings.largest)
+
+    return size
+
+
+def _attempt(
+    shape: Shape, recipe: Recipe, settings: Settings, *, name: str, say: Progress
+) -> FingerMesh:
+    """Return one half mesh, measured but not judged."""
+    outer = surface.half(shape.skin, settings.facet)
+    # The inner surfaces reach through the cut, so that nothing depends on their open edges there.
+    inner = [
+        _without_caps(surface.half(shell, settings.facet, overhang=1.0))
+        for shell in shape.shells[1:]
+    ]
+    points, cells = tetrahedra([outer, *inner, _nail_wall(shape)], sizes(shape, settings), settings)
+    points, cells, region = _inside(shape, points, cells)
+    say(f"{len(cells)} cells; fitting the boundaries")
+    tolerance = 1.5 * settings.envelope * float(np.linalg.norm(np.ptp(outer[0], axis=0)))
+    cut = shape.skin.cut
+    facets = topology.facet_sets(points, cells, region, cut=cut, tolerance=tolerance)
+    points, first = _snapped(shape, points, facets)
+    supports = _supports(shape, len(points), facets)
+    points = improve.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
+    points = _bone_of_full_volume(shape, points, cells[region == BONE], facets)
+    return _record(shape, recipe, points, cells, region, facets, name=name)
+
+
+def _inside(shape: Shape, points: Array, cells: Index) -> tuple[Array, Index, NDArray[np.int8]]:
+    """Return the part of the box that is the half finger, with the region of each cell."""
+    centers = points[cells].mean(axis=1)
+    region = shape.region(centers)
+    keep = (region > 0) & (centers[:, 1] > 0.0) & (centers[:, 0] > shape.skin.cut)
+    used, cells = np.unique(cells[keep], return_inverse=True)
+    return points[used], cells.reshape(-1, 4), region[keep]
+
+
+def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Array, int]:
+    """Return points with those of the flat facets on their planes, and the vertex put at P30."""
+    points = points.copy()
+    medial = np.unique(facets["medial"])
+    points[medial, 1] = 0.0
+    points[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = shape.skin.cut
+    ridge = np.intersect1d(medial, facets["pad"])
+    first = int(ridge[np.argmin(np.linalg.norm(points[ridge], axis=1))])
+    points[first] = 0.0
+    return points, first
+
+
+def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> improve.Supports:
+    """Return what each vertex stays on: a shell's surface, the medial plane, the cut."""
+    on = np.full(count, -1)
+    for number, name in enumerate(("pad", "skin-subcutaneous", "bone")):
+        on[np.unique(facets[name])] = number
+    free = np.ones((count, 3), dtype=bool)
+    free[np.unique(facets["medial"]), 1] = False
+    free[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = False
+    projectors = tuple(
+        lambda points, mask, shell=shell: shell.project(points, free=mask) for shell in shape.shells
+    )
+    return improve.Supports(on, free, projectors)
+
+
+def _bone_of_full_volume(
+    shape: Shape, points: Array, bone: Index, facets: dict[str, Index]
+) -> Array:
+    """Return points with the bone's surface moved out by what its facets cut off its volume.
+
+    The bone is thin and strongly curved: facets between vertices on it would lose 2 to 3 %.
+    """
+    on = np.unique(facets["bone"])
+    free = _supports(shape, len(points), facets).free[on]
+    moves = np.zeros_like(points)
+    moves[on] = shape.bone.normals(points[on]) * free
+    wanted = surface.volume(surface.half(shape.bone, 0.2))
+    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, 0.01))
+    return points + 0.01 * (wanted - present) / (trial - present) * moves
+
+
+def _record(
+    shape: Shape,
+    recipe: Recipe,
+    points: Array,
+    cells: Index,
+    region: NDArray[np.int8],
+    facets: dict[str, Index],
+    *,
+    name: str,
+) -> FingerMesh:
+    """Return the mesh with its nail, smooth normals and measured quality."""
+    outer = facets["pad"]
+    nail = shape.on_nail(points[outer].mean(axis=1))
+    sets = {"pad": outer[~nail], "nail": outer[nail]}
+    sets |= {key: facets[key] for key in ("cut", "bone", "medial", "bone-cut")}
+    pad = np.unique(sets["pad"])
+    normals = np.zeros_like(points)
+    normals[pad] = shape.skin.normals(points[pad])
+    mesh = FingerMesh(
+        points, cells, region, sets, normals, half=True, name=name, recipe=recipe.to_dict()
+    )
+    full = [surface.volume(surface.half(shell, 0.2)) for shell in shape.shells]
+    own = [full[0] - full[1], full[1] - full[2], full[2]]
+    quality = measure(
+        mesh,
+        radii=shape.radii,
+        own_volumes=dict(zip(REGIONS, own, strict=True)),
+        gap=float(np.abs(shape.skin.level(points[pad])).max()),
+    )
+    return replace(mesh, quality=quality)
+
+
+def _without_caps(part: surface.Triangles) -> surface.Triangles:
+    """Return a half surface without its medial plane and cut, where the skin's own caps are."""
+    points, faces = part
+    corners = points[faces]
+    caps = np.all(corners[:, :, 1] == 0.0, axis=1)
+    caps |= np.all(corners[:, :, 0] == points[0, 0], axis=1)
+    return points, faces[~caps]
+
+
+def _nail_wall(shape: Shape) -> surface.Triangles:
+    """Return a strip through the skin along the nail's outline, so that facets end there."""
+    edge = shape.nail_edge(40)
+    normals = shape.skin.normals(edge)
+    return surface.ribbon(np.stack([edge + 0.5 * normals, edge - 0.5 * normals]))

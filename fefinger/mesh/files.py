@@ -1,0 +1,165 @@
+"""Finger meshes on disk: a .vtu file that opens in ParaView and a sidecar .json beside it.
+
+The .vtu holds two cell blocks: the tetrahedra with their region, and the triangles of the named
+facets with a tag; a tetrahedron has facet tag 0 and a triangle region 0. The sidecar names the
+tags and records recipe, versions, quality and the hash of the .vtu.
+"""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fefinger.checks import InputError
+from fefinger.mesh.record import FACETS, FingerMesh
+
+
+LAYOUT = 1
+"""Version of the file layout; a reader refuses another."""
+
+TOOLS = ("fefinger", "pytetwild", "numpy", "scipy")
+"""Programs whose version decides a mesh."""
+
+
+def write(mesh: FingerMesh, path: str | Path) -> Path:
+    """Write a mesh to `path` (.vtu) and its sidecar; each appears whole or not at all."""
+    import meshio
+
+    path = _checked(path)
+    tags = np.concatenate([np.full(len(mesh.facets.get(n, ())), i + 1) for i, n in _named()])
+    triangles = np.concatenate(
+        [
+            np.asarray(mesh.facets.get(name, ()), dtype=np.int64).reshape(-1, 3)
+            for _, name in _named()
+        ]
+    )
+    region = [mesh.region.astype(np.int8), np.zeros(len(triangles), dtype=np.int8)]
+    facet = [np.zeros(len(mesh.cells), dtype=np.int8), tags.astype(np.int8)]
+    content = meshio.Mesh(
+        mesh.points,
+        [("tetra", mesh.cells.astype(np.int32)), ("triangle", triangles.astype(np.int32))],
+        point_data={"pad_normal": mesh.pad_normals},
+        cell_data={"region": region, "facet": facet},
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _replace(path, lambda name: meshio.write(name, content, file_format="vtu"))
+    sidecar = {
+        "layout": LAYOUT,
+        "name": mesh.name,
+        "half": mesh.half,
+        "frame": "x distal, y radial, z dorsal, mm; origin at first touch of a 30-degree plate",
+        "facet_tags": {name: number + 1 for number, name in _named()},
+        "sha256": _hash(path),
+        "recipe": mesh.recipe,
+        "versions": _versions(),
+        "quality": mesh.quality,
+    }
+    text = json.dumps(sidecar, indent=1) + "\n"
+    _replace(sidecar_path(path), lambda name: Path(name).write_text(text, encoding="utf-8"))
+    return path
+
+
+def read(path: str | Path) -> FingerMesh:
+    """Return the mesh of a .vtu file and its sidecar.
+
+    Raises InputError if either is missing or the .vtu is not the one the sidecar was written for.
+    """
+    import meshio
+
+    path = _checked(path)
+    for part in (path, sidecar_path(path)):
+        if not part.is_file():
+            message = f"mesh: expected the file {part}, which does not exist; build the mesh again"
+            raise InputError(message)
+    try:
+        sidecar = json.loads(sidecar_path(path).read_text(encoding="utf-8"))
+    except ValueError as error:
+        message = f"mesh: expected JSON in {sidecar_path(path)}, received {error}"
+        raise InputError(message) from error
+    if sidecar.get("layout") != LAYOUT:
+        message = (
+            f"mesh: expected layout {LAYOUT} in {sidecar_path(path)}, received "
+            f"{sidecar.get('layout')!r}; build the mesh again"
+        )
+        raise InputError(message)
+    found = _hash(path)
+    if found != sidecar["sha256"]:
+        message = (
+            f"mesh: expected {path} to have the hash {sidecar['sha256'][:12]}... of its sidecar, "
+            f"received {found[:12]}...; one of the two was changed, build the mesh again"
+        )
+        raise InputError(message)
+    content = meshio.read(path, file_format="vtu")
+    return _mesh(content, sidecar)
+
+
+def sidecar_path(path: Path) -> Path:
+    """Return the path of the sidecar of a mesh file."""
+    return path.with_suffix(".json")
+
+
+def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:
+    """Return the record made of a meshio mesh and its sidecar."""
+    cells = np.asarray(content.cells_dict["tetra"], dtype=np.int64)
+    triangles = np.asarray(content.cells_dict["triangle"], dtype=np.int64)
+    tags = content.cell_data_dict["facet"]["triangle"]
+    facets = {name: triangles[tags == tag] for name, tag in sidecar["facet_tags"].items()}
+    return FingerMesh(
+        np.asarray(content.points, dtype=np.float64),
+        cells,
+        np.asarray(content.cell_data_dict["region"]["tetra"], dtype=np.int8),
+        {name: part for name, part in facets.items() if len(part)},
+        np.asarray(content.point_data["pad_normal"], dtype=np.float64),
+        half=bool(sidecar["half"]),
+        name=str(sidecar["name"]),
+        recipe=sidecar["recipe"],
+        quality=sidecar["quality"],
+    )
+
+
+def _named() -> list[tuple[int, str]]:
+    """Return the facet names with their numbers."""
+    return list(enumerate(FACETS))
+
+
+def _checked(path: str | Path) -> Path:
+    """Return the path if it ends in .vtu."""
+    path = Path(path)
+    if path.suffix != ".vtu":
+        message = f"mesh: expected a file name that ends in .vtu, received {path.name!r}"
+        raise InputError(message)
+    return path
+
+
+def _replace(path: Path, save: Callable[[str], object]) -> None:
+    """Save under a temporary name in the same folder and move into place."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    try:
+        save(name)
+        Path(name).chmod(0o644)
+        os.replace(name, path)
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def _hash(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _versions() -> dict[str, str]:
+    """Return the versions of the programs that decide a mesh."""
+    found = {}
+    for tool in TOOLS:
+        try:
+            found[tool] = version(tool)
+        except PackageNotFoundError:
+            found[tool] = "not installed"
+    return found

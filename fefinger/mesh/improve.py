@@ -1,0 +1,148 @@
+"""Vertices put exactly on their smooth surfaces, then moved until the worst tetrahedra are good."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Project = Callable[[Array, NDArray[np.bool_]], Array]
+"""Moves points (k, 3) onto a surface, changing only the coordinates that are free (k, 3)."""
+
+TRIALS = 24
+"""Places tried for a vertex in one sweep: enough that one in four moves helps."""
+
+
+@dataclass(frozen=True)
+class Supports:
+    """What each vertex must stay on.
+
+    Attributes
+    ----------
+    surface : (n,) index of the projector it stays on, -1 for none.
+    free : (n, 3) coordinates that may change (not y on the medial plane, not x at the cut).
+    projectors : one per surface.
+
+    """
+
+    surface: Index
+    free: NDArray[np.bool_]
+    projectors: tuple[Project, ...]
+
+    def place(self, points: Array, which: Index) -> Array:
+        """Return `points` (k, 3), meant for the vertices `which` (k,), put on their surfaces."""
+        placed = points.copy()
+        for number, project in enumerate(self.projectors):
+            on = self.surface[which] == number
+            if on.any():
+                placed[on] = project(points[on], self.free[which][on])
+        return placed
+
+
+def sines(corners: Array) -> Array:
+    """Return the sines of the six dihedral angles of tetrahedra (..., 4, 3) with the volume's sign.
+
+    sin = 3 V l / (2 A B), with l the edge and A, B the areas of the faces that meet there.
+    """
+    a, b, c, d = (corners[..., i, :] for i in range(4))
+    volume = np.einsum("...i,...i->...", np.cross(b - a, c - a), d - a) / 6.0
+    areas = [
+        np.linalg.norm(np.cross(q - p, r - p), axis=-1) / 2.0
+        for p, q, r in ((b, c, d), (a, c, d), (a, b, d), (a, b, c))
+    ]
+    # Edge (i, j) is shared by the faces opposite to the other two corners (k, l).
+    ends = ((a, b, 2, 3), (a, c, 1, 3), (a, d, 1, 2), (b, c, 0, 3), (b, d, 0, 2), (c, d, 0, 1))
+    parts = [
+        1.5 * volume * np.linalg.norm(q - p, axis=-1) / np.maximum(areas[k] * areas[m], 1e-30)
+        for p, q, k, m in ends
+    ]
+    return np.stack(parts, axis=-1)
+
+
+def fit(points: Array, cells: Index, supports: Supports, *, wanted: float, pinned: Index) -> Array:
+    """Return points on their surfaces with the sines of the dihedral angles above `wanted`.
+
+    Vertices whose surface is out of reach for now wait inside the mesher's envelope, until the
+    others have made room; `pinned` vertices do not move.
+    """
+    for share in (0.15, 0.3, 0.45, 0.6):
+        points = settle(points, cells, supports, least=share * wanted, pinned=pinned)
+        points = improve(points, cells, supports, wanted=wanted, pinned=pinned)
+    return settle(points, cells, supports, least=0.6 * wanted, pinned=pinned)
+
+
+def settle(
+    points: Array, cells: Index, supports: Supports, *, least: float, pinned: Index
+) -> Array:
+    """Return the vertices on their surfaces, but where that would leave a sine below `least`."""
+    everyone = np.arange(len(points))
+    target = supports.place(points, everyone)
+    held = np.isin(everyone, pinned)
+    before = sines(points[cells]).min(axis=1)
+    for _ in range(10):
+        moved = np.where(held[:, None], points, target)
+        after = sines(moved[cells]).min(axis=1)
+        bad = (after < least) & (after < before)
+        if not (bad & ~held[cells].all(axis=1)).any():
+            break
+        held[cells[bad]] = True
+    return moved
+
+
+def improve(
+    points: Array,
+    cells: Index,
+    supports: Supports,
+    *,
+    wanted: float,
+    pinned: Index,
+    sweeps: int = 8,
+    seed: int = 0,
+) -> Array:
+    """Return points moved so that no dihedral angle's sine stays below `wanted`, if it can be.
+
+    The vertices of bad tetrahedra try seeded random places on their own supports and keep the one
+    whose worst angle around them is best (Freitag and Ollivier-Gooch 1997 with random search).
+    """
+    random = np.random.default_rng(seed)
+    points = points.copy()
+    around = _cells_of(cells, len(points))
+    for sweep in range(sweeps):
+        worst = sines(points[cells]).min(axis=1)
+        vertices = np.setdiff1d(cells[worst < wanted], pinned)
+        if not len(vertices):
+            break
+        for vertex in random.permutation(vertices):
+            _move(points, cells[around[vertex]], vertex, supports, random, 0.3 * 0.75**sweep)
+    return points
+
+
+def _move(
+    points: Array,
+    star: Index,
+    vertex: int,
+    supports: Supports,
+    random: np.random.Generator,
+    reach: float,
+) -> None:
+    """Put one vertex where the worst angle of its star (k, 4) is best, in place."""
+    here = points[vertex]
+    size = np.sqrt(np.mean(np.sum((points[star] - here) ** 2, axis=2)))
+    steps = random.normal(size=(TRIALS, 3)) * size * reach * random.random((TRIALS, 1))
+    steps[:, ~supports.free[vertex]] = 0.0
+    places = supports.place(here + steps, np.full(TRIALS, vertex))
+    places[:, ~supports.free[vertex]] = here[~supports.free[vertex]]
+    places = np.concatenate([here[None], places])
+    corners = np.repeat(points[star][None], len(places), axis=0)
+    corners[:, star == vertex] = places[:, None]
+    points[vertex] = places[np.argmax(sines(corners).min(axis=(1, 2)))]
+
+
+def _cells_of(cells: Index, count: int) -> list[Index]:
+    """Return the cells around each vertex."""
+    order = np.argsort(cells.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(cells.ravel(), minlength=count))[:-1]
+    return np.split(order // 4, ends)

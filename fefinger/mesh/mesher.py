@@ -1,0 +1,115 @@
+"""pytetwild, quiet, with a sizing field: conforming tetrahedra around the surfaces of a finger."""
+
+import itertools
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.mesh.surface import Triangles
+
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Edge lengths in mm and how closely the mesher follows the surfaces.
+
+    Attributes
+    ----------
+    pad : edge length on the contact patch and in the skin below it.
+    deep, far : growth of the edge length per mm below the skin and beyond the patch.
+    largest : largest edge length.
+    envelope : how far a vertex may leave its surface, over the diagonal of the finger.
+    facet : edge length of the input surfaces' triangles.
+
+    """
+
+    pad: float
+    deep: float = 0.3
+    far: float = 0.5
+    largest: float = 3.0
+    envelope: float = 3e-3
+    facet: float = 0.7
+
+
+def tetrahedra(
+    surfaces: list[Triangles],
+    size: Callable[[Array], Array],
+    settings: Settings,
+) -> tuple[Array, Index]:
+    """Return vertices (n, 3) mm and positive cells (m, 4) that fill a box around the surfaces.
+
+    The surfaces, open or closed, appear as faces within the envelope; nothing is removed outside.
+    """
+    import pytetwild
+
+    points, triangles = _joined(surfaces)
+    box = np.array([points.min(axis=0) - 1.0, points.max(axis=0) + 1.0])
+    nodes, cells = _grid(box, max(settings.pad, 0.6))
+    with silent():
+        vertices, found = pytetwild.tetrahedralize(
+            points,
+            triangles.astype(np.int32),
+            edge_length_abs=settings.largest,
+            epsilon=settings.envelope,
+            coarsen=True,
+            disable_filtering=True,
+            num_threads=1,
+            bg_vertices=nodes,
+            bg_tets=cells.astype(np.int32),
+            bg_values=size(nodes),
+        )
+    # fTetWild lists the corners of a cell the other way round.
+    return np.asarray(vertices, dtype=float), found.astype(np.int64)[:, [0, 2, 1, 3]]
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Send what C++ prints to nowhere: file descriptors 1 and 2, for the time of the block."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = [os.dup(1), os.dup(2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept[0], 1)
+        os.dup2(kept[1], 2)
+        for descriptor in (*kept, nowhere):
+            os.close(descriptor)
+
+
+def _joined(surfaces: list[Triangles]) -> Triangles:
+    """Return the surfaces as one list of triangles."""
+    starts = np.cumsum([0, *(len(points) for points, _ in surfaces)])[:-1]
+    faces = [part + start for (_, part), start in zip(surfaces, starts, strict=True)]
+    return np.concatenate([points for points, _ in surfaces]), np.concatenate(faces)
+
+
+def _grid(box: Array, step: float) -> tuple[Array, Index]:
+    """Return a grid of cubes cut in six tetrahedra each, which carries the sizes."""
+    axes = [np.linspace(a, b, int(np.ceil((b - a) / step)) + 1) for a, b in box.T]
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    index = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])
+    counts = [len(axis) - 1 for axis in axes]
+    parts = []
+    for order in itertools.permutations(range(3)):
+        corner = np.zeros(3, dtype=int)
+        path = [corner.copy()]
+        for axis in order:
+            corner[axis] = 1
+            path.append(corner.copy())
+        cell = [index[a : a + counts[0], b : b + counts[1], c : c + counts[2]] for a, b, c in path]
+        flip = np.linalg.det(np.diff(path, axis=0)) < 0
+        cell = [cell[i].ravel() for i in ([0, 1, 3, 2] if flip else [0, 1, 2, 3])]
+        parts.append(np.stack(cell, axis=1))
+    return nodes.reshape(-1, 3), np.concatenate(parts)

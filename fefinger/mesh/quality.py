@@ -1,0 +1,152 @@
+"""Measured figures of a finger mesh and the gate that refuses a bad one."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import ConvergenceError
+from fefinger.mesh.record import BONE, REGIONS, FingerMesh, edges, volumes
+from fefinger.mesh.shapes import PATCH_CENTER, PATCH_RADIUS, PLATE, PLATE_NORMAL
+
+
+Array = NDArray[np.float64]
+
+MIN_DIHEDRAL = 8.0
+"""Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""
+
+VOLUME_ERROR = 0.02
+"""Largest relative error of a region's volume: facets cut corners, this says how much."""
+
+RADIUS_ERROR = 0.05
+"""Largest relative error of the pad's curvature radii at P30 (issue 2, point 2)."""
+
+SURFACE_GAP = 1e-5
+"""mm; pad vertices are on the smooth skin, from which the contact gap is taken (design 4.8)."""
+
+FIRST_TOUCH = 1e-6
+"""mm; how far a vertex may stand out before the origin against the 30-degree plate."""
+
+FIT_RADIUS = 2.0
+"""Radius in mm around P30 within which the quadric is fitted (design 4.6)."""
+
+
+def dihedral_angles(points: Array, cells: NDArray[np.int64]) -> Array:
+    """Return the six dihedral angles of each tetrahedron, (m, 6) degrees."""
+    corners = points[cells]
+    normals = np.stack(
+        [
+            np.cross(corners[:, j] - corners[:, i], corners[:, k] - corners[:, i])
+            for i, j, k in ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
+        ],
+        axis=1,
+    )
+    normals /= np.maximum(np.linalg.norm(normals, axis=2), 1e-30)[:, :, None]
+    pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
+    cosines = [-np.einsum("ij,ij->i", normals[:, i], normals[:, j]) for i, j in pairs]
+    return np.degrees(np.arccos(np.clip(np.stack(cosines, axis=1), -1.0, 1.0)))
+
+
+def measured_radii(mesh: FingerMesh) -> tuple[float, float]:
+    """Return the normal curvature radii (R', R'') mm at P30, from the pad vertices within 2 mm.
+
+    Least squares of height = c0 + c1 u + c2 v + u^2/(2 R') + v^2/(2 R'') + c5 u v along the
+    inward normal, with u along the finger and v across it; a half is mirrored first.
+    """
+    pad = mesh.points[np.unique(mesh.facets["pad"])]
+    near = pad[np.linalg.norm(pad, axis=1) < FIT_RADIUS]
+    if mesh.half:
+        near = np.concatenate([near, near[near[:, 1] > 0.0] * [1.0, -1.0, 1.0]])
+    if len(near) < 6:
+        return float("nan"), float("nan")
+    along = near @ np.array([np.cos(PLATE), 0.0, np.sin(PLATE)])
+    across, height = near[:, 1], -near @ PLATE_NORMAL
+    terms = [along**2 / 2, across**2 / 2, along * across, along, across, np.ones(len(near))]
+    fit = np.linalg.lstsq(np.stack(terms, axis=1), height, rcond=None)[0]
+    return float(1.0 / fit[0]), float(1.0 / fit[1])
+
+
+def measure(
+    mesh: FingerMesh, *, radii: tuple[float, float], own_volumes: dict[str, float], gap: float
+) -> dict[str, Any]:
+    """Return the quality figures of a mesh; angles in degrees, lengths mm, volumes mm^3.
+
+    `radii` are the wanted ones, `own_volumes` those of the smooth surfaces by region name, `gap`
+    the largest distance of a pad vertex from the smooth skin.
+    """
+    points, cells = mesh.points, mesh.cells
+    angles = dihedral_angles(points, cells)
+    smallest = angles.min(axis=1)
+    volume = volumes(points, cells)
+    by_region = {name: float(volume[mesh.region == k].sum()) for name, k in REGIONS.items()}
+    soft = cells[mesh.region != BONE]
+    vertices, lines = len(np.unique(soft)), len(edges(soft))
+    pad = np.unique(mesh.facets["pad"])
+    patch = _patch_edges(mesh)
+    bone = points[np.unique(mesh.facets["bone"])]
+    found = measured_radii(mesh)
+    return {
+        "n_points": len(points),
+        "n_cells": len(cells),
+        "n_pad_vertices": len(pad),
+        "soft_vertices": vertices,
+        "taylor_hood_unknowns": 3 * (vertices + lines) + vertices,
+        "min_volume": float(volume.min()),
+        "min_dihedral_deg": float(smallest.min()),
+        "dihedral_1pct_deg": float(np.percentile(smallest, 1.0)),
+        "max_dihedral_deg": float(angles.max()),
+        "volumes": by_region,
+        "surface_volumes": {name: float(value) for name, value in own_volumes.items()},
+        "volume_errors": {k: by_region[k] / own_volumes[k] - 1.0 for k in own_volumes},
+        "radii": list(found),
+        "radii_wanted": [float(value) for value in radii],
+        "radii_errors": [float(f / w - 1.0) for f, w in zip(found, radii, strict=True)],
+        "surface_gap": gap,
+        "first_touch": float(np.max(points[pad] @ PLATE_NORMAL)),
+        "pulp_thickness": float(np.linalg.norm(bone, axis=1).min()),
+        "pad_edge_mean": float(patch.mean()),
+        "pad_edge_max": float(patch.max()),
+        "nail_area": _area(points, mesh.facets["nail"]) * (2.0 if mesh.half else 1.0),
+    }
+
+
+def gate(quality: dict[str, Any]) -> None:
+    """Raise ConvergenceError with a sentence for the first figure that is out of bounds."""
+    faults = []
+    if quality["min_volume"] <= 0.0:
+        faults.append(f"a cell of volume {quality['min_volume']:.2g} mm3 (inverted or flat)")
+    if not quality["min_dihedral_deg"] >= MIN_DIHEDRAL:
+        angle = quality["min_dihedral_deg"]
+        faults.append(f"a dihedral angle of {angle:.2f} degrees, wanted {MIN_DIHEDRAL:g} or more")
+    for name, error in quality["volume_errors"].items():
+        if not abs(error) <= VOLUME_ERROR:
+            faults.append(
+                f"a {name} volume {error:+.1%} off its surface's, wanted {VOLUME_ERROR:.0%} or less"
+            )
+    for name, error in zip(("along", "across"), quality["radii_errors"], strict=True):
+        if not abs(error) <= RADIUS_ERROR:
+            faults.append(
+                f"a pad radius {name} the finger {error:+.1%} off, wanted {RADIUS_ERROR:.0%}"
+            )
+    if not quality["surface_gap"] <= SURFACE_GAP:
+        faults.append(f"a pad vertex {quality['surface_gap']:.2g} mm off the smooth skin")
+    if not abs(quality["first_touch"]) <= FIRST_TOUCH:
+        faults.append(f"a first touch {quality['first_touch']:.2g} mm before the origin")
+    if faults:
+        message = f"mesh: the quality gate found {'; '.join(faults)}"
+        raise ConvergenceError(message)
+
+
+def _patch_edges(mesh: FingerMesh) -> Array:
+    """Return the lengths of the pad's edges within the contact patch, mm."""
+    pad = mesh.facets["pad"]
+    close = np.linalg.norm(mesh.points - PATCH_CENTER, axis=1) < PATCH_RADIUS
+    pad = pad[close[pad].all(axis=1)]
+    pairs = np.unique(np.sort(pad[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    return np.asarray(np.linalg.norm(np.diff(mesh.points[pairs], axis=1)[:, 0], axis=1))
+
+
+def _area(points: Array, facets: NDArray[np.int64]) -> float:
+    """Return the area of triangles, mm^2."""
+    a, b, c = (points[facets[:, i]] for i in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)

@@ -1,0 +1,70 @@
+"""The mesh for a finger: shipped with the package, else from the user's cache, else built now."""
+
+import json
+from collections.abc import Callable
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any
+
+from fefinger.checks import InputError
+from fefinger.mesh import files
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.symmetric import whole
+
+
+def ready(finger: Any, *, half: bool, progress: Callable[[str], None] | None = None) -> FingerMesh:
+    """Return the mesh for a scene's finger (or a Recipe), half or whole.
+
+    Looks among the shipped meshes, then in the user's cache; builds and caches it (about half a
+    minute for the standard resolution) if neither has it. `progress` receives short sentences.
+    """
+    recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger)
+    path = shipped_path(recipe)
+    mesh = files.read(path) if path else _cached(recipe) or _built(recipe, progress)
+    return mesh if half else whole(mesh)
+
+
+def shipped_path(recipe: Recipe) -> Path | None:
+    """Return the file of the shipped mesh of a recipe, or None."""
+    for sidecar in sorted(data_folder().glob("*.json")):
+        if json.loads(sidecar.read_text(encoding="utf-8")).get("recipe") == recipe.to_dict():
+            return sidecar.with_suffix(".vtu")
+    return None
+
+
+def data_folder() -> Path:
+    """Return the folder of the shipped meshes, installed or in the checkout."""
+    try:
+        return Path(str(package_files("fefinger.meshes")))
+    except ModuleNotFoundError:
+        return Path(__file__).resolve().parents[2] / "meshes"
+
+
+def cached_path(recipe: Recipe) -> Path:
+    """Return where the user's cache keeps the mesh of a recipe."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("fefinger") / "meshes" / f"{recipe.key()[:16]}.vtu"
+
+
+def _cached(recipe: Recipe) -> FingerMesh | None:
+    """Return the mesh of a recipe from the cache; one that is damaged counts as none."""
+    try:
+        return files.read(cached_path(recipe))
+    except InputError:
+        return None
+
+
+def _built(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
+    """Return the mesh of a recipe, built and put in the cache."""
+    from fefinger.mesh.build import build
+
+    name = f"{recipe.width:g}x{recipe.thickness:g}x{recipe.pad_radius:g}-{recipe.resolution}"
+    mesh = build(recipe, name=name, progress=progress)
+    try:
+        files.write(mesh, cached_path(recipe))
+    except OSError as error:
+        if progress is not None:
+            progress(f"the mesh could not be kept for the next time: {error}")
+    return mesh

@@ -1,0 +1,67 @@
+"""What a finger mesh is made from: the few numbers that decide shape and resolution."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from fefinger.checks import choice, number
+
+
+RESOLUTIONS = ("coarse", "standard", "fine")
+
+FORMAT = 1
+"""Raised when the builder changes so that meshes cached from the same recipe must be made again."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Dimensions of a fingertip in mm and the resolution of its mesh.
+
+    `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
+    parametric shape, whose width, thickness and pad radius then only scale the inside.
+    """
+
+    width: float
+    thickness: float
+    pad_radius: float
+    skin_thickness: float = 1.0
+    resolution: str = "standard"
+    surface: str | None = None
+
+    def __post_init__(self) -> None:
+        for name, above, at_most in (
+            ("width", 5.0, 40.0),
+            ("thickness", 5.0, 40.0),
+            ("pad_radius", 3.0, 60.0),
+            ("skin_thickness", 0.3, 3.0),
+        ):
+            value = number(name, getattr(self, name), at_least=above, at_most=at_most, unit="mm")
+            object.__setattr__(self, name, value)
+        choice("resolution", self.resolution, RESOLUTIONS)
+
+    @classmethod
+    def of(cls, finger: Any) -> "Recipe":
+        """Return the recipe of a scene's finger (any record with the same fields)."""
+        surface = getattr(finger, "surface", None)
+        return cls(
+            finger.width,
+            finger.thickness,
+            pad_radius=finger.pad_radius,
+            skin_thickness=finger.skin.thickness,
+            resolution=finger.resolution,
+            surface=None if surface is None else str(surface),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the recipe as plain values."""
+        return asdict(self)
+
+    def key(self) -> str:
+        """Return a hash of all that decides the mesh, the content of a surface file included."""
+        parts = {**self.to_dict(), "format": FORMAT}
+        if self.surface is not None:
+            parts["surface"] = hashlib.sha256(Path(self.surface).read_bytes()).hexdigest()
+        text = json.dumps(parts, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,66 @@
+"""The mesh of a finger as plain arrays."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+SKIN, SUBCUTANEOUS, BONE = 1, 2, 3
+REGIONS = {"skin": SKIN, "subcutaneous": SUBCUTANEOUS, "bone": BONE}
+
+FACETS = ("pad", "nail", "cut", "bone", "medial", "bone-cut")
+"""Names of the facet sets: every boundary facet is in one of them, and "bone" is an interface."""
+
+
+@dataclass(frozen=True)
+class FingerMesh:
+    """Tetrahedra of a finger or of its half y >= 0; frame x distal, y radial, z dorsal, in mm.
+
+    The origin is the mesh vertex that a plate at 30 degrees touches first.
+
+    Attributes
+    ----------
+    points : (n, 3) vertices, mm.
+    cells : (m, 4) vertex indices, positively oriented.
+    region : (m,) 1 skin, 2 subcutaneous tissue, 3 bone.
+    facets : name -> (k, 3) vertex indices, normals pointing out of the soft tissue ("medial" and
+        "bone-cut": out of the finger). "pad": outer skin but for nail and cut; "nail": skin
+        under the nail; "cut": soft tissue at the proximal cut; "bone": interface of soft tissue
+        and bone; "medial": plane y = 0 of a half; "bone-cut": bone at the proximal cut.
+    pad_normals : (n, 3) unit outward normals of the smooth surface at pad vertices, else zero.
+    half : whether only y >= 0 is meshed.
+    name : subject and resolution, such as "ah-standard".
+    recipe : what the mesh was made from.
+    quality : measured figures, see `fefinger.mesh.quality`.
+
+    """
+
+    points: NDArray[np.float64]
+    cells: NDArray[np.int64]
+    region: NDArray[np.int8]
+    facets: dict[str, NDArray[np.int64]]
+    pad_normals: NDArray[np.float64]
+    half: bool
+    name: str = "finger"
+    recipe: dict[str, Any] = field(default_factory=dict)
+    quality: dict[str, Any] = field(default_factory=dict)
+
+
+def volumes(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the signed volume of each tetrahedron, (m,) mm^3."""
+    corners = points[cells]
+    edges = corners[:, 1:] - corners[:, :1]
+    return np.asarray(np.einsum("ij,ij->i", np.cross(edges[:, 0], edges[:, 1]), edges[:, 2]) / 6.0)
+
+
+def faces(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the four outward faces of each positive tetrahedron, (m, 4, 3)."""
+    return cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]]
+
+
+def edges(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the edges of the tetrahedra once each, (e, 2) ascending."""
+    pairs = cells[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2)
+    return np.unique(np.sort(pairs, axis=1), axis=0)

@@ -1,0 +1,138 @@
+"""Compiled Hodgkin-Huxley integration; imported by `membranes` when a membrane first runs."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3
+V_NA, V_K, V_LEAK = 115.0, -12.0, 10.613
+SPIKE_MV, REARM_MV = 40.0, 20.0
+
+
+@njit(cache=True, inline="always")
+def _linoid(x: float, e: float) -> float:
+    """Return x / (e - 1) with e = exp(x), its removable singularity removed."""
+    if abs(x) < 1e-4:
+        return 1.0 - x / 2.0 + x * x / 12.0
+    return x / (e - 1.0)
+
+
+@njit(cache=True)
+def rates(v: float) -> tuple[float, float, float, float, float, float]:
+    """Return opening and closing rates (an, bn, am, bm, ah, bh) in 1/ms at v mV above rest."""
+    tenth = math.exp(-v / 10.0)
+    a_n = 0.1 * _linoid((10.0 - v) / 10.0, 2.718281828459045 * tenth)
+    a_m = _linoid((25.0 - v) / 10.0, 12.182493960703473 * tenth)
+    b_h = 1.0 / (20.085536923187668 * tenth + 1.0)
+    a_h = 0.07 * math.sqrt(tenth)
+    return a_n, 0.125 * math.exp(-v / 80.0), a_m, 4.0 * math.exp(-v / 18.0), a_h, b_h
+
+
+@njit(cache=True)
+def slope(
+    v: float, n: float, m: float, h: float, current: float, slow: float, thaw: float
+) -> tuple[float, float, float, float]:
+    """Return d(v, n, m, h)/dt per ms; `slow` scales the rates and `thaw` 0 freezes m."""
+    a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
+    n2 = n * n
+    ionic = G_K * n2 * n2 * (v - V_K) + G_NA * m * m * m * h * (v - V_NA) + G_LEAK * (v - V_LEAK)
+    dn = slow * (a_n * (1.0 - n) - b_n * n)
+    dm = slow * thaw * (a_m * (1.0 - m) - b_m * m)
+    dh = slow * (a_h * (1.0 - h) - b_h * h)
+    return (current - ionic) / CAPACITANCE, dn, dm, dh
+
+
+@njit(cache=True)
+def _step(
+    y: tuple[float, float, float, float],
+    k1: tuple[float, float, float, float],
+    dt: float,
+    middle: float,
+    end: float,
+    slow: float,
+    thaw: float,
+) -> tuple[float, float, float, float]:
+    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
+    v, n, m, h = y
+    a, b, c, d = k1
+    s = 0.5 * dt
+    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, thaw)
+    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, thaw)
+    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, thaw)
+    s = dt / 6.0
+    return (
+        v + s * (a + 2.0 * (e + p) + w),
+        n + s * (b + 2.0 * (f + q) + x),
+        m + s * (c + 2.0 * (g + r) + j),
+        h + s * (d + 2.0 * (i + u) + z),
+    )
+
+
+@njit(cache=True)
+def _crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
+    """Return the fraction of a step at which the cubic through its ends reaches a spike."""
+    low, high = 0.0, 1.0
+    for _ in range(45):
+        x = 0.5 * (low + high)
+        y = 1.0 - x
+        value = y * y * ((1.0 + 2.0 * x) * v0 + x * dt * d0)
+        value += x * x * ((3.0 - 2.0 * x) * v1 - y * dt * d1)
+        if value < SPIKE_MV:
+            low = x
+        else:
+            high = x
+    return 0.5 * (low + high)
+
+
+@njit(cache=True, nogil=True)
+def integrate(
+    time: NDArray[np.float64],
+    current: NDArray[np.float64],
+    dt_max: float,
+    divisor: float,
+    frozen: bool,
+    rest: NDArray[np.float64],
+    block_mv: float,
+    block_current: float,
+    block_after: float,
+    spikes: NDArray[np.float64],
+) -> tuple[int, float, float, NDArray[np.float64]]:
+    """Integrate one unit from rest over time (n_t,) ms with current (n_t,) linear in between.
+
+    Fills `spikes` with crossing times in ms; returns their number, the highest potential, the time
+    spent above `block_mv` at more than `block_current` once a stay there without a spike has lasted
+    `block_after` ms, and the final state.
+    """
+    slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
+    y = (rest[0], rest[1], rest[2], rest[3])
+    armed, count, peak, block, above = True, 0, y[0], 0.0, 0.0
+    for k in range(len(time) - 1):
+        interval = time[k + 1] - time[k]
+        steps = math.ceil(interval / dt_max - 1e-9)
+        if steps == 0:
+            continue
+        dt, i0 = interval / steps, current[k]
+        per_step = (current[k + 1] - i0) / steps
+        for j in range(steps):
+            start = i0 + j * per_step
+            k1 = slope(y[0], y[1], y[2], y[3], start, slow, thaw)
+            new = _step(y, k1, dt, start + 0.5 * per_step, start + per_step, slow, thaw)
+            if armed and new[0] >= SPIKE_MV:
+                d1 = slope(new[0], new[1], new[2], new[3], start + per_step, slow, thaw)[0]
+                armed = False
+                if count < len(spikes):
+                    spikes[count] = time[k] + dt * (j + _crossing(y[0], new[0], k1[0], d1, dt))
+                count += 1
+                above = 0.0
+            elif new[0] < REARM_MV:
+                armed = True
+            high = new[0] > block_mv and start > block_current
+            above = above + dt if high else 0.0
+            if above > block_after:
+                block += min(dt, above - block_after)
+            peak = max(peak, new[0])
+            y = new
+    return count, peak, block, np.array(y)

@@ -1,0 +1,97 @@
+"""Drives: which part of the strain at an end organ moves it.
+
+Each takes strain (..., n_sites, 3, 3), positive in tension, and the unit normals of the skin above
+the sites (n_sites, 3), inward or outward, and returns a dimensionless drive (..., n_sites).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+
+
+Array = NDArray[np.float64]
+
+POISSON = 0.48
+"""Poisson's ratio in the energy drive: of the subcutaneous tissue of the published layer sets."""
+
+
+def compressive(strain: Array, normals: Array) -> Array:
+    """Return max(0, -smallest principal strain).
+
+    Default of SAI: the strain component that explains SAI rates best in Phillips & Johnson (1981),
+    J Neurophysiol 46:1192 (as cited in thesis 4.1). Default of FAII: the corpuscle is compressed
+    between indenter and bone (thesis 4.2.1), and its lamellae have no preferred tangent direction.
+    """
+    return np.maximum(0.0, -_principal(strain)[..., 0])
+
+
+def tensile(strain: Array, normals: Array) -> Array:
+    """Return the largest principal strain in any direction, negative where all are compressive."""
+    return _principal(strain)[..., 2]
+
+
+def tangent(strain: Array, normals: Array) -> Array:
+    """Return the largest strain in the tangent plane of the skin, with its sign.
+
+    Default of FAI: the maximum horizontal strain of Phillips & Johnson (1981), as cited in thesis
+    4.1. Default of SAII: stretch of the skin in its plane, which is what SAII units respond to
+    (Edin 1992, J Neurophysiol 67:1105, hairy skin of the hand; by analogy for glabrous skin).
+    """
+    first, second = _tangents(normals)
+    a = np.einsum("...sij,si,sj->...s", strain, first, first)
+    b = np.einsum("...sij,si,sj->...s", strain, first, second)
+    c = np.einsum("...sij,si,sj->...s", strain, second, second)
+    return 0.5 * (a + c) + np.hypot(0.5 * (a - c), b)
+
+
+def energy(strain: Array, normals: Array) -> Array:
+    """Return sqrt(2 W / E), W the elastic strain-energy density at POISSON and modulus E.
+
+    It is the strain itself in uniaxial stress. Elastic: relaxation does not lower it. Strain-energy
+    density is what several finite-element studies of SAI and FAI units use, as Pham et al. (2017),
+    doi:10.1371/journal.pone.0189293.
+    """
+    trace = np.trace(strain, axis1=-2, axis2=-1)
+    squares = np.einsum("...ij,...ij->...", strain, strain)
+    return np.sqrt((squares + POISSON / (1.0 - 2.0 * POISSON) * trace**2) / (1.0 + POISSON))
+
+
+def von_mises(strain: Array, normals: Array) -> Array:
+    """Return the equivalent strain sqrt(2/3 e:e) of the deviator e."""
+    deviator = strain - np.trace(strain, axis1=-2, axis2=-1)[..., None, None] / 3.0 * np.eye(3)
+    return np.sqrt(2.0 / 3.0 * np.einsum("...ij,...ij->...", deviator, deviator))
+
+
+Drive = Callable[[Array, Array], Array]
+
+DRIVES: dict[str, Drive] = {
+    f.__name__: f for f in (compressive, tensile, tangent, energy, von_mises)
+}
+
+DEFAULT_DRIVE: dict[str, str] = {
+    "SAI": "compressive",
+    "SAII": "tangent",
+    "FAI": "tangent",
+    "FAII": "compressive",
+}
+"""Drive per afferent type; the docstring of each drive gives the source."""
+
+
+def _principal(strain: Array) -> Array:
+    """Return the principal strains (..., 3), ascending."""
+    return np.asarray(np.linalg.eigvalsh(strain), np.float64)
+
+
+def _tangents(normals: Array) -> tuple[Array, Array]:
+    """Return two unit vectors (n_sites, 3) across each normal, at right angles to each other."""
+    length = np.linalg.norm(normals, axis=-1, keepdims=True)
+    if not np.all(np.abs(length - 1.0) < 1e-6):
+        msg = f"normals: expected unit vectors, received lengths {length.ravel().tolist()}"
+        raise InputError(msg)
+    axis = np.eye(3)[np.argmin(np.abs(normals), axis=-1)]
+    across: Array = np.cross(normals, axis)
+    across /= np.sqrt(np.sum(across**2, axis=-1, keepdims=True))
+    return across, np.cross(normals, across)

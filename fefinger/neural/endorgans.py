@@ -1,0 +1,132 @@
+"""End organs as mechanical filters between skin displacement and nerve displacement."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError
+
+
+@dataclass(frozen=True)
+class PoleZero:
+    """Filter X_out / X_in = M prod(s + z) / prod(s + p), as many zeros as poles.
+
+    Parameters
+    ----------
+    zeros, poles
+        Corner frequencies in Hz (z and p are 2 pi times these); poles above 0 and distinct.
+    gain
+        M, the gain at high frequency, dimensionless.
+
+    Raises
+    ------
+    InputError
+        Unequal numbers of zeros and poles, or corner frequencies that are not as above.
+
+    Notes
+    -----
+    Pawluk (1997), Eq. 4.3 and 4.6. Written as M (d + sum c_i s / (s + p_i)) with d = prod z / prod
+    p, so that only first differences of the input are needed, a velocity that jumps needs no care,
+    and a filter with a zero at 0 Hz is silent to the last bit in a hold.
+    """
+
+    zeros: tuple[float, ...]
+    poles: tuple[float, ...]
+    gain: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the corner frequencies."""
+        finite = all(math.isfinite(f) and f >= 0 for f in (*self.zeros, *self.poles))
+        distinct = len(set(self.poles)) == len(self.poles)
+        if len(self.zeros) != len(self.poles) or not (finite and distinct and all(self.poles)):
+            msg = (
+                "end organ: expected as many zeros as poles, zeros of 0 Hz or more and distinct "
+                f"poles above 0 Hz, received zeros {self.zeros} and poles {self.poles} Hz"
+            )
+            raise InputError(msg)
+
+    def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+        """Return X_out / X_in at frequencies in Hz, of any shape."""
+        s = 1j * np.asarray(frequency, float)[..., None]
+        return self.gain * ((s + self.zeros) / (s + self.poles)).prod(axis=-1)
+
+    def partial_fractions(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+        """Return (d, c, p): the filter is d + sum c_i s / (s + p_i), with p in rad/s."""
+        z, p = np.array(self.zeros), np.array(self.poles)
+        others = [np.prod(p[np.arange(len(p)) != i] - p[i]) for i in range(len(p))]
+        residues = np.array([np.prod(z - p[i]) / others[i] for i in range(len(p))])
+        at_rest = self.gain * float(np.prod(z / p))
+        return at_rest, -self.gain * residues / p, 2.0 * np.pi * p
+
+    def respond(
+        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
+    ) -> NDArray[np.float64]:
+        """Return the output for an input that is linear between its samples, exactly.
+
+        Parameters
+        ----------
+        time
+            (n_t,) s, not decreasing; a repeated time is a jump of the input.
+        x_in
+            (n_t,) or (n_t, n_units) mm, zero before `time[0]` with the organ at rest.
+        at
+            (n_at,) s at which the output is wanted, within `time`; default `time` itself.
+
+        Returns
+        -------
+        (n_at,) or (n_at, n_units) mm.
+        """
+        time, x_in = np.asarray(time, float), np.asarray(x_in, float)
+        columns = x_in.reshape(len(time), -1)
+        at_rest, c, p = self.partial_fractions()
+        memory = _memory(time, columns, p)
+        if at is None:
+            out = at_rest * columns + np.einsum("i,tik->tk", c, memory)
+            return out.reshape(x_in.shape)
+        at = np.asarray(at, float)
+        k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
+        since, step = at - time[k], np.diff(time, append=time[-1])
+        slope = (
+            np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
+        )
+        out = at_rest * (columns[k] + slope[k] * since[:, None])
+        for i, pole in enumerate(p):
+            decay = np.exp(-pole * since)[:, None]
+            out += c[i] * (memory[k, i] * decay + slope[k] * ((1.0 - decay) / pole))
+        return out.reshape(at.shape + x_in.shape[1:])
+
+
+def _memory(
+    time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the integrals of exp(-p (t - s)) dx(s) at every time, (n_t, n_poles, n_units)."""
+    a = np.multiply.outer(np.diff(time), p)
+    decay = np.exp(-a)[:, :, None]
+    ramp = np.where(a > 0, -np.expm1(-a) / np.where(a > 0, a, 1.0), 1.0)[:, :, None]
+    out = np.empty((len(time), len(p), columns.shape[1]))
+    out[0] = columns[0]
+    for i, change in enumerate(np.diff(columns, axis=0)):
+        out[i + 1] = decay[i] * out[i] + ramp[i] * change
+    return out
+
+
+END_ORGANS: dict[str, PoleZero] = {
+    "SAI": PoleZero(zeros=(0.1,), poles=(1.0,)),
+    "SAII": PoleZero(zeros=(0.5,), poles=(5.0,)),
+    "FAI": PoleZero(zeros=(0.0, 0.0), poles=(1.0, 10.0)),
+    "FAII": PoleZero(zeros=(0.0, 0.0), poles=(100.0, 1000.0)),
+}
+"""The filters of thesis 4.3.4 with M = 1.
+
+The FA filters are phenomenological: the spring and damper chain of Eq. B.27 interlaces its zeros
+and poles, so it cannot have both zeros at 0 Hz.
+"""
+
+TYPES: tuple[str, ...] = tuple(END_ORGANS)
+
+
+def rectify(x_out: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the half-wave rectified nerve displacement, mm (thesis Eq. B.19, after the filter)."""
+    return np.maximum(x_out, 0.0)

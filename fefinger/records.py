@@ -1,0 +1,232 @@
+"""The records that answers travel in: Plan, Refusal, Response, Result.
+
+All are frozen: a stage that has not run has no field to read. `files.py` saves and loads a Result.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.neural.trains import SpikeTrains
+from fefinger.scene import Scene
+
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a mechanics should not answer a scene.
+
+    `about` is "ability" (it cannot answer at all) or "accuracy" (it can, but worse than asked);
+    `reason` quotes the number that broke, as in "contact radius / thickness = 0.9 > 0.1".
+    """
+
+    mechanics: str
+    about: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One mechanics on the ladder: what it would cost and how wrong it is expected to be."""
+
+    mechanics: str
+    seconds: float
+    error: float
+    evidence: str
+    refusals: tuple[Refusal, ...] = ()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The chosen mechanics, and the ladder it was chosen from."""
+
+    mechanics: str
+    rungs: tuple[Rung, ...]
+    sentence: str
+    overridden: tuple[Refusal, ...] = ()
+
+    @property
+    def chosen(self) -> Rung:
+        """The rung of the chosen mechanics."""
+        return next(rung for rung in self.rungs if rung.mechanics == self.mechanics)
+
+
+@dataclass(frozen=True)
+class Pad:
+    """The places on the pad where pressure is reported: points (n_pad, 3) mm, areas (n_pad,) mm².
+
+    `triangles` (n_tri, 3) connect the points for pictures; `normals` (n_pad, 3) point outward.
+    """
+
+    points: Array
+    areas: Array
+    normals: Array
+    triangles: Integers
+
+
+@dataclass(frozen=True)
+class Sites:
+    """End-organ sites: material points under the undeformed pad.
+
+    points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
+    depths (n_sites,) mm below the skin, types: the afferent type that each one serves.
+    """
+
+    points: Array
+    normals: Array
+    depths: Array
+    types: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A small flat press of the same finger, which sets the length that a strain stands for.
+
+    depth mm; normals (n_types, 3) and strain (n_types, 3, 3) at the central site of each of
+    `types`. A drive e at the central site then stands for a skin displacement depth * e / e_ref.
+    """
+
+    depth: float
+    types: tuple[str, ...]
+    normals: Array
+    strain: Array
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Fields on the mesh at some of the times.
+
+    points (n_points, 3) mm, cells (n_cells, 4), region (n_cells,) 1 skin, 2 subcutaneous tissue,
+    times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames, n_points, 6)
+    with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points) kPa on the
+    pad and zero elsewhere.
+    """
+
+    points: Array
+    cells: Integers
+    region: NDArray[np.int8]
+    times: Array
+    displacement: Array
+    strain: Array
+    pressure: Array
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a mechanics answers; what the scene did not ask for is None.
+
+    time (n_t,) s; depth (n_t,) mm; force (n_t,) N on the whole finger along the indenter's
+    normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact;
+    pressure (n_t, n_pad) kPa; strain (n_t, n_sites, 3, 3), positive in tension.
+    `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
+    the result has to know; `status` is one sentence on how the solution was reached.
+    """
+
+    mechanics: str
+    time: Array
+    depth: Array
+    force: Array
+    contact_area: Array | None
+    centroid: Array | None
+    pad: Pad | None
+    pressure: Array | None
+    sites: Sites | None
+    strain: Array | None
+    reference: Reference | None
+    fields: Fields | None
+    status: str
+    seconds: dict[str, float]
+    notes: tuple[str, ...]
+    numbers: dict[str, float] = field(default_factory=dict)
+
+
+class Progress(Protocol):
+    """What long work reports to: a stage by name, and the fraction of it that is done."""
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        """Report that `fraction` (0 to 1) of `stage` is done."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
+
+    scene: Scene
+    plan: Plan
+    response: Response
+    spikes: SpikeTrains | None
+    status: str
+    seconds: dict[str, float]
+    provenance: dict[str, Any]
+
+    @property
+    def time(self) -> Array:
+        """Times (n_t,) in s."""
+        return self.response.time
+
+    @property
+    def depth(self) -> Array:
+        """Travel of the indenter (n_t,) in mm, 0 at first touch."""
+        return self.response.depth
+
+    @property
+    def force(self) -> Array | None:
+        """Force of the whole finger (n_t,) in N, along the indenter's normal."""
+        return self.response.force if self.scene.ask.force else None
+
+    @property
+    def contact_area(self) -> Array | None:
+        """Contact area (n_t,) in mm²."""
+        return self.response.contact_area
+
+    @property
+    def centroid(self) -> Array | None:
+        """Pressure centroid (n_t, 2) in mm (x, y)."""
+        return self.response.centroid
+
+    @property
+    def pad(self) -> Pad | None:
+        """Where the pressure is reported."""
+        return self.response.pad
+
+    @property
+    def pressure(self) -> Array | None:
+        """Contact pressure (n_t, n_pad) in kPa, positive in compression."""
+        return self.response.pressure
+
+    @property
+    def sites(self) -> Sites | None:
+        """The end-organ sites."""
+        return self.response.sites
+
+    @property
+    def strain(self) -> Array | None:
+        """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension."""
+        return self.response.strain
+
+    @property
+    def fields(self) -> Fields | None:
+        """Fields on the mesh, where they were asked for."""
+        return self.response.fields
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Simplifications and recorded choices that the reader has to know."""
+        return self.response.notes + (self.spikes.notes if self.spikes is not None else ())
+
+    def save(self, folder: str) -> list[str]:
+        """Write `result.nc`, `result.vtkhdf`, `spikes.csv` and `report.html` into `folder`."""
+        from fefinger.files import save
+
+        return save(self, folder)
+
+    def show(self) -> Any:
+        """Open the strain field in a PyVista window, or inline in a notebook."""
+        from fefinger.view import show
+
+        return show(self)

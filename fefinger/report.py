@@ -1,0 +1,240 @@
+"""A Result as one self-contained HTML page: `write(result, path)`.
+
+What the scene did not ask for has no section. Pictures are inside the page.
+"""
+
+import base64
+import tempfile
+from collections.abc import Iterator
+from importlib import resources
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fefinger import figures, section, view
+from fefinger.records import Result
+from fefinger.scene import Ellipsoid, Flat, Sphere
+
+
+STANDING = (
+    "No sweat, friction or slip: the contact carries pressure only.",
+    "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
+    "No noise: a unit fires the same spikes every time, and units do not differ from each other.",
+    "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
+)
+"""Limits of every mechanics, told after those that the mechanics names itself."""
+
+
+def write(result: Result, path: str | PathLike[str]) -> None:
+    """Write the report on `result` to the HTML file `path`."""
+    from jinja2 import Environment
+    from markupsafe import Markup
+
+    folder = resources.files("fefinger.templates")
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"percent": _percent, "number": _number}
+    page = environment.from_string((folder / "report.html").read_text("utf-8"))
+    html = page.render(
+        css=Markup((folder / "report.css").read_text("utf-8")),
+        scene=result.scene,
+        answer=answer(result),
+        touch=_touch(result),
+        tiles=list(_tiles(result)),
+        warnings=_warnings(result),
+        parts=list(_parts(result)),
+        units=list(_units(result)),
+        plan=result.plan,
+        status=result.status,
+        stages=_svg(figures.stages(result)),
+        notes=[*result.notes, *STANDING],
+        folder="out",
+        provenance=list(_flat(result.provenance)),
+        toml=result.scene.to_toml(),
+    )
+    Path(path).write_text(html, encoding="utf-8")
+
+
+def answer(result: Result) -> str:
+    """Return the answer in one sentence: peak force, contact area, spikes."""
+    said = []
+    if result.force is not None:
+        step = int(np.argmax(result.force))
+        said.append(
+            f"the finger pushes back with up to {result.force[step]:.3g} N "
+            f"(at {_time(result.time[step])}) and {result.force[-1]:.3g} N at the end"
+        )
+    if result.contact_area is not None:
+        said.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
+    if result.spikes is not None:
+        counts = zip(result.spikes.names, result.spikes.count().tolist(), strict=True)
+        listed = ", ".join(f"{name} {count}" for name, count in counts)
+        said.append(f"spikes: {listed}")
+    if not said:
+        return f"The indenter travels {np.max(result.depth):.3g} mm."
+    sentence = "; ".join(said)
+    return sentence[0].upper() + sentence[1:] + "."
+
+
+def _touch(result: Result) -> str:
+    """Return finger, indenter and motion in one sentence."""
+    scene = result.scene
+    finger, indenter, motion = scene.finger, scene.indenter, scene.motion
+    who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
+    what = "a rigid object"
+    if isinstance(indenter, Flat):
+        tilt = f", rolled by {indenter.tilt:g} degrees" if indenter.tilt else ""
+        what = f"a rigid flat plate at {indenter.angle:g} degrees{tilt}"
+    elif isinstance(indenter, Sphere):
+        what = f"a rigid sphere of radius {indenter.radius:g} mm"
+    elif isinstance(indenter, Ellipsoid):
+        what = "a rigid ellipsoid of half axes {:g}, {:g}, {:g} mm".format(*indenter.radii)
+    peak = f"{motion.peak:.3g} {'N' if motion.control == 'force' else 'mm'}"
+    size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
+    return f"{who} ({size}) and {what}; {motion.kind} to {peak}, {_time(motion.duration)} in all."
+
+
+def _tiles(result: Result) -> Iterator[dict[str, str]]:
+    """Give the numbers that stand on top."""
+    if result.force is not None:
+        yield {"name": "peak force", "value": f"{np.max(result.force):.3g} N"}
+    yield {"name": "largest depth", "value": f"{np.max(result.depth):.3g} mm"}
+    if result.contact_area is not None:
+        value = f"{np.nanmax(result.contact_area):.3g} mm²"
+        yield {"name": "largest contact area", "value": value}
+    if result.pressure is not None:
+        yield {"name": "highest pressure", "value": f"{np.max(result.pressure):.3g} kPa"}
+    if result.spikes is not None:
+        total = str(int(result.spikes.count().sum()))
+        yield {"name": f"spikes of {len(result.spikes)} units", "value": total}
+    total_time = sum(result.seconds.values())
+    yield {"name": f"run time, {result.plan.mechanics}", "value": f"{total_time:.3g} s"}
+
+
+def _warnings(result: Result) -> list[str]:
+    """Return what must be seen before the answer: spikes that are none."""
+    if result.spikes is None:
+        return []
+    blocked = np.flatnonzero(result.spikes.block_seconds > 0)
+    return [
+        f"{result.spikes.names[unit]} spends {result.spikes.block_seconds[unit]:.3g} s in "
+        "depolarization block: the current is above the range in which its membrane fires."
+        for unit in blocked
+    ]
+
+
+def _parts(result: Result) -> Iterator[dict[str, Any]]:
+    """Give the sections with pictures, in order."""
+    if result.force is not None:
+        text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
+        yield _part("force", "Force and depth", text, figures.force(result))
+    if result.pad is not None and result.pressure is not None:
+        text = (
+            "The contact pressure at the largest force, looking at the pad along its z axis; "
+            "lines are the mesh."
+        )
+        map_ = "data:image/png;base64," + _base64(figures.png(figures.pressure_map(result)))
+        yield {"key": "pressure", "title": "Pressure on the pad", "text": text, "narrow": True,
+               "picture": map_}  # fmt: skip
+    if result.contact_area is not None or result.centroid is not None:
+        text = "How much of the pad touches, and where the pressure is centered."
+        yield _part("contact", "Contact area and centroid", text, figures.contact(result))
+    if result.fields is not None:
+        yield _section(result)
+    if result.strain is not None and result.sites is not None:
+        text = (
+            "Largest compressive and tensile principal strain at every end organ; the number "
+            "after the type is its depth under the skin."
+        )
+        yield _part("strain", "Strain at the end organs", text, figures.site_strain(result))
+    if result.spikes is not None:
+        text = (
+            "What the strain does to the end organs: their input as an equivalent skin "
+            "displacement (compression positive), and the generator current into the membrane."
+        )
+        yield _part("current", "From strain to current", text, figures.currents(result))
+        text = "Spike times, and one over the interval between two spikes as the rate."
+        yield _part("spikes", "Spikes", text, figures.spikes(result))
+
+
+def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
+    return {"key": key, "title": title, "text": text, "picture": _svg(drawn)}
+
+
+def _section(result: Result) -> dict[str, Any]:
+    """Return the section on the strain in the finger: the cut, and two views in space."""
+    assert result.fields is not None
+    text = (
+        "The deformed finger at the stored time next to the largest force. Lines bound skin and "
+        "subcutaneous tissue; the hole is the bone; dots are the end organs."
+    )
+    pictures = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "picture.png")
+        missing = view.section_png(result, path)
+        cut = "data:image/png;base64," + _base64(path.read_bytes())
+        if missing:
+            text = f"{text} {missing}"
+        else:
+            for field in ("pressure", view.DEFAULT):
+                view.screenshot(result, path, field)
+                source = "data:image/png;base64," + _base64(path.read_bytes())
+                pictures.append({"source": source, "caption": _caption(result, field)})
+    title = "A section through the finger"
+    return {"key": "section", "title": title, "text": text, "picture": cut, "pictures": pictures}
+
+
+def _caption(result: Result, field: str) -> str:
+    assert result.fields is not None
+    frame = section.nearest_frame(result.fields, section.peak_time(result))
+    where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
+    return f"{field.capitalize()} {where}, {_time(result.fields.times[frame])}."
+
+
+def _units(result: Result) -> Iterator[dict[str, str]]:
+    """Give one row of the table of spikes per unit."""
+    spikes = result.spikes
+    if spikes is None:
+        return
+    for unit, times in enumerate(spikes.times):
+        yield {
+            "name": spikes.names[unit],
+            "kind": spikes.types[unit],
+            "color": figures.COLORS.get(spikes.types[unit], figures.INK),
+            "count": str(len(times)),
+            "driven": str(int(spikes.stimulus_driven[unit])),
+            "rate": f"{1 / np.diff(times).min():.3g}" if len(times) > 1 else "none",
+            "first": f"{1e3 * times[0]:.3g}" if len(times) else "none",
+            "block": f"{spikes.block_seconds[unit]:.3g}",
+            "peak": f"{spikes.peak_mV[unit]:.3g}",
+        }
+
+
+def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Give the entries of nested tables as (dotted name, text)."""
+    for name, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", str(value)
+
+
+def _svg(drawn: Any) -> str:
+    return "data:image/svg+xml;base64," + _base64(figures.svg(drawn).encode())
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def _time(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.4g} s"

@@ -1,0 +1,113 @@
+"""The main path: scene, plan, mechanics, neural, result."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.trains import SpikeTrains
+    from fefinger.records import Progress, Response, Result
+    from fefinger.scene import Scene
+
+PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
+"""Packages whose versions a result records."""
+
+
+def run(
+    scene: "Scene | str | Path",
+    *,
+    mechanics: str | None = None,
+    progress: "Progress | None" = None,
+) -> "Result":
+    """Answer a scene.
+
+    Parameters
+    ----------
+    scene
+        A Scene, the name of a built-in one, or a TOML file.
+    mechanics
+        Name of the mechanics to use; by default the cheapest that does not refuse.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
+
+    Raises
+    ------
+    InputError
+        A scene that cannot be used, or that no mechanics answers.
+    ConvergenceError
+        An iteration that failed.
+    """
+    from dataclasses import replace
+
+    from fefinger import scenes
+    from fefinger.mechanics import get
+    from fefinger.plan import choose
+    from fefinger.records import Result
+    from fefinger.stages import Stages
+
+    if isinstance(scene, str | Path):
+        scene = scenes.load(scene)
+    plan = choose(scene, mechanics)
+    response = get(plan.mechanics).respond(scene, progress)
+    stages = Stages(progress)
+    with stages.stage("neural"):
+        spikes = _spikes(scene, response) if scene.ask.spikes else None
+    return Result(
+        scene=scene,
+        plan=plan,
+        response=response if scene.ask.strain else replace(response, strain=None),
+        spikes=spikes,
+        status=_status(response, spikes),
+        seconds={**response.seconds, **stages.seconds},
+        provenance=_provenance(scene),
+    )
+
+
+def _spikes(scene: "Scene", response: "Response") -> "SpikeTrains":
+    """Return what one unit of each type asked fires under the strain at its end organ."""
+    from fefinger.checks import InputError
+    from fefinger.neural.afferents import from_strain
+
+    if response.strain is None or response.sites is None or response.reference is None:
+        msg = f"ask.spikes: {response.mechanics!r} gives no strain under the skin to make them from"
+        raise InputError(msg)
+    sites, reference = response.sites, response.reference
+    return from_strain(
+        response.time,
+        response.strain,
+        sites.normals,
+        sites.types,
+        reference_depth=reference.depth,
+        reference_types=reference.types,
+        reference_strain=reference.strain,
+        reference_normals=reference.normals,
+        drives=scene.ask.drives,
+        generator=scene.ask.generator,
+        positions=sites.points,
+    )
+
+
+def _status(response: "Response", spikes: "SpikeTrains | None") -> str:
+    if spikes is None:
+        return response.status
+    counts = zip(spikes.names, spikes.count().tolist(), strict=True)
+    return f"{response.status} Spikes: {', '.join(f'{name} {count}' for name, count in counts)}."
+
+
+def _provenance(scene: "Scene") -> dict[str, Any]:
+    """Return what is needed to make the same result again."""
+    import hashlib
+    import platform
+    from datetime import UTC, datetime
+    from importlib.metadata import version
+
+    from fefinger.version import VERSION
+
+    return {
+        "fefinger": VERSION,
+        "python": platform.python_version(),
+        "system": platform.platform(),
+        "packages": {package: version(package) for package in PACKAGES},
+        "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

@@ -1,0 +1,125 @@
+"""A scene: which finger, which object, how it moves, and what is asked. TOML in and out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+from fefinger.ask import Ask
+from fefinger.checks import InputError, number
+from fefinger.finger import Finger
+from fefinger.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.motion import (
+    ForceRamp,
+    ForceRampHold,
+    ForceRampSinusoid,
+    ForceSampled,
+    ForceTrapezoid,
+    Motion,
+    Ramp,
+    RampHold,
+    RampSinusoid,
+    Sampled,
+    Trapezoid,
+)
+from fefinger.tables import parse, parts, read, tables
+from fefinger.theory.relaxation import Prony
+from fefinger.tissue import Tissue
+
+
+__all__ = [
+    "Ask",
+    "Ellipsoid",
+    "Finger",
+    "Flat",
+    "ForceRamp",
+    "ForceRampHold",
+    "ForceRampSinusoid",
+    "ForceSampled",
+    "ForceTrapezoid",
+    "Indenter",
+    "Motion",
+    "Prony",
+    "Ramp",
+    "RampHold",
+    "RampSinusoid",
+    "Sampled",
+    "Scene",
+    "Sphere",
+    "Tissue",
+    "Trapezoid",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A touch, complete: what is simulated and what is asked of it.
+
+    Equal scenes are equal; `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
+    """
+
+    name: str = "scene"
+    finger: Finger
+    indenter: Indenter = field(default_factory=Flat)
+    motion: Motion
+    ask: Ask = field(default_factory=Ask)
+
+    def __post_init__(self) -> None:
+        """Check the parts against each other."""
+        if not isinstance(self.name, str) or not self.name.strip():
+            msg = f"name: expected a name for the scene, received {self.name!r}"
+            raise InputError(msg)
+        kinds = {"finger": Finger, "indenter": Indenter, "motion": Motion, "ask": Ask}
+        for name, kind in kinds.items():
+            if not isinstance(getattr(self, name), kind):
+                received = type(getattr(self, name)).__name__
+                msg = f"{name}: expected a {kind.__name__}, received {received}"
+                raise InputError(msg)
+        self._check_depths()
+        self._check_place()
+
+    def _check_depths(self) -> None:
+        pulp = self.finger.pulp
+        if self.motion.control == "depth" and self.motion.peak >= pulp:
+            msg = (
+                f"motion.depth: expected less than {pulp:g} mm, the tissue under the pad (half the "
+                f"finger's thickness), received a largest depth of {self.motion.peak:g}"
+            )
+            raise InputError(msg)
+        for name, depth in self.ask.depths.items():
+            number(f"ask.depths.{name}", depth, below=pulp, unit="mm")
+
+    def _check_place(self) -> None:
+        at = getattr(self.indenter, "at", None)
+        reach = (2 * self.finger.width, self.finger.width / 2)
+        if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
+            msg = (
+                f"indenter.at: expected a place on the pad, x within {reach[0]:g} and y within "
+                f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches"
+            )
+            raise InputError(msg)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the scene as nested tables of plain values, as in its TOML file."""
+        return {
+            "name": self.name,
+            **tables(self.finger, self.indenter, self.motion, self.ask),
+        }
+
+    def to_toml(self) -> str:
+        """Return the scene as TOML, with every value written out."""
+        import tomli_w
+
+        return tomli_w.dumps(self.to_dict())
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any], *, folder: str | Path = ".") -> Self:
+        """Read a scene from nested tables; files in it are looked up relative to `folder`."""
+        return cls(**parts(table, Path(folder)))
+
+    @classmethod
+    def from_toml(cls, source: str | Path) -> Self:
+        """Read a scene from a file, or from TOML text (a string with a line break or a "=")."""
+        if isinstance(source, str) and ("\n" in source or "=" in source or not source.strip()):
+            return cls.from_dict(parse(source))
+        return cls.from_dict(read(source), folder=Path(source).parent)

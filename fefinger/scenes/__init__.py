@@ -1,0 +1,114 @@
+"""The built-in scenes, and how a scene is found and changed by name."""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fefinger.checks import InputError, nearest
+
+
+if TYPE_CHECKING:
+    from fefinger.scene import Scene
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the built-in scenes, sorted."""
+    entries = (entry.name for entry in files(__name__).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
+
+
+def text(name: str) -> str:
+    """Return the TOML of a built-in scene, or raise InputError with the nearest name."""
+    if name not in names():
+        msg = f"scene {name!r}: expected one of {', '.join(names())}.{nearest(name, names())}"
+        raise InputError(msg)
+    return (files(__name__) / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def summary(name: str) -> str:
+    """Return the first comment of a built-in scene."""
+    return text(name).partition("\n")[0].lstrip("# ")
+
+
+def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
+    """Return a Scene: a built-in one, or that of a TOML file.
+
+    Parameters
+    ----------
+    name
+        Name of a built-in scene or path of a file.
+    overrides
+        Values by their dotted path in the file, such as {"motion.depth": 2.0}. A new `kind` keeps
+        only those keys of its table that it knows.
+
+    Raises
+    ------
+    InputError
+        No such scene or file, or contents that cannot be used.
+    """
+    from fefinger.scene import Scene
+    from fefinger.tables import parse, read
+
+    if str(name) in names():
+        tables, folder = parse(text(str(name)), name=str(name)), Path()
+    elif Path(name).exists():
+        tables, folder = read(name), Path(name).parent
+    else:
+        msg = (
+            f"scene {str(name)!r}: no such file, and no built-in scene of that name"
+            f" ({', '.join(names())}).{nearest(str(name), names())}"
+        )
+        raise InputError(msg)
+    tables.setdefault("name", Path(name).stem)
+    return Scene.from_dict(changed(tables, overrides or {}), folder=folder)
+
+
+def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `tables` with the values of `overrides`, given by dotted path, kinds first."""
+    result = _copy(tables)
+    for path in sorted(overrides, key=lambda path: not path.endswith(".kind")):
+        *parents, key = path.split(".")
+        table = result
+        for i, parent in enumerate(parents):
+            table = table.setdefault(parent, {})
+            if not isinstance(table, dict):
+                where = ".".join(parents[: i + 1])
+                msg = f"{path}: expected a table at {where}, which is {table!r}"
+                raise InputError(msg)
+        if key == "kind" and table.get(key) != overrides[path]:
+            _forget_other_kinds(parents, table, overrides[path])
+        table[key] = overrides[path]
+    return result
+
+
+def settings(texts: Iterable[str]) -> dict[str, Any]:
+    """Return overrides from texts such as "motion.depth=2"; values are TOML, or else bare text."""
+    found: dict[str, Any] = {}
+    for line in texts:
+        path, equals, value = (part.strip() for part in line.partition("="))
+        if not equals or not path or not value:
+            msg = f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2"
+            raise InputError(msg)
+        try:
+            found[path] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[path] = value
+    return found
+
+
+def _forget_other_kinds(parents: list[str], table: dict[str, Any], kind: Any) -> None:
+    """Drop the keys that the new kind of indenter or motion does not know."""
+    from fefinger.tables import keys
+
+    known = keys(".".join(parents), kind)
+    for key in list(table):
+        if known and key not in known:
+            del table[key]
+
+
+def _copy(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: _copy(value) if isinstance(value, Mapping) else value for key, value in table.items()
+    }

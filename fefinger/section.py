@@ -1,0 +1,220 @@
+"""What pictures of a finger need and no drawing library knows: fields by name, cuts, the indenter.
+
+numpy only, so that a picture of the medial section exists where no renderer does.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import choice
+from fefinger.records import Array, Fields, Integers, Result
+from fefinger.scene import Ellipsoid, Flat, Sphere
+
+
+BONE = 3  # the region of rigid bone, which has no field of its own
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+FIELDS = (
+    "compressive strain",
+    "tensile strain",
+    "von Mises strain",
+    *(f"strain {component}" for component in COMPONENTS),
+    "pressure",
+    "displacement",
+)
+SNAP = 1e-3  # of an edge
+_MIRROR = np.array([1.0, -1.0, 1.0])
+_MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+
+
+def unit(field: str) -> str:
+    """Return the unit in which pictures show a field; strains are shown in percent."""
+    return {"pressure": "kPa", "displacement": "mm"}.get(field, "%")
+
+
+def signed(field: str) -> bool:
+    """Return whether a field has both signs."""
+    return field in FIELDS and field.removeprefix("strain ") in COMPONENTS
+
+
+def values(fields: Fields, field: str, frame: int) -> Array:
+    """Return a field at the points (n_points,) in `unit(field)`; InputError if it is unknown."""
+    choice("field", field, FIELDS)
+    if field == "pressure":
+        return fields.pressure[frame]
+    if field == "displacement":
+        return np.asarray(np.linalg.norm(fields.displacement[frame], axis=1))
+    strain = 100.0 * fields.strain[frame]
+    if signed(field):
+        return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
+    principal = np.linalg.eigvalsh(tensors(strain))
+    if field == "compressive strain":
+        return np.asarray(np.maximum(0.0, -principal[:, 0]))
+    if field == "tensile strain":
+        return np.asarray(np.maximum(0.0, principal[:, 2]))
+    deviator = principal - principal.mean(axis=1, keepdims=True)
+    return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=1)))
+
+
+def tensors(six: Array) -> Array:
+    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
+    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+
+
+def nearest_frame(fields: Fields, time: float) -> int:
+    """Return the index of the stored time next to `time` s."""
+    return int(np.argmin(np.abs(fields.times - time)))
+
+
+def peak_time(result: Result) -> float:
+    """Return the time in s of the largest force."""
+    return float(result.time[int(np.argmax(result.response.force))])
+
+
+def is_half(points: Array) -> bool:
+    """Return whether only y >= 0 is meshed."""
+    return bool(points[:, 1].min() >= -1e-9 * np.ptp(points))
+
+
+def whole(fields: Fields) -> Fields:
+    """Return the fields of the whole finger, mirrored in the medial plane if they are half."""
+    points = fields.points
+    if not is_half(points):
+        return fields
+    off = np.flatnonzero(points[:, 1] > 1e-9 * np.ptp(points))
+    image = np.arange(len(points))
+    image[off] = len(points) + np.arange(len(off))
+    return replace(
+        fields,
+        points=np.concatenate([points, points[off] * _MIRROR]),
+        cells=np.concatenate([fields.cells, image[fields.cells][:, [0, 2, 1, 3]]]),
+        region=np.concatenate([fields.region, fields.region]),
+        displacement=np.concatenate(
+            [fields.displacement, fields.displacement[:, off] * _MIRROR], axis=1
+        ),
+        strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
+        pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
+    )
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The medial section of a mesh: vertices lie on its edges, at `weight` from first to second.
+
+    edges (n, 2) point numbers, weight (n,), triangles (k, 3) of section vertices, region (k,).
+    """
+
+    edges: Integers
+    weight: Array
+    triangles: Integers
+    region: NDArray[np.int8]
+
+    def at(self, nodal: Array) -> Array:
+        """Return values given at the mesh points, (n_points, ...), at the section's vertices."""
+        first, second = nodal[self.edges[:, 0]], nodal[self.edges[:, 1]]
+        weight = self.weight.reshape(-1, *[1] * (nodal.ndim - 1))
+        return np.asarray((1 - weight) * first + weight * second)
+
+    def outlines(self) -> Integers:
+        """Return the edges (m, 2) of section vertices that bound a region."""
+        found = []
+        for region in np.unique(self.region):
+            corners = self.triangles[self.region == region]
+            edges = np.sort(corners[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
+            unique, count = np.unique(edges, axis=0, return_counts=True)
+            found.append(unique[count == 1])
+        return np.concatenate(found)
+
+
+def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
+    """Cut tetrahedra with the medial plane, a hair above y = 0 so that half meshes are met."""
+    level = 1e-6 * np.ptp(points)
+    above = points[:, 1] > level
+    count = above[cells].sum(axis=1)
+    pairs, kinds = [], []
+    for number in (1, 2, 3):
+        hit = cells[count == number]
+        order = np.argsort(~above[hit] if number < 3 else above[hit], axis=1, kind="stable")
+        a, b, c, d = np.take_along_axis(hit, order, axis=1).T
+        if number == 2:
+            corners = [[(a, c), (a, d), (b, d)], [(a, c), (b, d), (b, c)]]
+        else:
+            corners = [[(a, b), (a, c), (a, d)]]
+        for triangle in corners:
+            pairs.append(np.array(triangle).transpose(2, 0, 1).reshape(-1, 3, 2))
+            kinds.append(region[count == number])
+    every = np.sort(np.concatenate(pairs).reshape(-1, 2), axis=1)
+    y = points[every][:, :, 1]
+    weight = (level - y[:, 0]) / (y[:, 1] - y[:, 0])
+    # A vertex next to a mesh point becomes that point: slivers would show as scratches.
+    every[weight < SNAP, 1] = every[weight < SNAP, 0]
+    every[weight > 1 - SNAP, 0] = every[weight > 1 - SNAP, 1]
+    edges, first, vertex = np.unique(every, axis=0, return_index=True, return_inverse=True)
+    triangles = vertex.reshape(-1, 3)
+    proper = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
+    kept = np.concatenate(kinds)[proper]
+    return Cut(edges, np.clip(weight[first], 0.0, 1.0), triangles[proper], kept)
+
+
+class Pose(NamedTuple):
+    """An indenter in space: foremost point and direction of travel (3,), half axes or None."""
+
+    origin: Array
+    axis: Array
+    radii: tuple[float, float, float] | None
+
+    def outline(self, reach: float) -> Array:
+        """Return the indenter's outline (n, 2) in the medial plane, x and z in mm.
+
+        A plate is a slab of `reach` mm length to either side; no rows where the plane misses it.
+        """
+        along = np.array([self.axis[2], -self.axis[0]]) / np.hypot(self.axis[0], self.axis[2])
+        ahead = np.array([self.axis[0], self.axis[2]]) / np.hypot(self.axis[0], self.axis[2])
+        if self.radii is None:
+            start = ahead * (self.axis @ self.origin) / np.hypot(self.axis[0], self.axis[2])
+            ends = np.array([start - reach * along, start + reach * along])
+            return np.concatenate([ends, ends[::-1] - 0.06 * reach * ahead])
+        center = self.origin - self.radii[2] * self.axis
+        inside = 1 - (center[1] / self.radii[1]) ** 2
+        if inside <= 0:
+            return np.empty((0, 2))
+        turn = np.linspace(0, 2 * np.pi, 181)[:, None]
+        ring = self.radii[0] * np.cos(turn) * along + self.radii[2] * np.sin(turn) * ahead
+        return np.asarray(center[[0, 2]] + np.sqrt(inside) * ring)
+
+
+def travel(flat: Flat) -> Array:
+    """Return the direction of travel (3,) of a plate, which is its normal into the finger."""
+    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
+    up = np.cos(angle)
+    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+
+
+def pose(result: Result, depth: float) -> Pose:
+    """Return where the indenter is after `depth` mm of travel."""
+    indenter = result.scene.indenter
+    if isinstance(indenter, Flat):
+        axis, origin = travel(indenter), np.zeros(3)
+        if indenter != Flat() and result.fields is not None:
+            points = whole(result.fields).points
+            origin = points[int(np.argmin(points @ axis))]
+        return Pose(origin + depth * axis, axis, None)
+    origin, axis = np.zeros(3), travel(Flat())
+    at, pad = getattr(indenter, "at", None), result.pad
+    if at is not None and pad is not None:
+        palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
+        here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))
+        origin, axis = pad.points[here], -pad.normals[here]
+    radii = _radii(indenter)
+    return Pose(origin + depth * axis, axis, radii)
+
+
+def _radii(indenter: object) -> tuple[float, float, float]:
+    if isinstance(indenter, Sphere):
+        return (indenter.radius,) * 3
+    if isinstance(indenter, Ellipsoid):
+        return indenter.radii
+    message = f"indenter: expected a plate, sphere or ellipsoid, received {indenter!r}"
+    raise TypeError(message)

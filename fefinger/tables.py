@@ -1,0 +1,199 @@
+"""Scenes as nested tables of plain values: from TOML to the parts of a scene, and back."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any
+
+from fefinger import library
+from fefinger.ask import Ask
+from fefinger.checks import InputError, choice, reject_unknown
+from fefinger.finger import Finger
+from fefinger.indenter import INDENTERS, Flat, Indenter
+from fefinger.motion import MOTIONS, Motion, SampledMotion
+from fefinger.theory.relaxation import Prony
+from fefinger.tissue import Tissue
+
+
+SUBJECT = "subject"
+PARTS = ("finger", "indenter", "motion", "ask")
+
+
+def read(file: str | Path) -> dict[str, Any]:
+    """Return the tables of a TOML file, or raise InputError with the line that is wrong."""
+    try:
+        text = Path(file).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        msg = f"{file}: expected a TOML file (UTF-8 text), received other bytes at {error.start}"
+        raise InputError(msg) from None
+    except OSError as error:
+        msg = f"{file}: cannot be read: {error.strerror or error}"
+        raise InputError(msg) from None
+    return parse(text, name=str(file))
+
+
+def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
+    """Return the tables of TOML text, or raise InputError with the line that is wrong."""
+    if not text.strip():
+        msg = f"{name}: empty; expected a scene with at least the tables [finger] and [motion]"
+        raise InputError(msg)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        msg = f"{name}: not TOML: {error}"
+        raise InputError(msg) from None
+
+
+def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the arguments of a Scene; files are looked up relative to `folder`."""
+    reject_unknown("", table, ("name", *PARTS))
+    sub = {name: _subtable(name, table) for name in PARTS}
+    for name, example in (("finger", 'subject = "a.h."'), ("motion", 'kind = "ramp-hold"')):
+        if name not in table:
+            msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
+            raise InputError(msg)
+    found: dict[str, Any] = {
+        "finger": _finger(sub["finger"]),
+        "indenter": _indenter(sub["indenter"]),
+        "motion": _motion(sub["motion"], folder),
+        "ask": _record(Ask, "ask", sub["ask"]),
+    }
+    return found | {key: table[key] for key in ("name",) if key in table}
+
+
+def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict[str, Any]:
+    """Return the tables that `parts` reads."""
+    plain = _plain(finger)
+    if "subject_name" in plain:
+        plain = {SUBJECT: plain.pop("subject_name"), **plain}
+    return {
+        "finger": plain,
+        "indenter": {"kind": indenter.kind, **_plain(indenter)},
+        "motion": {"kind": motion.kind, **_plain(motion)},
+        "ask": _plain(ask),
+    }
+
+
+def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
+    value = table.get(name.rpartition(".")[2], {})
+    if not isinstance(value, Mapping):
+        msg = f"{name}: expected a table [{name}], received {value!r}"
+        raise InputError(msg)
+    return dict(value)
+
+
+def _finger(table: dict[str, Any]) -> Finger:
+    names = [field.name for field in fields(Finger) if field.name != "subject_name"]
+    reject_unknown("finger", table, (SUBJECT, *names))
+    prony = _prony(table)
+    subject = table.pop(SUBJECT, None)
+    known = library.tissue_set(table.get("tissue", "maeno1998"))
+    for layer in ("skin", "subcutaneous"):
+        if layer in table:
+            given = _subtable(f"finger.{layer}", table)
+            given.pop("prony", None)
+            table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer))
+    if prony is not None:
+        table["prony"] = prony
+    if subject is not None:
+        return Finger.subject(subject, **table)
+    for size in ("width", "thickness"):
+        if size not in table:
+            msg = f"finger.{size}: missing; expected a subject, or width and thickness in mm"
+            raise InputError(msg)
+    return Finger(**table)
+
+
+def _layer(name: str, given: dict[str, Any], known: Tissue) -> Tissue:
+    """Return the layer `known` with the values `given` instead of its own."""
+    reject_unknown(name, given, ("modulus", "poisson", "thickness", "prony"))
+    try:
+        return Tissue(**(_plain(known) | given))
+    except InputError as error:
+        msg = str(error).replace("tissue", name, 1)
+        raise InputError(msg) from None
+
+
+def _prony(table: dict[str, Any]) -> Prony | None:
+    """Return the relaxation in [finger] or in its layers, which share one."""
+    found: dict[str, Prony] = {}
+    for where in ("finger", "finger.skin", "finger.subcutaneous"):
+        inside = table if where == "finger" else _subtable(where, table)
+        if "prony" not in inside:
+            continue
+        name = f"{where}.prony"
+        given = _subtable(name, inside)
+        reject_unknown(name, given, ("c", "v"))
+        for key in ("c", "v"):
+            if key not in given:
+                msg = f"{name}.{key}: missing; expected prony = {{c = [c0, c1, ..], v = [v1, ..]}}"
+                raise InputError(msg)
+        try:
+            found[name] = Prony(given["c"], given["v"])
+        except ValueError as error:
+            msg = f"{where}.{error}"
+            raise InputError(msg) from None
+    if len(set(found.values())) > 1:
+        msg = (
+            f"{', '.join(found)}: expected one relaxation function for all soft tissues, "
+            "received different ones; give it once as finger.prony"
+        )
+        raise InputError(msg)
+    return next(iter(found.values()), None)
+
+
+def _indenter(table: dict[str, Any]) -> Indenter:
+    kind = table.pop("kind", Flat.kind)
+    return _record(INDENTERS[choice("indenter.kind", kind, INDENTERS)], "indenter", table, kind)
+
+
+def _motion(table: dict[str, Any], folder: Path) -> Motion:
+    if "kind" not in table:
+        msg = f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}"
+        raise InputError(msg)
+    kind = table.pop("kind")
+    motion = MOTIONS[choice("motion.kind", kind, MOTIONS)]
+    if issubclass(motion, SampledMotion) and "file" in table:
+        reject_unknown("motion", table, ("file", "corner"))
+        if not isinstance(table["file"], str):
+            msg = f"motion.file: expected the name of a CSV file, received {table['file']!r}"
+            raise InputError(msg)
+        return motion.from_csv(folder / table.pop("file"), **table)
+    return _record(motion, "motion", table, kind)
+
+
+def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
+    """Return `cls` made of `table`, once every key is known and none is missing."""
+    reject_unknown(name, table, [field.name for field in fields(cls)])
+    for field in fields(cls):
+        has_default = field.default is not MISSING or field.default_factory is not MISSING
+        if field.name not in table and not has_default:
+            needs = [f.name for f in fields(cls) if f.default is MISSING]
+            what = f"a {kind!r} {name} needs {', '.join(needs)}"
+            msg = f"{name}.{field.name}: missing; {what}"
+            raise InputError(msg)
+    return cls(**table)
+
+
+def _plain(record: Any) -> dict[str, Any]:
+    """Return the fields of a record as TOML values, without those that are None or empty."""
+    table: dict[str, Any] = {}
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, Tissue | Prony):
+            value = _plain(value)
+        elif isinstance(value, Mapping):
+            value = dict(value)
+        elif isinstance(value, tuple):
+            value = list(value)
+        if value is not None and value != {}:
+            table[field.name] = value
+    return table
+
+
+def keys(part: str, kind: Any) -> tuple[str, ...]:
+    """Return the keys that the table `part` ("indenter", "motion") takes for `kind`."""
+    kinds: dict[str, Mapping[str, Any]] = {"indenter": INDENTERS, "motion": MOTIONS}
+    record = kinds.get(part, {}).get(kind)
+    return () if record is None else ("kind", *(field.name for field in fields(record)))

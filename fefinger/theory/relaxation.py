@@ -1,0 +1,173 @@
+"""Quasi-linear viscoelasticity: Prony relaxation, its creep inverse and the hereditary integral.
+
+The finite-element march keeps its own Prony update on purpose: an oracle shares no code with what
+it checks.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+SUM_LIMITS = (0.98, 1.02)
+"""Published weights are rounded to two digits, so sums in this range are normalized."""
+
+_ROUNDING = 1e-9
+
+
+def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        msg = f"prony.{name}: expected a list of numbers, received {values!r}"
+        raise ValueError(msg)
+    for value in (values := tuple(values)):
+        real = isinstance(value, int | float | np.integer | np.floating)
+        if isinstance(value, bool) or not real or not math.isfinite(value):
+            msg = f"prony.{name}: expected finite numbers, received {value!r}"
+            raise ValueError(msg)
+    return tuple(float(value) for value in values)
+
+
+@dataclass(frozen=True)
+class Prony:
+    """Reduced relaxation function G(t) = (c0 + sum ci exp(-vi t)) / sum c, so that G(0) = 1.
+
+    Parameters
+    ----------
+    c
+        Weights (c0, c1, ..., cn) as published, dimensionless; they sum to 0.98 to 1.02.
+    v
+        Rates (v1, ..., vn) in 1/s (the thesis calls them time constants).
+
+    Raises
+    ------
+    ValueError
+        Lengths that do not match, a weight below zero, c0 or a rate not above zero, or a sum of
+        weights outside 0.98 to 1.02.
+
+    Notes
+    -----
+    Pawluk (1997), Eq. 2.2, 3.5 and 3.12.
+    """
+
+    c: tuple[float, ...]
+    v: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        """Check the weights and rates and store them as tuples of float."""
+        object.__setattr__(self, "c", _numbers("c", self.c))
+        object.__setattr__(self, "v", _numbers("v", self.v))
+        if len(self.c) != len(self.v) + 1:
+            msg = (
+                f"prony: expected one weight more than rates (c0 has no rate), "
+                f"received {len(self.c)} weights c and {len(self.v)} rates v"
+            )
+            raise ValueError(msg)
+        if self.c[0] <= 0 or min(self.c) < 0:
+            msg = f"prony.c: expected c0 above 0 and no negative weight, received {list(self.c)}"
+            raise ValueError(msg)
+        if self.v and min(self.v) <= 0:
+            msg = f"prony.v: expected rates above 0 1/s, received {list(self.v)}"
+            raise ValueError(msg)
+        low, high = SUM_LIMITS
+        if not low - _ROUNDING <= math.fsum(self.c) <= high + _ROUNDING:
+            msg = (
+                f"prony.c: expected weights that sum to {low} to {high}, received a sum of "
+                f"{math.fsum(self.c):.4g}; divide them by their sum if that is what is meant"
+            )
+            raise ValueError(msg)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Weights divided by their sum (Eq. 2.2), dimensionless, c0 first."""
+        total = math.fsum(self.c)
+        return tuple(value / total for value in self.c)
+
+    @property
+    def long_time(self) -> float:
+        """G(infinity), the ratio of the relaxed to the instantaneous modulus."""
+        return self.weights[0]
+
+    def relaxation(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return G at the times `t` >= 0 in s, of any shape."""
+        t = np.asarray(t, float)
+        if np.any(~(t >= 0)):
+            msg = "relaxation: expected times t >= 0 s"
+            raise ValueError(msg)
+        weights = np.array(self.weights)
+        return weights[0] + np.exp(-np.multiply.outer(t, np.array(self.v))) @ weights[1:]
+
+    def creep(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+        """Return the reduced creep function J(t) = J_inf - sum k_j exp(-lam_j t), J(0) = 1.
+
+        Returns
+        -------
+        J_inf : float
+            1 / G(infinity).
+        k : (n,) array
+            Weights, not negative.
+        lam : (n,) array
+            Rates in 1/s, ascending; they interlace with the rates v.
+
+        Notes
+        -----
+        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, which are the eigenvalues
+        of diag(v) - u u^T with u_i = sqrt(w_i v_i); their residues give k_j = (u . q_j)^2 / lam_j.
+        """
+        weights, v = np.array(self.weights[1:]), np.array(self.v)
+        u = np.sqrt(weights * v)
+        lam, vectors = np.linalg.eigh(np.diag(v) - np.outer(u, u))
+        return 1.0 / self.long_time, (u @ vectors) ** 2 / lam, lam
+
+
+def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
+    """Return the integral of G(t - s) d signal(s) at every time, exact between linear samples.
+
+    Parameters
+    ----------
+    prony
+        The reduced relaxation function G.
+    time
+        (n_t,) s, not decreasing; a repeated time is a jump of the signal.
+    signal
+        (n_t,) or (n_t, k), zero before `time[0]`: the first value counts as a jump.
+
+    Returns
+    -------
+    (n_t,) or (n_t, k) array in the unit of the signal.
+
+    Raises
+    ------
+    ValueError
+        Times that decrease, values that are not finite, or shapes that do not match.
+
+    Notes
+    -----
+    Pawluk (1997), Eq. 2.3. Each exponential obeys q(t + dt) = q(t) e^-x + dsignal (1 - e^-x) / x
+    with x = v dt, stable for any dt.
+    """
+    time, signal = np.asarray(time, float), np.asarray(signal, float)
+    if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
+        msg = (
+            f"hereditary_integral: expected time (n_t,) and signal (n_t,) or (n_t, k), "
+            f"received {time.shape} and {signal.shape}"
+        )
+        raise ValueError(msg)
+    step = np.diff(time)
+    if not (np.isfinite(time).all() and np.isfinite(signal).all() and np.all(step >= 0)):
+        msg = "hereditary_integral: expected finite values and times that never decrease"
+        raise ValueError(msg)
+    flat = signal.reshape(len(time), -1)
+    weights = np.array(prony.weights)
+    x = np.multiply.outer(step, np.array(prony.v))
+    decay = np.exp(-x)[:, :, None]
+    ramp = np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)[:, :, None]
+    memory = np.repeat(flat[:1], len(prony.v), axis=0)
+    out = weights[0] * flat
+    out[0] += weights[1:] @ memory
+    for i, change in enumerate(np.diff(flat, axis=0)):
+        memory = decay[i] * memory + ramp[i] * change
+        out[i + 1] += weights[1:] @ memory
+    return out.reshape(signal.shape)

@@ -1,0 +1,21 @@
+"""Named dimensionless numbers that decide when something counts as zero, equal or good enough."""
+
+LINEAR_RESIDUAL = 1e-10
+"""Relative residual of a linear solution: forces must balance to 1e-6, reached with a margin."""
+
+FACTOR_COMPRESSIBILITY = 1e-6
+"""Compressibility, against the shear compliance, with which an incompressible body is factored;
+refinement removes its effect, at a rate of about this number per step."""
+
+SINGULAR_PIVOT = 1e-12
+"""Pivot, against the diagonal entry it came from, below which nothing is left of the stiffness."""
+
+COMPLEMENTARITY = 1e-10
+"""Pull or penetration, against the largest of its kind, that still counts as none."""
+
+FORCE_MATCH = 1e-9
+"""Relative error of the force under force control."""
+
+INSIDE = 1e-3
+"""Barycentric coordinate by which a site may lie outside the nearest cell: facets are flat, the
+surface is not."""

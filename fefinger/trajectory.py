@@ -1,0 +1,174 @@
+"""A value in time, in closed form: quadratics joined at breaks, and at most one sine on top."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError
+
+
+Array = NDArray[np.float64]
+
+_STRAIGHT = 1e-9
+"""Change of slope, relative to the steepest one, below which a knot is no corner."""
+
+_INSTANT = 1e-12
+"""Part of the duration below which a last segment is rounding, not motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wave:
+    """A sine that starts at `start` s and rises to its amplitude over `rise` s (a cubic step)."""
+
+    start: float
+    amplitude: float
+    frequency: float
+    rise: float
+
+    def value(self, t: Array) -> Array:
+        """Return the wave at the times `t` in s."""
+        tau = np.maximum(t - self.start, 0.0)
+        envelope, _ = self._envelope(tau)
+        return self.amplitude * envelope * np.sin(2 * np.pi * self.frequency * tau)
+
+    def rate(self, t: Array) -> Array:
+        """Return the derivative of the wave at the times `t` in s, from the right."""
+        tau = np.maximum(t - self.start, 0.0)
+        envelope, slope = self._envelope(tau)
+        omega = 2 * np.pi * self.frequency
+        speed = envelope * omega * np.cos(omega * tau) + slope * np.sin(omega * tau)
+        return self.amplitude * np.where(t >= self.start, speed, 0.0)
+
+    def _envelope(self, tau: Array) -> tuple[Array, Array]:
+        if self.rise == 0:
+            return np.ones_like(tau), np.zeros_like(tau)
+        x = np.minimum(tau / self.rise, 1.0)
+        return x * x * (3 - 2 * x), 6 * x * (1 - x) / self.rise
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Piecewise quadratic motion from 0 to `duration` s, with at most one wave on top.
+
+    start, value0, rate0, bend (n,): on segment i the value is
+    value0 + rate0 tau + bend tau^2 / 2 with tau = t - start. It rests before 0 and after the end.
+    """
+
+    start: Array
+    value0: Array
+    rate0: Array
+    bend: Array
+    duration: float
+    wave: Wave | None = None
+
+    @classmethod
+    def through(
+        cls, times: ArrayLike, values: ArrayLike, *, corner: float, stop: bool
+    ) -> "Trajectory":
+        """Join knots by straight lines, with a parabola of `corner` s about every kink.
+
+        Starting from rest is a kink, and so is stopping at the end if `stop`. The first parabola
+        begins at t = 0, so a corner delays every knot by corner / 2 and no level is missed.
+        """
+        t, y = np.asarray(times, float), np.asarray(values, float)
+        slope = np.diff(y) / np.diff(t)
+        before = np.concatenate([[0.0], slope])
+        after = np.concatenate([slope, [0.0 if stop else slope[-1]]])
+        kink = np.abs(after - before) > _STRAIGHT * np.abs(slope).max()
+        longest = _longest_corner(t, kink)
+        if corner > longest * (1 + _STRAIGHT):
+            msg = (
+                f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
+                f"received {corner:g}; 0 makes sharp corners"
+            )
+            raise InputError(msg)
+        rows: list[tuple[float, float, float, float]] = []
+        for i in range(len(t)):
+            if corner > 0 and kink[i]:
+                value = y[i] - before[i] * corner / 2
+                rows.append((t[i], value, before[i], (after[i] - before[i]) / corner))
+                rows.append((t[i] + corner, y[i] + after[i] * corner / 2, after[i], 0.0))
+            elif kink[i] or i == 0:
+                delay = corner / 2 if i else 0.0
+                rows.append((t[i] + delay, y[i], after[i], 0.0))
+        end = float(t[-1] + (corner if kink[-1] else corner / 2))
+        table = np.array([row for row in rows if end - row[0] > _INSTANT * end])
+        return cls(table[:, 0], table[:, 1], table[:, 2], table[:, 3], end)
+
+    def followed_by(self, wave: Wave, cycles: int) -> "Trajectory":
+        """Return this trajectory with `cycles` of `wave` about its last value at its end."""
+        end = self.duration
+        return Trajectory(
+            start=np.append(self.start, end),
+            value0=np.append(self.value0, self.value(end)),
+            rate0=np.append(self.rate0, 0.0),
+            bend=np.append(self.bend, 0.0),
+            duration=end + cycles / wave.frequency,
+            wave=wave,
+        )
+
+    def value(self, t: ArrayLike) -> Array:
+        """Return the value at the times `t` in s, of any shape."""
+        at = np.clip(np.asarray(t, float), 0.0, self.duration)
+        i = self._segment(at)
+        tau = at - self.start[i]
+        value = self.value0[i] + (self.rate0[i] + 0.5 * self.bend[i] * tau) * tau
+        return value if self.wave is None else value + self.wave.value(at)
+
+    def rate(self, t: ArrayLike) -> Array:
+        """Return the derivative per s at the times `t`, from the right (at the end, the left)."""
+        at = np.asarray(t, float)
+        i = self._segment(at)
+        rate = self.rate0[i] + self.bend[i] * (at - self.start[i])
+        if self.wave is not None:
+            rate = rate + self.wave.rate(at)
+        return np.where((at >= 0) & (at <= self.duration), rate, 0.0)
+
+    def _segment(self, t: Array) -> NDArray[np.intp]:
+        return np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times in s at which a derivative jumps, the start and the end among them."""
+        times = {0.0, *self.start.tolist(), self.duration}
+        if self.wave is not None:
+            times |= {self.wave.start, self.wave.start + self.wave.rise}
+        return tuple(sorted(times))
+
+    @property
+    def moving(self) -> tuple[tuple[float, float], ...]:
+        """Intervals (t0, t1) in s in which the value changes."""
+        ends = np.append(self.start[1:], self.duration)
+        moves = (self.rate0 != 0) | (self.bend != 0)
+        if self.wave is not None:
+            moves |= self.start >= self.wave.start
+        merged: list[tuple[float, float]] = []
+        for t0, t1 in zip(self.start[moves].tolist(), ends[moves].tolist(), strict=True):
+            if merged and merged[-1][1] == t0:
+                merged[-1] = (merged[-1][0], t1)
+            else:
+                merged.append((t0, t1))
+        return tuple(merged)
+
+    @property
+    def peak(self) -> float:
+        """The largest value."""
+        bent = self.bend != 0
+        turns = self.start[bent] - self.rate0[bent] / self.bend[bent]
+        ends = np.append(self.start[1:], self.duration)[bent]
+        turns = turns[(turns > self.start[bent]) & (turns < ends)]
+        times = np.concatenate([self.breaks, turns])
+        if self.wave is not None:
+            last = (self.duration - self.wave.start) * self.wave.frequency
+            crests = np.arange(0.25, last, 1.0) / self.wave.frequency
+            times = np.concatenate([times, self.wave.start + crests])
+        return float(self.value(times).max())
+
+
+def _longest_corner(t: Array, kink: NDArray[np.bool_]) -> float:
+    """Return the longest corner for which the parabolas about the kinks do not overlap."""
+    at = t[kink]
+    longest = np.diff(at).min(initial=np.inf)
+    last = np.inf if kink[-1] else 2 * (t[-1] - at[-1])
+    return float(min(longest, last))

@@ -1,0 +1,1 @@
+"""What validation and benchmarks last produced: evidence, with command, commit and versions."""

@@ -1,0 +1,228 @@
+"""A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fefinger.neural.trains import SpikeTrains
+from fefinger.records import (
+    Fields,
+    Pad,
+    Plan,
+    Reference,
+    Refusal,
+    Response,
+    Result,
+    Rung,
+    Sites,
+)
+from fefinger.scene import Ask, Finger, Flat, RampHold, Scene
+
+
+Array = NDArray[np.float64]
+TYPES = ("SAI", "SAII", "FAI", "FAII")
+DEPTHS = (0.8, 1.8, 0.6, 3.0)
+AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees
+DEPTH = 1.5  # mm
+
+
+@pytest.fixture(scope="session")
+def synthetic() -> Result:
+    """Return a Result with pressure, strain, spikes and fields of half a finger."""
+    return make_synthetic()
+
+
+@pytest.fixture(scope="session")
+def synthesize() -> Callable[..., Result]:
+    """Return the function that makes the synthetic Result, for other sizes of it."""
+    return make_synthetic
+
+
+def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int] = (12, 4, 8)):
+    """Return a Result of smooth made-up fields on half a finger of 6 tetrahedra per box."""
+    ask = Ask(spikes=TYPES)
+    motion = RampHold(speed=60, depth=DEPTH, hold=5)
+    scene = Scene(
+        name="synthetic",
+        finger=Finger.subject("a.h."),
+        indenter=Flat(30.0),
+        motion=motion,
+        ask=ask,
+    )
+    time = np.unique(np.concatenate([np.linspace(0, 0.05, n_t // 2), np.geomspace(0.05, 5, n_t)]))
+    depth = motion.value(time)
+    points, tetrahedra, region = half_finger(cells)
+    frames = np.linspace(0.02, 5.0, n_frames)
+    fields = make_fields(points, tetrahedra, region, frames, motion.value(frames))
+    pad = make_pad(points, tetrahedra)
+    radius = np.sqrt(7 * depth)
+    shape = np.exp(-0.2 * time)
+    sites = Sites(np.outer(DEPTHS, AXIS), np.tile(-AXIS, (4, 1)), np.array(DEPTHS), TYPES)
+    strain = np.stack([strain_of(sites.points, d) for d in depth])
+    response = Response(
+        mechanics="linear",
+        time=time,
+        depth=depth,
+        force=0.8 * depth**1.5 * shape,
+        contact_area=np.pi * radius**2,
+        centroid=np.where(depth[:, None] > 0, np.outer(depth, [0.3, 0.0]), np.nan),
+        pad=pad,
+        pressure=np.stack([pressure_of(pad.points, d) for d in depth]) * shape[:, None],
+        sites=sites,
+        strain=strain,
+        reference=Reference(0.5, TYPES, sites.normals, strain_of(sites.points, 0.5)),
+        fields=fields,
+        status="converged: every contact step in at most 5 iterations",
+        seconds={"mesh": 0.41, "factor": 1.7, "contact": 8.2, "fields": 0.9},
+        notes=("Small strain: geometry of the undeformed finger.", "No inertia."),
+        numbers={"unknowns": 34567.0},
+    )
+    refusal = Refusal("linear", "accuracy", "depth / half thickness = 0.3 > 0.2")
+    rungs = (
+        Rung(
+            "hertz",
+            0.01,
+            0.8,
+            "reports/ladder.json",
+            (Refusal("hertz", "accuracy", "contact radius / tissue thickness = 0.9 > 0.1"),),
+        ),
+        Rung("linear", 12.0, 0.04, "reports/linear.json", (refusal,)),
+    )
+    return Result(
+        scene=scene,
+        plan=Plan("linear", rungs, "linear: the cheapest that does not refuse.", (refusal,)),
+        response=response,
+        spikes=make_spikes(time, depth, sites.points),
+        status="done",
+        seconds={"plan": 0.01, "mechanics": 11.2, "neural": 1.3},
+        provenance={"versions": {"fefinger": "0.1.0", "numpy": "2"}, "list": [1, (2.5, None)]},
+    )
+
+
+def half_finger(cells: tuple[int, int, int]) -> tuple[Array, NDArray[np.int64], NDArray[np.int8]]:
+    """Return points, tetrahedra and regions of half a round-tipped rod, first touch at 0."""
+    nx, ny, nz = cells
+    grid = np.meshgrid(
+        np.linspace(-14, 8, nx + 1),
+        np.linspace(0, 1, ny + 1),
+        np.linspace(-1, 1, nz + 1),
+        indexing="ij",
+    )
+    x, v, w = (axis.ravel() for axis in grid)
+    size = np.sqrt(np.clip(1 - (np.clip(x, 0, None) / 8.5) ** 2, 0.02, None))
+    y = 7 * size * v * np.sqrt(1 - w**2 / 2)
+    z = 5 * size * w * np.sqrt(1 - v**2 / 2)
+    points = np.column_stack([x, y, z])
+    index = np.arange(len(points)).reshape(nx + 1, ny + 1, nz + 1)
+    corner = [
+        index[i : nx + i, j : ny + j, k : nz + k].ravel()
+        for i in (0, 1)
+        for j in (0, 1)
+        for k in (0, 1)
+    ]
+    split = [
+        (0, 3, 1, 7),
+        (0, 2, 3, 7),
+        (0, 6, 2, 7),
+        (0, 4, 6, 7),
+        (0, 5, 4, 7),
+        (0, 1, 5, 7),
+    ]
+    tetrahedra = np.concatenate([np.column_stack([corner[c] for c in row]) for row in split])
+    outer = np.maximum(v, np.abs(w))[tetrahedra].mean(axis=1)
+    region = np.where(outer > 0.78, 1, 2).astype(np.int8)
+    medial = np.flatnonzero(points[:, 1] == 0)
+    points -= points[medial[np.argmin(points[medial] @ AXIS)]]
+    return points, tetrahedra, region
+
+
+def displacement_of(points: Array, depth: float) -> Array:
+    """Return a smooth displacement along the plate's travel that decays over 5 mm."""
+    return depth * np.exp(-np.sum(points**2, axis=1) / 25)[:, None] * AXIS
+
+
+def strain_of(points: Array, depth: float) -> Array:
+    """Return the exact small strain (n, 3, 3) of `displacement_of`."""
+    u = displacement_of(points, depth)
+    gradient = -2 * u[:, :, None] * points[:, None, :] / 25
+    return (gradient + gradient.transpose(0, 2, 1)) / 2
+
+
+def pressure_of(points: Array, depth: float) -> Array:
+    """Return a Hertz-like pressure in kPa on a disc about the origin."""
+    radius = np.sqrt(7 * max(depth, 1e-9))
+    return 12 * radius * np.sqrt(np.clip(1 - np.sum(points**2, axis=1) / radius**2, 0, None))
+
+
+def make_fields(
+    points: Array,
+    tetrahedra: NDArray[np.int64],
+    region: NDArray[np.int8],
+    times: Array,
+    depths: Array,
+) -> Fields:
+    """Return the fields at `times`, with pressure on the palmar surface only."""
+    pad = np.unique(surface_of(points, tetrahedra))
+    pressure = np.zeros((len(times), len(points)))
+    pressure[:, pad] = [pressure_of(points[pad], d) for d in depths]
+    strain = np.stack([strain_of(points, d) for d in depths])
+    six = strain[:, :, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    displacement = np.stack([displacement_of(points, d) for d in depths])
+    return Fields(points, tetrahedra, region, times, displacement, six, pressure)
+
+
+def surface_of(points: Array, tetrahedra: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the outer triangles (k, 3) off the medial plane and the proximal end, pad side."""
+    faces = tetrahedra[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
+    _, first, count = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    outer = faces[first[count == 1]]
+    medial = (points[outer][:, :, 1] == 0).all(axis=1)
+    proximal = (points[outer][:, :, 0] == points[:, 0].min()).all(axis=1)
+    palmar = points[outer][:, :, 2].mean(axis=1) < 4
+    return outer[~medial & ~proximal & palmar]
+
+
+def make_pad(points: Array, tetrahedra: NDArray[np.int64]) -> Pad:
+    """Return the pad of the whole finger: the half surface and its mirror image."""
+    triangles = surface_of(points, tetrahedra)
+    used, local = np.unique(triangles, return_inverse=True)
+    local = local.reshape(-1, 3)
+    half = points[used]
+    both = np.concatenate([half, half * [1, -1, 1]])
+    both_triangles = np.concatenate([local, local + len(half)])
+    a, b, c = both[both_triangles].transpose(1, 0, 2)
+    size = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
+    areas = np.bincount(both_triangles.ravel(), np.repeat(size, 3), minlength=len(both))
+    center = np.array([0.0, 0.0, 5.0])
+    normals = (both - center) / np.linalg.norm(both - center, axis=1, keepdims=True)
+    return Pad(both, areas, normals, both_triangles)
+
+
+def make_spikes(time: Array, depth: Array, positions: Array) -> SpikeTrains:
+    """Return four units: regular, slower, onset only, and silent."""
+    trains = (
+        np.concatenate([np.linspace(0.01, 0.05, 9), np.arange(0.1, 5, 0.05)]),
+        np.concatenate([np.linspace(0.012, 0.05, 6), np.arange(0.12, 5, 0.11)]),
+        np.linspace(0.008, 0.04, 5),
+        np.empty(0),
+    )
+    x_in = np.outer(depth, [1.0, 0.7, 1.2, 0.4])
+    return SpikeTrains(
+        types=TYPES,
+        names=tuple(f"{kind}-1" for kind in TYPES),
+        times=trains,
+        t_start=0.0,
+        t_stop=float(time[-1]),
+        time=time,
+        x_in=x_in,
+        current=20 * x_in / (1 + x_in),
+        peak_mV=np.array([100.0, 98.0, 97.0, 12.0]),
+        block_seconds=np.zeros(4),
+        stimulus_driven=np.array([0, 0, 1, 0]),
+        positions=positions,
+        notes=("SAI-1: made up.",),
+    )

@@ -1,0 +1,132 @@
+"""Contact: complementarity, Hertz, relaxation through time, force control."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from fefinger.fem.contact import Complementarity
+from fefinger.fem.march import Prescribed, Relaxation, march
+from fefinger.fem.obstacle import Obstacle
+from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.validation.hertz import COARSE, block, force_error, peak_error
+
+
+PRONY = Prony((0.3, 0.4, 0.2, 0.1), (200.0, 10.0, 0.6))
+
+
+def flexible(n: int, seed: int) -> np.ndarray:
+    factor = np.random.default_rng(seed).normal(size=(n, n))
+    return factor @ factor.T + 0.1 * np.eye(n)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_complementarity_finds_the_one_solution_of_all_active_sets(seed: int) -> None:
+    n = 6
+    matrix, offset = flexible(n, seed), np.random.default_rng(100 + seed).normal(size=n)
+    found = Complementarity(matrix).solve(offset)
+    solutions = []
+    for chosen in itertools.product([False, True], repeat=n):
+        active = np.flatnonzero(chosen)
+        answer = np.zeros(n)
+        answer[active] = np.linalg.solve(matrix[np.ix_(active, active)], -offset[active])
+        if (answer >= -1e-12).all() and (matrix @ answer + offset >= -1e-9).all():
+            solutions.append(answer)
+    assert len(solutions) == 1
+    assert found == pytest.approx(solutions[0])
+
+
+def test_complementarity_is_exact_on_a_large_problem_from_any_start() -> None:
+    matrix, rng = flexible(200, 5), np.random.default_rng(6)
+    solver = Complementarity(matrix)
+    for _ in range(5):
+        offset = rng.normal(size=200)
+        answer = solver.solve(offset)
+        gaps = matrix @ answer + offset
+        assert answer.min() >= 0
+        assert gaps.min() > -1e-9
+        assert np.abs(answer * gaps).max() < 1e-8
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.49])
+def test_hertz_force_and_peak_pressure(poisson: float) -> None:
+    assert abs(force_error(poisson, COARSE)) < 2.0
+    assert abs(force_error(poisson, COARSE + 1)) < 0.5  # and on the way to zero
+    assert abs(peak_error(poisson, COARSE + 1)) < 5.0
+    assert block(poisson, COARSE + 1).pressure.min() >= 0
+
+
+@pytest.fixture
+def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A flexibility like that of a layer, gaps of a paraboloid, and weights."""
+    x = np.linspace(-1, 1, 21)
+    matrix = 0.02 * np.exp(-np.abs(x[:, None] - x) / 0.4) + 0.005 * np.eye(21)
+    weights = np.full(21, 0.1)
+    return matrix, weights * x**2 / 2, weights
+
+
+def memory(weights: list[float] | np.ndarray, rates: list[float] | np.ndarray) -> Relaxation:
+    return Relaxation(np.asarray(weights, float), np.asarray(rates, float), 21)
+
+
+def test_a_step_relaxes_as_the_relaxation_function(pad: tuple) -> None:
+    time = np.concatenate([[0.0], np.geomspace(1e-6, 1e3, 60)])
+    asked = Prescribed("depth", time, np.full_like(time, 0.3))
+    done = march(*pad, memory(PRONY.weights, PRONY.v), asked)
+    force = done.pressure @ pad[2]
+    assert force / force[0] == pytest.approx(PRONY.relaxation(time), rel=1e-9)
+    assert done.elastic == pytest.approx(np.tile(done.elastic[0], (len(time), 1)))
+
+
+def test_ramp_and_hold_equal_the_hereditary_integral(pad: tuple) -> None:
+    time = np.concatenate([np.linspace(0, 0.02, 400), 0.02 + np.geomspace(1e-4, 5, 60)])
+    depth = np.minimum(time / 0.02, 1) * 0.4
+    asked = Prescribed("depth", time, depth)
+    viscous = march(*pad, memory(PRONY.weights, PRONY.v), asked).pressure @ pad[2]
+    elastic = march(*pad, memory([1.0], []), asked).pressure @ pad[2]
+    expected = hereditary_integral(PRONY, time, elastic) / PRONY.long_time
+    assert viscous == pytest.approx(expected, rel=1e-3, abs=1e-3 * expected.max())
+
+
+def test_unloading_detaches_without_pull_and_recovers(pad: tuple) -> None:
+    time = np.linspace(0, 1, 401)
+    asked = Prescribed("depth", time, 0.3 * np.sin(np.pi * time))
+    done = march(*pad, memory(PRONY.weights, PRONY.v), asked)
+    assert done.pressure.min() >= 0
+    left = 200 + int(np.argmax(done.pressure[200:].max(axis=1) == 0))
+    assert done.depth[left] > 0.01  # the pad leaves the indenter before the indenter is back
+    assert done.pressure[left:].max() == 0
+    assert done.elastic[left].max() > 0  # with a dent that still creeps back
+
+
+@pytest.mark.parametrize("repeat", [1, 2])
+def test_force_control_inverts_depth_control(pad: tuple, repeat: int) -> None:
+    time = np.linspace(0, 1, 101)
+    depth = 0.3 * np.sin(np.pi * time / 2) ** 2
+    pressed = march(*pad, memory(PRONY.weights, PRONY.v), Prescribed("depth", time, depth))
+    force = pressed.pressure @ pad[2]
+    back = march(*pad, memory(PRONY.weights, PRONY.v), Prescribed("force", time, force))
+    assert back.depth[1:] == pytest.approx(depth[1:], rel=1e-6, abs=1e-9)
+
+
+def test_a_held_force_creeps_to_the_relaxed_depth(pad: tuple) -> None:
+    time = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 80)])
+    asked = Prescribed("force", time, np.full_like(time, 0.5))
+    viscous = march(*pad, memory(PRONY.weights, PRONY.v), asked)
+    elastic = march(*pad, memory([1.0], []), asked)
+    assert (np.diff(viscous.depth) >= -1e-12).all()
+    assert viscous.depth[-1] == pytest.approx(elastic.depth[-1], rel=1e-6)
+
+
+def test_an_ellipsoid_of_equal_radii_is_a_sphere_and_a_large_one_a_plane() -> None:
+    points = np.random.default_rng(2).uniform(-1, 1, (20, 3))
+    axis = np.array([-0.5, 0.0, np.sqrt(0.75)])
+    origin = np.array([0.1, 0.0, 0.2])
+    sphere = Obstacle(axis, origin, np.full(3, 5.0))
+    distance, normal = sphere.gap(points)
+    ahead = points - distance[:, None] * axis
+    center = origin - 5.0 * axis
+    assert np.linalg.norm(ahead - center, axis=1) == pytest.approx(np.full(20, 5.0))
+    assert normal == pytest.approx((ahead - center) / 5.0)
+    plane = Obstacle(axis, origin).gap(points)[0]
+    assert Obstacle(axis, origin, np.full(3, 1e8)).gap(points)[0] == pytest.approx(plane, abs=1e-6)

@@ -1,0 +1,150 @@
+"""Taylor-Hood elements: patch test, manufactured solution, rigid motion, strain at points."""
+
+import numpy as np
+import pytest
+from skfem import MeshTet
+
+from fefinger.checks import InputError
+from fefinger.fem.forms import Elastic, pressure_scale, stiffness
+from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
+from fefinger.fem.solve import factor
+from fefinger.fem.spaces import Space
+
+
+RATIOS = [0.0, 0.3, 0.49, 0.5]
+
+
+def cube(cells: int, *, tissues: int = 1, seed: int = 3) -> Space:
+    """Return a unit cube of shaken tetrahedra, in layers along z if `tissues` is above 1."""
+    line = np.linspace(0, 1, cells + 1)
+    mesh = MeshTet.init_tensor(line, line, line)
+    points, vertices = mesh.p.T.copy(), mesh.t.T.astype(np.int64)
+    tissue = 1 + np.floor(points[vertices][:, :, 2].mean(axis=1) * tissues).astype(np.int8)
+    if tissues == 1:
+        inside = ((points > 0) & (points < 1)).all(axis=1)
+        shake = np.random.default_rng(seed).uniform(-0.15, 0.15, points.shape) / cells
+        points[inside] += shake[inside]
+    return Space(points, vertices, tissue)
+
+
+def boundary(space: Space) -> np.ndarray:
+    places = space.node_points
+    outer = (np.isclose(places, 0) | np.isclose(places, 1)).any(axis=1)
+    return np.flatnonzero(np.repeat(outer, 3))
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_linear_displacements_are_exact(poisson: float) -> None:
+    space = cube(3)
+    gradient = np.array([[0.1, 0.2, -0.3], [0.4, -0.3, 0.1], [0.05, 0.6, 0.2]])
+    assert np.trace(gradient) == pytest.approx(0)  # so that nu = 0.5 is possible too
+    exact = space.node_points @ gradient.T
+    fixed = boundary(space)
+    system = factor(space, stiffness(space, {1: Elastic(7.0, poisson)}), fixed)
+    answer = system.solve(np.zeros(space.n_unknowns), exact.ravel()[fixed])
+    assert answer[: space.n_displacements] == pytest.approx(exact.ravel(), abs=1e-9)
+    strain = (strain_at(space, np.array([[0.31, 0.42, 0.53], [0.9, 0.1, 0.2]])) @ answer).reshape(
+        -1, 6
+    )
+    assert tensors(strain) == pytest.approx(np.tile((gradient + gradient.T) / 2, (2, 1, 1)))
+
+
+def test_constant_mean_stress_is_exact_in_a_compressible_body() -> None:
+    space, elastic = cube(2), Elastic(3.0, 0.3)
+    exact = 0.01 * space.node_points
+    fixed = boundary(space)
+    system = factor(space, stiffness(space, {1: elastic}), fixed)
+    answer = system.solve(np.zeros(space.n_unknowns), exact.ravel()[fixed])
+    mean_stress = answer[space.n_displacements :] * pressure_scale({1: elastic})
+    assert mean_stress == pytest.approx(0.03 / elastic.compressibility)
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_rigid_motion_gives_no_strain_and_no_force(poisson: float) -> None:
+    space = cube(2)
+    matrix = stiffness(space, {1: Elastic(2.0, poisson)})
+    rigid = np.zeros(space.n_unknowns)
+    rotation = np.cross([0.3, -0.7, 0.2], space.node_points) + [1.0, 2.0, 3.0]
+    rigid[: space.n_displacements] = rotation.ravel()
+    assert np.abs(matrix @ rigid).max() < 1e-13
+    assert np.abs(strain_at_vertices(space) @ rigid).max() < 1e-13
+
+
+def manufactured(points: np.ndarray, elastic: Elastic) -> tuple[np.ndarray, np.ndarray]:
+    """Return a divergence-free displacement (curl of a potential) and its body force."""
+    x, y, z = points.T
+    w = np.pi
+    u = np.stack(
+        [
+            np.sin(w * x) * np.cos(w * y) * np.cos(w * z),
+            np.cos(w * x) * np.sin(w * y) * np.cos(w * z),
+            -2 * np.cos(w * x) * np.cos(w * y) * np.sin(w * z),
+        ],
+        axis=1,
+    )
+    return u, 3 * w**2 * elastic.shear * u  # -mu laplace(u), as div u = 0
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_displacement_converges_with_third_order(poisson: float) -> None:
+    elastic, errors, sizes = Elastic(1.0, poisson), [], [2, 4, 8]
+    for cells in sizes:
+        line = np.linspace(0, 1, cells + 1)
+        mesh = MeshTet.init_tensor(line, line, line)
+        space = Space(mesh.p.T.copy(), mesh.t.T, np.ones(mesh.t.shape[1], np.int8))
+        exact, _ = manufactured(space.node_points, elastic)
+        fixed = boundary(space)
+        system = factor(space, stiffness(space, {1: elastic}), fixed)
+        basis = space.scalar
+        weights = np.array([np.asarray(f[0]) for f in basis.basis])
+        places = np.asarray(basis.global_coordinates())
+        density = manufactured(places.reshape(3, -1).T, elastic)[1].T.reshape(places.shape)
+        block = np.einsum("iq,ceq,eq->eic", weights[:, 0], density, basis.dx)
+        loads = np.zeros(space.n_unknowns)
+        np.add.at(loads[: space.n_displacements].reshape(-1, 3), space.nodes, block)
+        answer = system.solve(loads, exact.ravel()[fixed])
+        at_nodes = answer[: space.n_displacements].reshape(-1, 3)
+        field = np.einsum("iq,eic->ceq", weights[:, 0], at_nodes[space.nodes])
+        truth = manufactured(places.reshape(3, -1).T, elastic)[0].T.reshape(places.shape)
+        errors.append(np.sqrt(np.sum((field - truth) ** 2 * basis.dx)))
+    order = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert order == pytest.approx(3.0, abs=0.35)
+    assert errors[-1] < 2.5e-3
+
+
+def test_mean_stress_may_jump_between_tissues() -> None:
+    soft, stiff = Elastic(1.0, 0.4), Elastic(20.0, 0.4)
+    space = cube(4, tissues=2)
+    assert space.n_unknowns - space.n_displacements == 125 + 25  # the interface counts twice
+    ends = np.isclose(space.node_points[:, 2], 0) | np.isclose(space.node_points[:, 2], 1)
+    sides = (np.isclose(space.node_points, 0) | np.isclose(space.node_points, 1)).any(axis=1)
+    held = np.zeros((space.n_nodes, 3), dtype=bool)
+    held[sides, :2] = True
+    held[ends, 2] = True
+    fixed = np.flatnonzero(held.ravel())
+    prescribed = np.zeros((space.n_nodes, 3))
+    prescribed[np.isclose(space.node_points[:, 2], 1), 2] = -0.01
+    system = factor(space, stiffness(space, {1: soft, 2: stiff}), fixed)
+    answer = system.solve(np.zeros(space.n_unknowns), prescribed.ravel()[fixed])
+    oedometer = [t.shear * 4 / 3 + 1 / t.compressibility for t in (soft, stiff)]
+    stress = -0.02 / sum(1 / m for m in oedometer) / 2 * 2
+    strain = strain_at(space, np.array([[0.4, 0.5, 0.2], [0.4, 0.5, 0.8]])) @ answer
+    expected = [stress / oedometer[0], stress / oedometer[1]]
+    assert strain.reshape(-1, 6)[:, 2] == pytest.approx(np.array(expected) / 1.0, rel=1e-8)
+
+
+def test_quadratic_displacement_has_its_exact_strain_everywhere() -> None:
+    space = cube(2)
+    x, y, z = space.node_points.T
+    unknowns = np.zeros(space.n_unknowns)
+    unknowns[: space.n_displacements] = np.stack([x * y, y * z + x**2, z * x], axis=1).ravel()
+    at = np.random.default_rng(1).uniform(0.05, 0.95, (7, 3))
+    strain = tensors((strain_at(space, at) @ unknowns).reshape(-1, 6))
+    for (px, py, pz), e in zip(at, strain, strict=True):
+        gradient = np.array([[py, px, 0], [2 * px, pz, py], [pz, 0, px]])
+        assert e == pytest.approx((gradient + gradient.T) / 2)
+
+
+def test_a_site_outside_the_body_is_refused() -> None:
+    with pytest.raises(InputError, match="expected a point in the soft tissue"):
+        strain_at(cube(2), np.array([[0.5, 0.5, 1.2]]))

@@ -1,0 +1,79 @@
+"""The linear solvers agree with each other and refuse what they cannot solve."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
+
+from fefinger.checks import InputError
+from fefinger.fem import multifrontal, solve
+from fefinger.fem.forms import Elastic, stiffness
+from fefinger.fem.spaces import Space
+
+
+def clamped(space: Space) -> np.ndarray:
+    return np.flatnonzero(np.repeat(np.isclose(space.node_points[:, 2], 0), 3))
+
+
+@pytest.fixture
+def space() -> Space:
+    from skfem import MeshTet
+
+    line = np.linspace(0, 1, 5)
+    mesh = MeshTet.init_tensor(line, line, line)
+    return Space(mesh.p.T.copy(), mesh.t.T, np.ones(mesh.t.shape[1], np.int8))
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.49, 0.499999, 0.5])
+@pytest.mark.parametrize("leaf", [4, 48, 10_000])
+def test_the_multifrontal_factor_agrees_with_scipy(
+    space: Space, poisson: float, leaf: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(multifrontal, "LEAF", leaf)
+    matrix = stiffness(space, {1: Elastic(5.0, poisson)})
+    system = solve.factor(space, matrix, clamped(space))
+    loads = np.zeros((space.n_unknowns, 3))
+    loads[: space.n_displacements] = np.random.default_rng(0).normal(
+        size=(space.n_displacements, 3)
+    )
+    answer = system.solve(loads)
+    reference = spsolve(system.reduced.tocsc(), loads[system.free])
+    assert answer[system.free] == pytest.approx(reference, rel=1e-7, abs=1e-8)
+    assert answer[:, 0] == pytest.approx(system.solve(loads[:, 0]), rel=1e-9, abs=1e-12)
+
+
+def test_reactions_balance_the_load(space: Space) -> None:
+    system = solve.factor(space, stiffness(space, {1: Elastic(5.0, 0.49)}), clamped(space))
+    loads = np.zeros(space.n_unknowns)
+    loads[3 * np.argmax(space.node_points.sum(axis=1)) + np.arange(3)] = [1.0, 2.0, 3.0]
+    reactions = system.reactions(system.solve(loads), loads).reshape(-1, 3).sum(axis=0)
+    assert reactions == pytest.approx([-1.0, -2.0, -3.0], rel=1e-8)
+
+
+def test_the_dissection_orders_every_unknown_once_and_saves_fill(space: Space) -> None:
+    centers = space.points[space.vertices].mean(axis=1)
+    parts = multifrontal.dissect(space.unknowns, centers, space.n_displacements)
+    assert np.array_equal(np.sort(parts.order), np.arange(space.n_unknowns))
+    for front in parts.fronts:
+        assert (front.rest >= front.stop).all()
+        own = parts.order[front.start : front.stop]
+        assert ((own >= space.n_displacements) == (np.arange(len(own)) >= front.pressure - front.start)).all()
+    stored = multifrontal.factor(stiffness(space, {1: Elastic(1.0, 0.3)}) + 1e-3 * signs(space), parts)
+    assert stored.entries < 0.4 * space.n_unknowns**2
+
+
+def signs(space: Space) -> sparse.csr_matrix:
+    ones = np.ones(space.n_unknowns)
+    ones[space.n_displacements :] = -1
+    return sparse.diags(ones, format="csr")
+
+
+def test_a_body_that_nothing_holds_is_refused(space: Space) -> None:
+    with pytest.raises(InputError, match="at least one held face"):
+        solve.factor(space, stiffness(space, {1: Elastic(1.0, 0.3)}), np.empty(0, dtype=int))
+
+
+def test_a_body_that_can_still_turn_is_refused(space: Space) -> None:
+    one_point = 3 * int(np.argmin(space.node_points.sum(axis=1))) + np.arange(3)
+    with pytest.raises(InputError, match="held facets"):
+        solve.factor(space, stiffness(space, {1: Elastic(1.0, 0.3)}), one_point)

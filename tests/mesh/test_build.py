@@ -1,0 +1,119 @@
+"""The builder from end to end on a very coarse finger, and the gate that judges it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fefinger.checks import ConvergenceError
+from fefinger.mesh import improve
+from fefinger.mesh.build import build
+from fefinger.mesh.mesher import Settings
+from fefinger.mesh.quality import dihedral_angles, gate, measure
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.record import FACETS, FingerMesh, faces, volumes
+
+
+ROUGH = Settings(pad=1.0, deep=0.8, far=1.0, largest=4.0, envelope=6e-3, facet=1.2)
+
+
+@pytest.fixture(scope="module")
+def rough() -> FingerMesh:
+    """Return a real mesh of about two thousand cells."""
+    return build(Recipe(13, 10, 13, resolution="coarse"), settings=ROUGH, name="rough")
+
+
+def test_rough_finger_passes_the_gate(rough: FingerMesh) -> None:
+    gate(rough.quality)
+    assert rough.half
+    assert rough.quality["n_cells"] == len(rough.cells) > 500
+    assert volumes(rough.points, rough.cells).min() > 0
+    assert all(len(rough.facets[name]) for name in FACETS)
+
+
+def test_rough_finger_is_conforming(rough: FingerMesh) -> None:
+    every = np.sort(faces(rough.cells).reshape(-1, 3), axis=1)
+    unique, count = np.unique(every, axis=0, return_counts=True)
+    named = np.concatenate([rough.facets[name] for name in FACETS if name != "bone"])
+    assert np.array_equal(np.unique(np.sort(named, axis=1), axis=0), unique[count == 1])
+
+
+def test_mesher_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
+    from fefinger.mesh.mesher import tetrahedra
+
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    sides = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    points, cells = tetrahedra(
+        [(corners, sides)], lambda p: np.full(len(p), 1.0), Settings(pad=1.0, largest=1.0)
+    )
+    assert volumes(points, cells).min() > 0
+    assert capfd.readouterr() == ("", "")
+
+
+def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
+    """Return the mesh with one thing wrong."""
+    points = mesh.points.copy()
+    if fault == "inverted":
+        return replace(mesh, cells=mesh.cells[:, [1, 0, 2, 3]])
+    if fault == "flat":
+        cell = mesh.cells[np.argmin(np.linalg.norm(points[mesh.cells].mean(1) + 8, axis=1))]
+        points[cell[0]] = points[cell[1:]].mean(axis=0) * 0.999 + points[cell[0]] * 0.001
+    if fault == "bone lost":
+        return replace(mesh, region=np.where(mesh.region == 3, 2, mesh.region).astype(np.int8))
+    if fault == "stretched":
+        points *= [1.0, 1.1, 1.0]
+    return replace(mesh, points=points)
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("inverted", "inverted or flat"),
+        ("flat", "dihedral angle of .* wanted 8 or more"),
+        ("bone lost", "bone volume -100.0% off"),
+        ("stretched", "pad radius across the finger"),
+    ],
+)
+def test_gate_refuses_a_bad_mesh(rough: FingerMesh, fault: str, message: str) -> None:
+    quality = measure(
+        faulty(rough, fault),
+        radii=tuple(rough.quality["radii_wanted"]),
+        own_volumes=rough.quality["surface_volumes"],
+        gap=0.0,
+    )
+    with pytest.raises(ConvergenceError, match=message):
+        gate(quality)
+
+
+def test_dihedral_angles_of_the_regular_and_the_corner_tetrahedron() -> None:
+    regular = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
+    corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    cell = np.array([[0, 1, 2, 3]])
+    assert dihedral_angles(regular, cell) == pytest.approx(np.degrees(np.arccos(1 / 3)))
+    expected = sorted([90] * 3 + [np.degrees(np.arccos(1 / np.sqrt(3)))] * 3)
+    assert np.sort(dihedral_angles(corner, cell)[0]) == pytest.approx(expected)
+
+
+def test_sines_are_those_of_the_angles_and_change_sign_with_orientation() -> None:
+    points = np.random.default_rng(0).normal(size=(40, 4, 3))
+    cells = np.arange(160).reshape(40, 4)
+    angles = np.sort(np.sin(np.radians(dihedral_angles(points.reshape(-1, 3), cells))), axis=1)
+    sines = improve.sines(points)
+    assert np.sort(np.abs(sines), axis=1) == pytest.approx(angles, abs=1e-7)
+    assert improve.sines(points[:, [1, 0, 2, 3]]).sum() == pytest.approx(-sines.sum())
+    signs = np.sign(volumes(points.reshape(-1, 3), cells))
+    assert np.all(np.sign(sines) == signs[:, None])
+
+
+def test_improving_lifts_the_worst_angle_and_leaves_planes_alone() -> None:
+    # A vertex of a divided cube pushed almost onto a face comes back to the middle.
+    grid = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    points = np.concatenate([grid, [[0.5, 0.02, 0.5]]])
+    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    cells = np.array([[a, b, c, 8] for q in squares for a, b, c in (q[:3], (q[0], *q[2:]))])
+    turned = volumes(points, cells) < 0
+    cells[turned] = cells[turned][:, [1, 0, 2, 3]]
+    supports = improve.Supports(np.full(9, -1), np.ones((9, 3), dtype=bool), ())
+    better = improve.improve(points, cells, supports, wanted=0.7, pinned=np.arange(8), sweeps=12)
+    assert np.array_equal(better[:8], points[:8])
+    assert improve.sines(better[cells]).min() > 10 * improve.sines(points[cells]).min()

@@ -1,0 +1,125 @@
+"""Meshes on disk: exact round trip, hash, and where ready meshes come from."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.mesh import files, ready
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.symmetric import whole
+
+
+@pytest.fixture(scope="module")
+def mesh() -> FingerMesh:
+    """Return the smallest shipped half."""
+    return files.read(ready.data_folder() / "ah-coarse.vtu")
+
+
+@pytest.fixture
+def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Send the user's cache to an empty folder."""
+    monkeypatch.setattr("platformdirs.user_cache_path", lambda _: tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+@pytest.mark.parametrize("make", [lambda mesh: mesh, whole], ids=["half", "whole"])
+def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
+    given = make(mesh)
+    back = files.read(files.write(given, tmp_path / "deep" / "finger.vtu"))
+    for name in ("points", "cells", "region", "pad_normals"):
+        assert np.array_equal(getattr(back, name), getattr(given, name)), name
+    assert set(back.facets) == set(given.facets)
+    for name, facets in given.facets.items():
+        assert np.array_equal(back.facets[name], facets), name
+    assert (back.half, back.name, back.recipe) == (given.half, given.name, given.recipe)
+    assert back.quality == given.quality
+
+
+def test_nothing_temporary_is_left_behind(mesh: FingerMesh, tmp_path: Path) -> None:
+    files.write(mesh, tmp_path / "finger.vtu")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["finger.json", "finger.vtu"]
+
+
+def test_changed_mesh_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    path.write_bytes(path.read_bytes() + b"\n")
+    with pytest.raises(InputError, match=r"expected .*finger\.vtu to have the hash"):
+        files.read(path)
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".json"])
+def test_missing_part_is_named(mesh: FingerMesh, tmp_path: Path, suffix: str) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    path.with_suffix(suffix).unlink()
+    with pytest.raises(InputError, match=rf"expected the file .*finger\{suffix}"):
+        files.read(path)
+
+
+def test_other_layout_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    sidecar = json.loads(path.with_suffix(".json").read_text())
+    path.with_suffix(".json").write_text(json.dumps({**sidecar, "layout": 99}))
+    with pytest.raises(InputError, match=r"expected layout 1 .* received 99"):
+        files.read(path)
+
+
+def test_broken_sidecar_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    path.with_suffix(".json").write_text("{")
+    with pytest.raises(InputError, match=r"expected JSON in .*finger\.json"):
+        files.read(path)
+
+
+def test_other_suffix_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"ends in \.vtu, received 'finger\.stl'"):
+        files.write(mesh, tmp_path / "finger.stl")
+
+
+def test_sidecar_says_recipe_versions_and_quality(mesh: FingerMesh, tmp_path: Path) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    sidecar = json.loads(path.with_suffix(".json").read_text())
+    assert sidecar["recipe"] == mesh.recipe
+    assert {"pytetwild", "fefinger"} <= set(sidecar["versions"])
+    assert sidecar["quality"]["min_dihedral_deg"] > 8
+
+
+def test_shipped_mesh_is_used_without_meshing(no_cache: Path) -> None:
+    half = ready.ready(Recipe(14, 10, 14, resolution="coarse"), half=True)
+    assert half.name == "ah-coarse"
+    assert half.half
+    assert not ready.ready(Recipe(14, 10, 14, resolution="coarse"), half=False).half
+    assert not no_cache.exists()
+
+
+def test_new_mesh_is_built_once_and_cached(
+    mesh: FingerMesh, no_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+
+    def build(recipe: Recipe, **_: object) -> FingerMesh:
+        calls.append(recipe)
+        return mesh
+
+    monkeypatch.setattr("fefinger.mesh.build.build", build)
+    recipe = Recipe(15, 11, 14)
+    for _ in range(2):
+        assert np.array_equal(ready.ready(recipe, half=True).points, mesh.points)
+    assert calls == [recipe]
+    assert sorted(path.suffix for path in (no_cache / "meshes").iterdir()) == [".json", ".vtu"]
+    ready.cached_path(recipe).write_bytes(b"damaged")
+    ready.ready(recipe, half=True)
+    assert calls == [recipe, recipe]
+
+
+def test_mesh_is_given_even_if_it_cannot_be_cached(
+    mesh: FingerMesh, no_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    no_cache.write_text("a file where the folder should be")
+    monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
+    said: list[str] = []
+    assert ready.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
+    assert "could not be kept" in said[-1]

@@ -1,0 +1,134 @@
+"""The parametric fingertip before it is meshed."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from fefinger.checks import InputError
+from fefinger.mesh import surface
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.shapes import PLATE, PLATE_NORMAL, Shape, parametric, radii
+
+
+SUBJECTS = {"d.p.": (12, 9.5, 15), "d.s.": (14, 11.5, 12), "a.h.": (14, 10, 14)}
+SUBJECTS["p.w."] = (17, 13, 17)
+
+
+@pytest.fixture(scope="module", params=SUBJECTS.values(), ids=SUBJECTS)
+def recipe(request: pytest.FixtureRequest) -> Recipe:
+    """Return the dimensions of each subject of the thesis."""
+    return Recipe(*request.param)
+
+
+@pytest.fixture(scope="module")
+def shape(recipe: Recipe) -> Shape:
+    """Return each subject's fingertip."""
+    return parametric(recipe)
+
+
+def test_radii_follow_from_width_thickness_and_pad_radius() -> None:
+    assert radii(Recipe(14, 10, 14)) == pytest.approx((20.0, 9.8))
+
+
+def test_normal_curvatures_at_first_touch_are_the_wanted_ones(shape: Shape) -> None:
+    # Second differences along the two principal directions: exact curvature, no fit.
+    step = 0.05
+    along, across = np.array([np.cos(PLATE), 0, np.sin(PLATE)]), np.array([0.0, 1.0, 0.0])
+    for direction, wanted in zip((along, across), shape.radii, strict=True):
+        points = np.array([-step, 0.0, step])[:, None] * direction
+        normals = shape.skin.normals(shape.skin.project(points))
+        curvature = (normals[2] - normals[0]) @ direction / (2 * step)
+        assert 1 / curvature == pytest.approx(wanted, rel=2e-3)
+
+
+def test_first_touch_of_a_30_degree_plate_is_the_origin(shape: Shape) -> None:
+    assert shape.skin.level(np.zeros((1, 3))) == pytest.approx(0.0, abs=1e-6)
+    assert shape.skin.normals(np.zeros((1, 3)))[0] == pytest.approx(PLATE_NORMAL, abs=1e-6)
+    assert (surface.half(shape.skin, 0.3)[0] @ PLATE_NORMAL).max() < 1e-6
+
+
+def test_size_is_the_given_one(shape: Shape, recipe: Recipe) -> None:
+    x = np.linspace(shape.skin.cut, shape.skin.tip, 2000)
+    wide, low, high = shape.skin.heights(x)
+    assert 2 * wide.max() == pytest.approx(recipe.width, rel=1e-6)
+    assert low.max() + high.max() == pytest.approx(recipe.thickness, rel=1e-6)
+    assert 20 <= shape.skin.tip - shape.skin.cut <= 25.1
+
+
+def test_pad_gets_sharper_towards_the_tip(shape: Shape) -> None:
+    x = np.linspace(0.0, shape.skin.tip - 0.3, 400)
+    low = shape.skin.heights(x)[1]
+    slope = -np.gradient(low, x)
+    curvature = np.gradient(np.arctan(slope), x) * np.cos(np.arctan(slope))
+    assert np.all(np.diff(curvature[5:-5]) > -2e-3 * curvature[5:-5].max())
+
+
+def test_skin_is_equally_thick_everywhere(shape: Shape, recipe: Recipe) -> None:
+    points = surface.half(shape.subcutaneous, 0.5)[0]
+    points = points[(shape.subcutaneous.level(points) > -0.01) & (points[:, 0] < shape.skin.tip)]
+    points = points[points[:, 0] > shape.skin.cut + 1.5]
+    outer = surface.half(shape.skin, 0.1)[0]
+    outer = outer[np.abs(shape.skin.level(outer)) < 1e-6]
+    outer = np.concatenate([outer, outer * [1, -1, 1]])
+    distance = cKDTree(outer).query(points)[0]
+    assert distance.min() > 0.9 * recipe.skin_thickness
+    assert distance.max() < 1.1 * recipe.skin_thickness
+
+
+def test_shells_are_nested_with_room_for_an_element(shape: Shape) -> None:
+    for outer, inner in zip(shape.shells, shape.shells[1:], strict=False):
+        points = surface.half(inner, 0.5)[0]
+        assert outer.level(points).max() < -0.4
+
+
+@pytest.mark.parametrize("step", [0.8, 0.4])
+def test_half_surfaces_are_closed_and_point_outward(shape: Shape, step: float) -> None:
+    for shell in shape.shells:
+        points, faces = surface.half(shell, step)
+        sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        assert len(np.unique(sides, axis=0)) == len(sides)
+        assert set(map(tuple, sides.tolist())) == set(map(tuple, sides[:, ::-1].tolist()))
+        x = np.linspace(shell.cut, shell.tip, 4001)
+        wide, low, high = shell.heights(x)
+        exact = np.trapezoid(np.pi / 4 * wide * (low + high), x)
+        assert surface.volume((points, faces)) == pytest.approx(exact, rel=0.02)
+
+
+def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) -> None:
+    random = np.random.default_rng(3)
+    points = surface.half(shape.skin, 1.0)[0]
+    points = points[np.abs(shape.skin.level(points)) < 1e-6]
+    moved = points + random.uniform(-0.1, 0.1, points.shape)
+    free = np.tile([True, False, True], (len(points), 1))
+    there = shape.skin.project(moved)
+    held = shape.skin.project(moved, free=free)
+    assert np.abs(shape.skin.level(there)).max() < 1e-9
+    assert np.array_equal(held[:, 1], moved[:, 1])
+    assert np.linalg.norm(there - moved, axis=1).max() < 0.25
+
+
+def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
+    edge = shape.nail_edge(200)
+    assert np.abs(shape.skin.level(edge)).max() < 1e-6
+    assert np.all(edge[:, 2] > shape.skin.middle)
+    assert 10 < np.ptp(edge[:, 0]) < 15
+    assert edge[:, 1].max() == pytest.approx(0.375 * recipe.width, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "message"),
+    [
+        ((14, 10, 30), "pad_radius: expected a pad that rises at most 9.0 mm"),
+        ((20, 8, 6), "pad_radius: expected at least 10.9 mm"),
+        ((3, 10, 14), "width: expected a finite number mm at least 5"),
+        ((14, float("nan"), 14), "thickness: expected a finite number"),
+    ],
+)
+def test_impossible_fingers_get_a_sentence(sizes: tuple[float, ...], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parametric(Recipe(*sizes))
+
+
+def test_unknown_resolution_gets_the_nearest_name() -> None:
+    with pytest.raises(InputError, match="Did you mean 'coarse'"):
+        Recipe(14, 10, 14, resolution="course")

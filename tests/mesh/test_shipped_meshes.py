@@ -1,0 +1,155 @@
+"""The meshes that come with the package: what a mechanics takes for granted about them."""
+
+import numpy as np
+import pytest
+
+from fefinger.mesh import files
+from fefinger.mesh.quality import (
+    MIN_DIHEDRAL,
+    RADIUS_ERROR,
+    VOLUME_ERROR,
+    dihedral_angles,
+    gate,
+    measured_radii,
+)
+from fefinger.mesh.ready import data_folder
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.record import BONE, FACETS, FingerMesh, faces, volumes
+from fefinger.mesh.shapes import PLATE_NORMAL, Shape, parametric, radii
+
+
+NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def mesh(request: pytest.FixtureRequest) -> FingerMesh:
+    """Return each shipped mesh."""
+    return files.read(data_folder() / f"{request.param}.vtu")
+
+
+@pytest.fixture(scope="module")
+def shape(mesh: FingerMesh) -> Shape:
+    """Return the smooth shape that a shipped mesh was made from."""
+    return parametric(Recipe(**mesh.recipe))
+
+
+def test_subjects_have_standard_meshes_and_one_has_three_resolutions() -> None:
+    wanted = {"ah-standard", "dp-standard", "ds-standard", "pw-standard", "ah-coarse", "ah-fine"}
+    assert wanted <= set(NAMES)
+
+
+def test_cells_are_positive_and_angles_above_the_limit(mesh: FingerMesh) -> None:
+    assert volumes(mesh.points, mesh.cells).min() > 0
+    assert dihedral_angles(mesh.points, mesh.cells).min() >= MIN_DIHEDRAL
+    gate(mesh.quality)
+
+
+def test_every_vertex_is_used(mesh: FingerMesh) -> None:
+    assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.points)))
+
+
+def test_faces_are_shared_by_two_cells_or_named_once(mesh: FingerMesh) -> None:
+    every = np.sort(faces(mesh.cells).reshape(-1, 3), axis=1)
+    unique, count = np.unique(every, axis=0, return_counts=True)
+    assert set(count) == {1, 2}
+    boundary = np.concatenate([mesh.facets[name] for name in FACETS if name != "bone"])
+    assert np.array_equal(np.unique(np.sort(boundary, axis=1), axis=0), unique[count == 1])
+    assert len(boundary) == np.sum(count == 1)
+
+
+def test_bone_facets_are_the_faces_between_bone_and_soft_tissue(mesh: FingerMesh) -> None:
+    def sides(cells: np.ndarray) -> set[tuple[int, ...]]:
+        return set(map(tuple, np.sort(faces(cells).reshape(-1, 3), axis=1).tolist()))
+
+    soft, bone = (sides(mesh.cells[(mesh.region == BONE) == is_bone]) for is_bone in (False, True))
+    found = set(map(tuple, np.sort(mesh.facets["bone"], axis=1).tolist()))
+    assert found == soft & bone
+
+
+def test_facets_point_out_of_the_soft_tissue(mesh: FingerMesh) -> None:
+    soft = mesh.cells[mesh.region != BONE]
+    oriented = {tuple(np.roll(f, -np.argmin(f)).tolist()) for f in faces(soft).reshape(-1, 3)}
+    for name in ("pad", "nail", "cut", "bone"):
+        turned = {tuple(np.roll(f, -np.argmin(f)).tolist()) for f in mesh.facets[name]}
+        assert turned <= oriented, name
+
+
+def test_soft_tissue_is_closed_by_its_facets(mesh: FingerMesh) -> None:
+    # The divergence theorem over pad, nail, cut, bone and the soft part of y = 0 (where x.n = 0).
+    total = 0.0
+    for name in ("pad", "nail", "cut", "bone"):
+        a, b, c = (mesh.points[mesh.facets[name][:, i]] for i in range(3))
+        total += np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    soft = volumes(mesh.points, mesh.cells[mesh.region != BONE]).sum()
+    assert total == pytest.approx(soft, rel=1e-9)
+
+
+def test_regions_agree_with_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
+    for cells, region in ((mesh.cells[mesh.region == k], k) for k in (1, 2, 3)):
+        used = mesh.points[np.unique(cells)]
+        inside, outside = shape.shells[region - 1], shape.shells[region:][:1]
+        assert inside.level(used).max() < 0.06
+        for shell in outside:
+            assert shell.level(used).min() > -0.06
+
+
+def test_pad_vertices_lie_on_the_smooth_surface(mesh: FingerMesh, shape: Shape) -> None:
+    pad = mesh.points[np.unique(mesh.facets["pad"])]
+    assert np.abs(shape.skin.level(pad)).max() < 1e-6
+
+
+def test_measured_radii_are_those_of_the_design(mesh: FingerMesh) -> None:
+    wanted = radii(Recipe(**mesh.recipe))
+    assert measured_radii(mesh) == pytest.approx(wanted, rel=RADIUS_ERROR)
+
+
+def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
+    # Independent of the surfaces that the mesher got: sections integrated along the finger.
+    inside = []
+    for shell in shape.shells:
+        x = np.linspace(shell.cut, shell.tip, 4001)
+        wide, low, high = shell.heights(x)
+        inside.append(np.trapezoid(np.pi / 4 * wide * (low + high), x))
+    own = [inside[0] - inside[1], inside[1] - inside[2], inside[2]]
+    volume = volumes(mesh.points, mesh.cells)
+    found = [volume[mesh.region == k].sum() for k in (1, 2, 3)]
+    assert found == pytest.approx(own, rel=VOLUME_ERROR)
+
+
+def test_medial_plane_and_cut_are_exact(mesh: FingerMesh, shape: Shape) -> None:
+    medial = np.unique(mesh.facets["medial"])
+    assert np.all(mesh.points[medial, 1] == 0.0)
+    assert np.all(np.delete(mesh.points[:, 1], medial) > 0.0)
+    ends = np.unique(np.concatenate([mesh.facets["cut"], mesh.facets["bone-cut"]]))
+    assert np.all(mesh.points[ends, 0] == mesh.points[:, 0].min())
+    assert mesh.points[:, 0].min() == pytest.approx(shape.skin.cut)
+
+
+def test_plate_at_30_degrees_touches_first_at_the_origin(mesh: FingerMesh) -> None:
+    pad = mesh.points[np.unique(mesh.facets["pad"])]
+    heights = pad @ PLATE_NORMAL
+    assert heights.max() == pytest.approx(0.0, abs=1e-6)
+    assert np.all(pad[np.argmax(np.isclose(heights, heights.max(), atol=1e-9))] == 0.0)
+
+
+def test_pad_normals_are_unit_smooth_and_point_outward(mesh: FingerMesh) -> None:
+    pad = np.unique(mesh.facets["pad"])
+    length = np.linalg.norm(mesh.pad_normals, axis=1)
+    assert length[pad] == pytest.approx(np.ones(len(pad)), abs=1e-12)
+    assert np.all(np.delete(length, pad) == 0.0)
+    origin = pad[np.all(mesh.points[pad] == 0.0, axis=1)]
+    assert mesh.pad_normals[origin[0]] == pytest.approx(PLATE_NORMAL, abs=1e-6)
+    a, b, c = (mesh.points[mesh.facets["pad"][:, i]] for i in range(3))
+    flat = np.cross(b - a, c - a)
+    flat /= np.linalg.norm(flat, axis=1)[:, None]
+    smooth = mesh.pad_normals[mesh.facets["pad"]].mean(axis=1)
+    assert np.einsum("ij,ij->i", flat, smooth).min() > 0.7
+
+
+def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh) -> None:
+    limit = {"coarse": 1.0, "standard": 0.5, "fine": 0.36}[mesh.recipe["resolution"]]
+    assert mesh.quality["pad_edge_mean"] < limit
+
+
+def test_pulp_is_about_half_the_thickness(mesh: FingerMesh) -> None:
+    assert 0.44 < mesh.quality["pulp_thickness"] / mesh.recipe["thickness"] < 0.5

@@ -1,0 +1,224 @@
+"""Hodgkin-Huxley against published numbers, an adaptive integrator and its own refinement."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.neural.membranes import HodgkinHuxley
+
+
+STANDARD, SLOWED = HodgkinHuxley(rate_divisor=1.0), HodgkinHuxley(rate_divisor=6.0)
+SPEEDS = pytest.mark.parametrize(
+    "membrane", [STANDARD, SLOWED], ids=["standard", "slowed"], scope="module"
+)
+
+
+def hold(membrane, current, seconds, **options):
+    return membrane.fire([0.0, seconds], [current, current], **options)
+
+
+def repetitive(membrane, current):
+    """Whether a step from rest still fires in the last tenth of 3 s (standard) or 15 s (slowed)."""
+    seconds = 3.0 if membrane is STANDARD else 15.0
+    (times,) = hold(membrane, current, seconds, stimulus_driven=False).times
+    return bool(np.any(times > 0.9 * seconds))
+
+
+def onset(fires, low, high, digits):
+    while high - low > digits:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fires(middle) else (middle, high)
+    return high
+
+
+def printed_slope(t, y, current, divisor):
+    """Eq. B.1 to B.10 with the signs of Hodgkin & Huxley (1952), written out without care."""
+    v, n, m, h = y
+    a_n = 0.01 * (10 - v) / (np.exp((10 - v) / 10) - 1)
+    b_n = 0.125 * np.exp(-v / 80)
+    a_m = 0.1 * (25 - v) / (np.exp((25 - v) / 10) - 1)
+    b_m = 4 * np.exp(-v / 18)
+    a_h = 0.07 * np.exp(-v / 20)
+    b_h = 1 / (np.exp((30 - v) / 10) + 1)
+    ionic = 36 * n**4 * (v + 12) + 120 * m**3 * h * (v - 115) + 0.3 * (v - 10.613)
+    return [
+        current(t) - ionic,
+        (a_n * (1 - n) - b_n * n) / divisor,
+        (a_m * (1 - m) - b_m * m) / divisor,
+        (a_h * (1 - h) - b_h * h) / divisor,
+    ]
+
+
+def test_rest_has_the_known_gates_and_stays():
+    v, *gates = STANDARD.rest()
+    assert v == pytest.approx(0.0036, abs=5e-5)
+    assert gates == pytest.approx([0.3177, 0.0529, 0.5961], abs=1.5e-4)
+    np.testing.assert_allclose(hold(STANDARD, 0.0, 0.5).final[0], STANDARD.rest(), atol=1e-12)
+
+
+@pytest.mark.parametrize("v", [10.0, 25.0])
+def test_rates_are_smooth_where_the_printed_ones_are_undefined(v):
+    from fefinger.neural._hodgkin_huxley import rates
+
+    def curve(x):
+        return np.array(rates(x))
+
+    for width in (1e-2, 1e-3, 1e-6):
+        around = 0.5 * (curve(v - width) + curve(v + width))
+        np.testing.assert_allclose(curve(v), around, rtol=1e-3 * width + 1e-11)
+
+
+def test_a_short_pulse_gives_the_known_action_potential():
+    pulse = STANDARD.fire([0, 1e-3, 1e-3, 0.05], [20.0, 20.0, 0.0, 0.0], dt=1e-5)
+    assert pulse.peak_mV[0] == pytest.approx(105.5, abs=0.05)
+    assert len(pulse.times[0]) == 1
+
+
+@pytest.mark.parametrize(
+    ("membrane", "expected"), [(STANDARD, 6.2603), (SLOWED, 6.1978)], ids=["standard", "slowed"]
+)
+def test_repetitive_firing_to_a_step_begins_at_the_known_current(membrane, expected):
+    found = onset(lambda current: repetitive(membrane, current), 6.1, 6.4, 2e-4)
+    assert found == pytest.approx(expected, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("membrane", "expected"), [(STANDARD, 2.2403), (SLOWED, 1.0698)], ids=["standard", "slowed"]
+)
+def test_a_single_spike_needs_the_known_current(membrane, expected):
+    def fires(current):
+        return len(hold(membrane, current, 0.4, stimulus_driven=False).times[0]) > 0
+
+    assert onset(fires, 0.5, 3.0, 5e-5) == pytest.approx(expected, abs=2e-4)
+
+
+RATES = {
+    1.0: {7: 58.33, 10: 68.32, 20: 86.47, 50: 117.04, 100: 147.27},
+    6.0: {7: 11.39, 10: 13.11, 20: 16.25, 50: 21.66, 100: 27.25},
+}
+
+
+@pytest.mark.parametrize(
+    ("divisor", "current", "rate"),
+    [(divisor, *pair) for divisor, table in RATES.items() for pair in table.items()],
+)
+def test_rate_in_constant_current(divisor, current, rate):
+    seconds = 1.0 if divisor == 1.0 else 5.0
+    firing = hold(HodgkinHuxley(divisor), current, seconds)
+    (times,) = firing.times
+    assert 1 / np.diff(times[times > seconds / 2]).mean() == pytest.approx(rate, rel=2e-3)
+    assert firing.block_seconds[0] == 0.0
+    assert firing.stimulus_driven[0] == 0 or (current >= 50 and firing.stimulus_driven[0] == 1)
+
+
+@SPEEDS
+def test_block_is_reported_where_spikes_fail_and_only_there(membrane):
+    for current in (2.0, 5.0, 9.0, 50.0, 110.0):
+        assert hold(membrane, current, 1.0).block_seconds[0] == 0.0
+    for current in (115.0, 120.0, 150.0, 1000.0):
+        firing = hold(membrane, current, 1.0)
+        assert 0.8 < firing.block_seconds[0] < 1.0
+        assert len(firing.times[0]) <= 4
+
+
+def test_the_current_that_carries_the_potential_itself_is_counted_apart():
+    time = np.linspace(0, 0.5, 20_001)
+    swing = 200.0 * (1 - np.cos(2 * np.pi * 50 * time))
+    firing = SLOWED.fire(time, np.column_stack([swing, np.full_like(time, 20.0)]))
+    assert firing.stimulus_driven[0] > 20
+    assert firing.stimulus_driven[1] == 0
+
+
+@pytest.mark.parametrize(
+    ("divisor", "seconds"), [(1.0, 0.2), (6.0, 0.3)], ids=["standard", "slowed"]
+)
+def test_spikes_agree_with_an_adaptive_integrator_of_the_printed_equations(divisor, seconds):
+    from scipy.integrate import solve_ivp
+
+    def current(t):
+        return 20.0 * min(t / (500.0 * seconds), 1.0)
+
+    def spike(t, y, *_):
+        return y[0] - 40.0
+
+    spike.direction = 1.0
+    membrane = HodgkinHuxley(divisor)
+    truth = solve_ivp(
+        lambda t, y: printed_slope(t, y, current, divisor),
+        (0.0, 1e3 * seconds),
+        membrane.rest(),
+        method="DOP853",
+        rtol=1e-10,
+        atol=1e-11,
+        max_step=5.0,
+        events=spike,
+    )
+    firing = membrane.fire([0, seconds / 2, seconds], [0, 20, 20])
+    assert len(truth.t_events[0]) > 2
+    np.testing.assert_allclose(firing.times[0], 1e-3 * truth.t_events[0], atol=2e-6)
+    np.testing.assert_allclose(firing.final[0], truth.y[:, -1], atol=2e-2)
+
+
+def test_the_error_falls_with_the_fourth_power_of_the_step():
+    pulse = [0, 2e-3, 2e-3, 12e-3], [15.0, 15.0, 3.0, 3.0]
+    truth = STANDARD.fire(*pulse, dt=1.5625e-6).final[0]
+    steps = np.array([5e-5, 2.5e-5, 1.25e-5])
+    errors = [np.abs(STANDARD.fire(*pulse, dt=dt).final[0] - truth).max() for dt in steps]
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
+    assert np.all((slopes > 3.7) & (slopes < 4.4)), slopes
+    assert errors[0] < 1e-3
+
+
+IMPULSES = {
+    1: (9, 14, 18),
+    2: (5, 7, 9),
+    4: (3, 3, 4),
+    8: (1, 2, 2),
+    16: (1, 1, 1),
+    32: (0.5, 0.75, 1),
+    64: (0.25, 0.33, 0.5),
+}
+
+
+@pytest.mark.parametrize(("frequency", "expected"), IMPULSES.items())
+def test_impulses_per_cycle_of_a_slowed_membrane(frequency, expected):
+    """Thesis Fig. 4-8: I = A (1 - cos wt) with A = 12.5, 25 and 50 uA/cm², rates / 6."""
+    cycles = max(8, 3 * frequency)
+    time = np.linspace(0, cycles / frequency, 200 * cycles + 1)
+    wave = 1 - np.cos(2 * np.pi * frequency * time)
+    firing = SLOWED.fire(time, np.outer(wave, [12.5, 25, 50]), stimulus_driven=False)
+    late = [np.sum(times >= time[-1] / 2) / (cycles / 2) for times in firing.times]
+    np.testing.assert_allclose(late, expected, atol=0.09)
+
+
+def test_units_are_independent_of_each_other():
+    time = np.linspace(0, 0.2, 401)
+    currents = np.outer(time / 0.2, [5.0, 40.0, 80.0])
+    together = SLOWED.fire(time, currents)
+    for i in range(3):
+        alone = SLOWED.fire(time, currents[:, i])
+        np.testing.assert_array_equal(together.times[i], alone.times[0])
+        np.testing.assert_array_equal(together.final[i], alone.final[0])
+
+
+@pytest.mark.parametrize(
+    ("time", "current", "dt", "message"),
+    [
+        ([0, 1], [0, 1, 2], 5e-5, "expected \\(n_t,\\)"),
+        ([0], [0], 5e-5, "two samples"),
+        ([0, 1, 0.5], [0, 1, 2], 5e-5, "never decrease"),
+        ([0, np.nan], [0, 1], 5e-5, "finite times"),
+        ([0, 1], [0, np.nan], 5e-5, "current: expected at most"),
+        ([0, 1], [0, 1e6], 5e-5, "lower the gain"),
+        ([0, 1], [0, 1], 1e-3, "dt: expected"),
+    ],
+)
+def test_unusable_input_is_refused(time, current, dt, message):
+    with pytest.raises(InputError, match=message):
+        SLOWED.fire(time, current, dt=dt)
+
+
+@pytest.mark.parametrize("divisor", [0.0, 0.5, np.nan, "6"])
+def test_impossible_divisors_are_refused(divisor):
+    with pytest.raises(InputError, match="rate_divisor"):
+        HodgkinHuxley(divisor)

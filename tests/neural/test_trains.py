@@ -1,0 +1,51 @@
+"""SpikeTrains: counts, instantaneous rate and rows."""
+
+import numpy as np
+import pytest
+
+from fefinger.neural.trains import COLUMNS, SpikeTrains
+
+
+def trains(*times):
+    n = len(times)
+    return SpikeTrains(
+        types=("SAI",) * n,
+        names=tuple(f"SAI-{i + 1}" for i in range(n)),
+        times=tuple(np.array(t, float) for t in times),
+        t_start=0.0,
+        t_stop=2.0,
+        time=np.array([0.0, 2.0]),
+        x_in=np.zeros((2, n)),
+        current=np.zeros((2, n)),
+        peak_mV=np.zeros(n),
+        block_seconds=np.zeros(n),
+        stimulus_driven=np.zeros(n, np.int64),
+    )
+
+
+def test_counts_and_rows_follow_the_units():
+    both = trains([0.5, 1.0], [0.25])
+    assert len(both) == 2
+    np.testing.assert_array_equal(both.count(), [2, 1])
+    rows = [("SAI-1", "SAI", 0.5), ("SAI-1", "SAI", 1.0), ("SAI-2", "SAI", 0.25)]
+    assert both.to_rows() == rows
+    assert len(COLUMNS) == len(rows[0])
+
+
+def test_rate_is_one_over_the_interval_all_through_it():
+    one = trains([0.5, 0.6, 1.0])
+    t = [0.0, 0.5, 0.59, 0.6, 0.99, 1.0, 2.0]
+    np.testing.assert_allclose(one.rate("SAI-1", t), [0, 10, 10, 2.5, 2.5, 0, 0])
+    assert one.rate(0, 0.7) == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize("times", [[], [1.0]])
+def test_rate_of_less_than_two_spikes_is_zero(times):
+    np.testing.assert_array_equal(trains(times).rate(0, [0.0, 1.0, 1.5]), 0.0)
+
+
+def test_unknown_units_are_named():
+    with pytest.raises(KeyError, match="no unit 'FAI' among SAI-1"):
+        trains([]).index("FAI")
+    with pytest.raises(IndexError):
+        trains([]).index(3)

@@ -1,0 +1,75 @@
+"""The sentences that unusable input gets."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError, choice, flag, nearest, number, reject_unknown
+from fefinger.lists import choices, numbers
+
+
+@pytest.mark.parametrize("value", [2, 2.5, np.float32(2.5), np.int64(2), np.array(2.5)])
+def test_a_number_comes_back_as_a_float(value):
+    result = number("x", value, above=1, at_most=3)
+    assert type(result) is float
+    assert result == float(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "limits", "message"),
+    [
+        ("2", {}, r"x: expected a finite number, received '2'"),
+        (True, {}, r"x: expected a finite number, received True"),
+        (None, {}, r"received None"),
+        ([2], {}, r"received \[2\]"),
+        (1j, {}, r"received 1j"),
+        (float("nan"), {}, r"received nan"),
+        (float("inf"), {"unit": "mm"}, r"expected a finite number mm, received inf"),
+        (1, {"above": 1}, r"expected a finite number above 1, received 1"),
+        (0.9, {"at_least": 1, "at_most": 2}, r"number at least 1 and at most 2, received 0.9"),
+        (2, {"below": 2, "unit": "s"}, r"number s below 2, received 2"),
+    ],
+)
+def test_what_is_no_number_in_range_is_named_with_what_was_expected(value, limits, message):
+    with pytest.raises(InputError, match=message):
+        number("x", value, **limits)
+
+
+def test_nearest_suggests_only_what_is_near():
+    assert nearest("sped", ("speed", "depth")) == " Did you mean 'speed'?"
+    assert nearest("zzz", ("speed", "depth")) == ""
+
+
+def test_a_choice_is_passed_on_or_refused_with_the_options():
+    assert choice("kind", "flat", ("flat", "sphere")) == "flat"
+    with pytest.raises(InputError, match=r"kind: expected one of .flat., .sphere., received"):
+        choice("kind", "spher", ("flat", "sphere"))
+    with pytest.raises(InputError, match=r"received 3"):
+        choice("kind", 3, ("flat",))
+
+
+@pytest.mark.parametrize("value", [0, 1, "true", None])
+def test_a_flag_is_true_or_false_and_nothing_else(value):
+    assert flag("x", True) is True
+    with pytest.raises(InputError, match="x: expected true or false"):
+        flag("x", value)
+
+
+def test_unknown_keys_are_named_with_their_table():
+    reject_unknown("motion", {"speed": 1}, ("speed",))
+    with pytest.raises(InputError, match=r"sped: unknown key in \[motion\]. Did you mean 'speed'"):
+        reject_unknown("motion", {"sped": 1}, ("speed",))
+
+
+def test_lists_are_checked_entry_by_entry():
+    assert numbers("x", np.array([1, 2]), count=2, above=0) == (1.0, 2.0)
+    assert choices("x", ["a", "b"], ("b", "a")) == ("a", "b")
+    with pytest.raises(InputError, match=r"x\[1\]: .*received 'b'"):
+        numbers("x", [1, "b"])
+    with pytest.raises(InputError, match=r"x: expected a list of 3 numbers, received 2: "):
+        numbers("x", [1, 2], count=3)
+    with pytest.raises(InputError, match=r"x: expected a list of numbers, received 3"):
+        numbers("x", 3)
+    with pytest.raises(InputError, match=r"x\[0\]: expected one of 'b'"):
+        choices("x", ["a"], ("b",))
+    with pytest.raises(InputError, match=r"x: expected every name once"):
+        choices("x", ["b", "b"], ("b",))

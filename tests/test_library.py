@@ -1,0 +1,94 @@
+"""The published parameters, against sums and means that the thesis prints beside them."""
+
+import numpy as np
+import pytest
+
+from fefinger import library
+from fefinger.checks import InputError
+from fefinger.finger import Finger
+from fefinger.neural.endorgans import TYPES
+
+
+def columns(rows):
+    """Return the rows of the subjects, and the row of means, as arrays."""
+    subjects = np.array([row for name, row in rows.items() if name != "means"], float)
+    return subjects, np.array(rows["means"], float)
+
+
+def test_means_of_the_bulk_table_are_the_means_of_its_columns():
+    rows = {
+        name: (row.width, row.thickness, row.m, row.b, *row.prony.c, *row.prony.v)
+        for name, row in library.pawluk_bulk().items()
+    }
+    subjects, means = columns(rows)
+    printed = [0.5, 0.5, 0.05, 0.005, *[0.0051] * 4, 0.5, 0.5, 0.0051]  # half of the last digit
+    assert np.all(np.abs(subjects.mean(axis=0) - means) <= printed)
+
+
+def test_means_of_the_relaxation_table_are_the_means_of_its_columns():
+    rows = {name: (*prony.c, *prony.v) for name, prony in library.pawluk_relaxation().items()}
+    subjects, means = columns(rows)
+    printed = [*[0.0051] * 4, 0.5, 0.05, 0.005]
+    assert np.all(np.abs(subjects.mean(axis=0) - means) <= printed)
+
+
+def test_means_of_the_quasistatic_table_are_the_means_of_its_columns():
+    rows = {name: (row.radius, row.m, row.b) for name, row in library.pawluk_quasistatic().items()}
+    subjects, means = columns(rows)
+    assert np.all(np.abs(subjects.mean(axis=0) - means) <= [1e-12, 0.05, 0.05])
+
+
+def test_relaxation_of_both_chapters_belongs_to_the_same_subjects():
+    sums = {name: sum(prony.c) for name, prony in library.pawluk_relaxation().items()}
+    assert sums["d.p."] == pytest.approx(1.0)
+    assert [sums[name] for name in sums if name != "d.p."] == pytest.approx([0.99] * 5)
+    assert sum(library.pawluk_bulk()["d.s."].prony.c) == pytest.approx(1.01)
+
+
+@pytest.mark.parametrize("name", [name for name in library.subjects() if name != "f.c."])
+def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
+    finger = Finger.subject(name)
+    bulk = library.pawluk_bulk()[name]
+    assert (finger.width, finger.thickness) == (bulk.width, bulk.thickness)
+    assert finger.prony == library.pawluk_relaxation()[name]
+    assert finger.pad_radius == library.pawluk_quasistatic()[name].radius
+
+
+def test_the_subject_without_a_size_works_once_it_is_given():
+    finger = Finger.subject("f.c.", width=15, thickness=11)
+    assert (finger.width, finger.pad_radius) == (15, 15)
+    with pytest.raises(InputError, match="give width and thickness"):
+        Finger.subject("f.c.", width=15)
+
+
+def test_a_finger_of_nobody_has_the_mean_relaxation_and_radius():
+    finger = Finger(14, 11)
+    assert finger.prony == library.pawluk_relaxation()["means"]
+    assert finger.pad_radius == 14.6
+    assert finger.subject_name is None
+
+
+def test_the_skin_of_maeno_is_as_stiff_against_stretching_as_its_two_layers():
+    skin = library.maeno1998().skin
+    assert skin.modulus * skin.thickness == pytest.approx(136 * 0.4 + 80 * 0.6)
+    assert 80 < skin.modulus < 136
+    assert skin.thickness == 1.0
+
+
+@pytest.mark.parametrize("name", library.TISSUE_SETS)
+def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(name):
+    tissues = library.tissue_set(name)
+    finger = Finger.subject("a.h.", tissue=name)
+    assert (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
+    assert tissues.confidence in ("high", "medium", "low")
+    assert any(year in tissues.source for year in ("1998", "2003", "2017"))
+    assert f"confidence {tissues.confidence}" in library.TISSUE_SETS[name].__doc__
+
+
+def test_end_organs_lie_inside_their_published_range_in_every_subject():
+    receptors = library.receptors()
+    assert tuple(receptors) == TYPES
+    for receptor in receptors.values():
+        low, high = receptor.published
+        assert low <= receptor.depth <= high
+        assert receptor.depth < min(row.thickness for row in library.pawluk_bulk().values()) / 2

@@ -1,0 +1,186 @@
+"""Motions: closed forms against quadrature, levels reached exactly, and what is refused."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.motion import (
+    ForceRamp,
+    ForceRampHold,
+    ForceRampSinusoid,
+    ForceSampled,
+    ForceTrapezoid,
+    Ramp,
+    RampHold,
+    RampSinusoid,
+    Sampled,
+    Trapezoid,
+)
+
+
+SINE = {"amplitude": 0.4, "frequency": 4, "cycles": 5}
+CORNERS = (0.0, 0.01, 0.02)
+EVERY = [
+    motion
+    for corner in CORNERS
+    for motion in (
+        Ramp(60, 1.5, corner=corner),
+        RampHold(60, 1.5, hold=0.1, corner=corner),
+        RampHold(60, 1.5, hold=0, corner=corner),
+        Trapezoid(60, 1.5, hold=0.1, corner=corner),
+        Trapezoid(60, 1.5, hold=0, corner=corner),
+        RampSinusoid(20, 1.5, settle=0.1, corner=corner, **SINE),
+        RampSinusoid(20, 1.5, corner=corner, **SINE),
+        Sampled([0, 0.1, 0.2, 0.5, 1], [0, 1, 2, 0.5, 0.5], corner=corner),
+        ForceRamp(2, 1, corner=corner),
+        ForceRampHold(2, 1, hold=0.1, corner=corner),
+        ForceTrapezoid(2, 1, hold=0.1, corner=corner),
+        ForceRampSinusoid(2, 1, settle=0.1, corner=corner, **SINE),
+        ForceSampled([0, 0.3, 1], [0, 1, 0.5], corner=corner),
+    )
+]
+
+
+@pytest.mark.parametrize("motion", EVERY, ids=str)
+def test_value_is_the_integral_of_rate(motion):
+    for t0, t1 in zip(motion.breaks[:-1], motion.breaks[1:], strict=True):
+        nodes, weights = np.polynomial.legendre.leggauss(60)
+        t = t0 + (t1 - t0) * (nodes + 1) / 2
+        area = (t1 - t0) / 2 * weights @ motion.rate(t)
+        change = np.diff(motion.value([t0, t1]))[0]
+        assert area == pytest.approx(change, abs=1e-12)
+
+
+@pytest.mark.parametrize("motion", EVERY, ids=str)
+def test_rate_jumps_only_where_corners_are_sharp(motion):
+    inner = np.array(motion.breaks[1:-1])
+    before, after = motion.rate(inner - 1e-12), motion.rate(inner + 1e-12)
+    jumps = np.abs(after - before).max(initial=0)
+    if motion.corner > 0:
+        assert jumps < 1e-6
+    elif len(inner):
+        assert jumps > 0.1
+
+
+@pytest.mark.parametrize("motion", EVERY, ids=str)
+def test_peak_is_the_largest_value(motion):
+    t = np.linspace(0, motion.duration, 200_001)
+    assert motion.value(t).max() == pytest.approx(motion.peak, abs=1e-4)
+    assert motion.value(t).max() <= motion.peak * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("motion", EVERY, ids=str)
+def test_it_moves_in_the_intervals_called_moving_and_nowhere_else(motion):
+    t = np.linspace(0, motion.duration, 5003)[1:-1]
+    moving = np.any([(t > t0) & (t < t1) for t0, t1 in motion.moving], axis=0)
+    assert np.all(motion.rate(t[~moving]) == 0)
+    assert np.mean(motion.rate(t[moving]) != 0) > 0.99
+
+
+def test_a_corner_is_a_parabola_that_delays_the_ramp_by_half_of_itself():
+    motion = RampHold(60, 1.5, hold=5, corner=0.01)
+    assert motion.breaks == pytest.approx((0, 0.01, 0.025, 0.035, 5.035))
+    assert motion.value(0.004) == pytest.approx(60 / 0.01 * 0.004**2 / 2)
+    assert motion.value(0.02) == pytest.approx(60 * (0.02 - 0.005))
+    assert motion.value([0.035, 1.0, 5.035]).tolist() == [1.5, 1.5, 1.5]
+
+
+def test_a_rest_lasts_as_long_as_asked_with_and_without_corners():
+    for corner in CORNERS:
+        motion = Trapezoid(60, 1.5, hold=1, corner=corner)
+        (_, stop), (start, _) = motion.moving
+        assert start - stop == pytest.approx(1)
+        assert motion.value(motion.duration) == pytest.approx(0, abs=1e-12)
+
+
+def test_the_sine_starts_upward_about_the_depth_as_in_the_thesis():
+    motion = RampSinusoid(20, 1.5, amplitude=0.4, frequency=4, cycles=5, corner=0)
+    start = 1.5 / 20
+    assert motion.duration == pytest.approx(start + 5 / 4)
+    t = start + np.array([1, 2, 3, 4]) / 16
+    assert motion.value(t) == pytest.approx([1.9, 1.5, 1.1, 1.5])
+    assert motion.rate(start) == pytest.approx(2 * np.pi * 4 * 0.4)
+
+
+def test_depth_and_force_kinds_share_their_shape():
+    t = np.linspace(0, 2, 777)
+    depth = RampSinusoid(2, 1, settle=0.1, **SINE)
+    force = ForceRampSinusoid(2, 1, settle=0.1, **SINE)
+    assert np.array_equal(depth.value(t), force.value(t))
+    assert (depth.control, force.control) == ("depth", "force")
+
+
+def test_samples_are_joined_by_straight_lines_and_collinear_ones_make_no_break():
+    motion = Sampled([0, 1, 2, 3], [0, 1, 2, 0])
+    assert motion.value([0.5, 1.5, 2.5, 9]) == pytest.approx([0.5, 1.5, 1, 0])
+    assert motion.breaks == (0.0, 2.0, 3.0)
+
+
+def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
+    file = tmp_path / "press.csv"
+    file.write_text("time (s),depth (mm)\n0,0\n0.1,1.25\n\n0.2,0.5\n")
+    assert Sampled.from_csv(file) == Sampled((0, 0.1, 0.2), (0, 1.25, 0.5))
+    file.write_text("time,force\n0,0\n0.1,1\n")
+    assert ForceSampled.from_csv(file, corner=0.02).peak == pytest.approx(0.9 + 0.1)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Ramp(0, 1), r"motion.speed: expected a finite number mm/s above 0, received 0"),
+        (lambda: Ramp(60, -1), r"motion.depth: .*above 0, received -1"),
+        (lambda: Ramp("60", 1), r"motion.speed: expected a finite number.*received '60'"),
+        (lambda: Ramp(True, 1), r"motion.speed: .*received True"),
+        (lambda: Ramp(float("nan"), 1), r"motion.speed: .*received nan"),
+        (lambda: RampHold(60, 1, hold=-1), r"motion.hold: .*at least 0, received -1"),
+        (lambda: Ramp(600, 1, corner=0.01), r"motion.corner: expected at most 0.00333333 s"),
+        (lambda: RampHold(600, 1, hold=1), r"motion.corner: expected at most 0.00166667 s"),
+        (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
+        (
+            lambda: RampSinusoid(20, 1, amplitude=1, frequency=4, cycles=1.5),
+            r"motion.cycles: expected a whole number of cycles, received 1.5",
+        ),
+        (
+            lambda: RampSinusoid(20, 1, amplitude=1, frequency=400, cycles=1),
+            r"motion.corner: expected at most the length of the sinusoid, 0.0025 s",
+        ),
+        (
+            lambda: ForceRampSinusoid(2, 1, amplitude=1, frequency=4, cycles=1),
+            r"motion.amplitude: expected less than the mean force of 1 N.*cannot pull",
+        ),
+        (lambda: Sampled([0, 1], [0]), r"motion.depth: expected as many values as times"),
+        (lambda: Sampled([0], [0]), r"motion.depth: .*at least 2, received 1 values"),
+        (lambda: Sampled([1, 2], [0, 1]), r"motion.time: expected times that start at 0 s"),
+        (lambda: Sampled([0, 2, 1], [0, 1, 2]), r"motion.time\[2\]: expected a time above 2.0 s"),
+        (lambda: Sampled([0, 1, 1], [0, 1, 2]), r"motion.time\[2\]: .*keep one of each time"),
+        (lambda: Sampled([0, 1], [0, float("nan")]), r"motion.depth\[1\]: .*received nan"),
+        (lambda: Sampled([0, 1], [-1, 0]), r"motion.depth: .*never touches"),
+        (lambda: Sampled("01", [0, 1]), r"motion.time: expected a list of numbers"),
+        (lambda: Sampled([0, 1, 2], [0, 1, 0], corner=2), r"motion.corner: expected at most 1 s"),
+        (lambda: ForceSampled([0, 1, 2], [0, 1, -1]), r"motion.force: .*cannot pull"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_a_sentence(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, r"motion.file: cannot read .*missing.csv"),
+        ("", r"first line .* to be 'time,depth', received 'an empty file'"),
+        ("0,0\n1,1\n", r"first line .* to be 'time,depth', received '0,0'|received 0,0"),
+        ("time,force\n0,0\n", r"to be 'time,depth', received"),
+        ("time,depth\n0,0\n1,x\n", r"row 2 of .*: expected two numbers, received \['1', 'x'\]"),
+        ("time,depth\n0,0,0\n", r"row 1 of .*: expected two numbers"),
+        ("time,depth\n0,0\n1,nan\n", r"motion.depth\[1\]: .*received nan"),
+        ("time,depth\n", r"motion.depth: expected as many values as times, at least 2"),
+    ],
+)
+def test_a_csv_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text, message):
+    file = tmp_path / "missing.csv"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(InputError, match=message):
+        Sampled.from_csv(file)

@@ -1,0 +1,303 @@
+"""Scenes: exact round trips, the built-in ones, and the sentences for what cannot be used."""
+
+import pickle
+import tomllib
+
+import pytest
+
+from fefinger import scenes
+from fefinger.checks import InputError
+from fefinger.finger import Finger
+from fefinger.indenter import Ellipsoid, Flat, Sphere
+from fefinger.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
+from fefinger.scene import Ask, Scene
+from fefinger.theory.relaxation import Prony
+from fefinger.tissue import Tissue
+
+
+FINGER = Finger.subject("a.h.")
+ODD = 0.1 + 0.2  # a float whose short form is another number
+MOTION_VALUES = {
+    "speed": 60 / 7,
+    "loading_rate": ODD,
+    "depth": ODD,
+    "force": 2 / 3,
+    "hold": ODD,
+    "corner": 1e-3 / 3,
+    "amplitude": 1e-2 / 3,
+    "frequency": 100 / 7,
+    "cycles": 3,
+    "settle": ODD,
+}
+
+
+def motion_of(kind):
+    cls = MOTIONS[kind]
+    if kind in ("sampled", "force-sampled"):
+        return cls((0, ODD, 2 / 3), (0, 1 / 3, ODD))
+    names = set(cls.__dataclass_fields__) & set(MOTION_VALUES)
+    return cls(**{name: MOTION_VALUES[name] for name in names})
+
+
+@pytest.mark.parametrize("kind", MOTIONS)
+@pytest.mark.parametrize(
+    "indenter",
+    [Flat(), Flat(100 / 3, -7 / 3), Sphere(5), Sphere(5, at=(ODD, -1 / 3)), Ellipsoid((3, 4, ODD))],
+    ids=str,
+)
+def test_a_scene_survives_toml_exactly(kind, indenter):
+    scene = Scene(
+        name='a "name"',
+        finger=Finger.subject("p.w.", skin=Tissue(100 / 3, 0.5, ODD), cut="nail"),
+        indenter=indenter,
+        motion=motion_of(kind),
+        ask=Ask(spikes=("FAI", "SAI"), depths={"SAI": ODD}, drives={"FAI": "energy"}, seconds=9),
+    )
+    again = Scene.from_toml(scene.to_toml())
+    assert again == scene
+    assert hash(again) == hash(scene)
+    assert again.to_toml() == scene.to_toml()
+    assert pickle.loads(pickle.dumps(scene)) == scene
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
+    scene = scenes.load(name)
+    assert scene.name == name
+    assert Scene.from_toml(scene.to_toml()) == scene
+    assert scenes.text(name).startswith(f"# {scenes.summary(name)}")
+
+
+def test_flat_press_is_the_scene_of_the_issue():
+    scene = scenes.load("flat-press")
+    assert scene == Scene(
+        name="flat-press",
+        finger=Finger.subject("a.h."),
+        indenter=Flat(angle=30),
+        motion=RampHold(speed=60, depth=1.5, hold=5, corner=0.01),
+        ask=Ask(spikes=("SAI", "SAII", "FAI", "FAII"), rel_error=0.05),
+    )
+
+
+def test_a_file_and_its_text_give_the_same_scene_named_after_the_file(tmp_path):
+    text = '[finger]\nsubject = "d.p."\n[motion]\nkind = "ramp"\nspeed = 20\ndepth = 1\n'
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    assert scenes.load(file).name == "mine"
+    assert Scene.from_toml(file) == Scene.from_toml(text)
+    assert Scene.from_toml(str(file)) == Scene.from_toml(text)
+
+
+def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp_path):
+    (tmp_path / "samples.csv").write_text("time,force\n0,0\n1,0.5\n")
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        '[finger]\nsubject = "d.p."\n[motion]\nkind = "force-sampled"\nfile = "samples.csv"\n'
+    )
+    scene = scenes.load(file)
+    assert scene.motion == ForceSampled((0, 1), (0, 0.5))
+    (tmp_path / "samples.csv").unlink()
+    assert Scene.from_toml(scene.to_toml()) == scene
+
+
+def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
+    texts = [
+        "indenter.radius=3",
+        "indenter.kind=sphere",
+        "motion.depth = 1",
+        "finger.subject=d.s.",
+        "ask.spikes=['FAI']",
+        "ask.depths.FAI=0.6",
+    ]
+    scene = scenes.load("flat-press", scenes.settings(texts))
+    assert scene.indenter == Sphere(3)
+    assert scene.motion == RampHold(60, 1, hold=5, corner=0.01)
+    assert scene.finger == Finger.subject("d.s.")
+    assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
+
+
+def test_one_relaxation_may_stand_with_a_layer_but_not_differ_between_layers():
+    prony = Prony((0.5, 0.5), (10,))
+    table = {"c": [0.5, 0.5], "v": [10]}
+    other = {"c": [0.4, 0.6], "v": [10]}
+    for finger in (
+        {"prony": table},
+        {"skin": {"prony": table}},
+        {"subcutaneous": {"prony": table}},
+    ):
+        assert scene_of(finger={"subject": "a.h.", **finger}).finger.prony == prony
+    with pytest.raises(InputError, match="one relaxation function for all soft tissues"):
+        scene_of(finger={"subject": "a.h.", "prony": table, "skin": {"prony": other}})
+
+
+def test_single_values_of_a_layer_replace_those_of_the_named_set():
+    finger = scene_of(
+        finger={"subject": "a.h.", "tissue": "dandekar2003", "skin": {"modulus": 90}}
+    ).finger
+    assert finger.skin == Tissue(90, 0.48, 1.0)
+    assert finger.subcutaneous == Tissue(18, 0.48)
+
+
+def scene_of(**tables):
+    motion = {"kind": "ramp", "speed": 60, "depth": 1}
+    return Scene.from_dict({"finger": {"subject": "a.h."}, "motion": motion} | tables)
+
+
+def press(**changes):
+    return {"motion": {"kind": "ramp-hold", "speed": 60, "depth": 1, "hold": 1} | changes}
+
+
+def skin(**changes):
+    return {"finger": {"subject": "a.h.", "skin": changes}}
+
+
+def relaxing(c, v):
+    return {"finger": {"subject": "a.h.", "prony": {"c": c, "v": v}}}
+
+
+BAD_TABLES = [
+    ({"fingr": {}}, r"fingr: unknown key. Did you mean 'finger'\?"),
+    ({"finger": {"subject": "a.h.", "widht": 3}}, r"in \[finger\]. Did you mean 'width'\?"),
+    ({"finger": 3}, r"finger: expected a table \[finger\], received 3"),
+    ({"finger": {}}, r"finger.width: missing; expected a subject, or width and thickness in mm"),
+    ({"finger": {"width": 14}}, r"finger.thickness: missing"),
+    ({"finger": {"subject": "f.c."}}, r"no size of subject 'f.c.': give width and thickness"),
+    ({"finger": {"subject": "a.h"}}, r"finger.subject: .*Did you mean 'a.h.'\?"),
+    ({"finger": {"subject": "a.h.", "width": -1}}, r"finger.width: .*above 0, received -1"),
+    ({"finger": {"subject": "a.h.", "width": "a"}}, r"finger.width: .*received 'a'"),
+    ({"finger": {"subject": "a.h.", "tissue": "maeno"}}, r"Did you mean 'maeno1998'\?"),
+    ({"finger": {"subject": "a.h.", "cut": "free"}}, r"finger.cut: expected one of 'fixed'"),
+    ({"finger": {"subject": "a.h.", "bone": "soft"}}, r"finger.bone: expected one of 'rigid'"),
+    ({"finger": {"subject": "a.h.", "resolution": "finer"}}, r"Did you mean 'fine'\?"),
+    (skin(poisson=0.51), r"finger.skin.poisson: .*at most 0.5, received 0.51"),
+    (skin(poisson=-0.1), r"finger.skin.poisson: .*at least 0 and at most 0.5, received -0.1"),
+    (skin(modulus=0), r"finger.skin.modulus: .*kPa above 0, received 0"),
+    (skin(thickness=5), r"finger.skin.thickness: .*below 5, received 5"),
+    (skin(stiffness=5), r"stiffness: unknown key in \[finger.skin\]"),
+    (
+        {"finger": {"subject": "a.h.", "subcutaneous": {"thickness": 4}}},
+        r"finger.subcutaneous.thickness: expected none",
+    ),
+    (relaxing([0.3, 0.6], [10]), r"finger.prony.c: expected weights that sum to 0.98 to 1.02"),
+    (relaxing([0.4, 0.6], [-10]), r"finger.prony.v: expected rates above 0"),
+    (relaxing([0.4, 0.6], [10, 20]), r"finger.prony: expected one weight more than rates"),
+    (relaxing([0.4, float("nan")], [10]), r"finger.prony.c: expected finite numbers"),
+    ({"finger": {"subject": "a.h.", "prony": {"c": [1]}}}, r"finger.prony.v: missing"),
+    ({"finger": {"subject": "a.h.", "prony": 3}}, r"finger.prony: expected a table"),
+    ({"indenter": {"kind": "cone"}}, r"indenter.kind: expected one of 'flat'"),
+    ({"indenter": {"angle": 61}}, r"indenter.angle: .*at most 60, received 61"),
+    ({"indenter": {"angle": -1}}, r"indenter.angle: .*degrees at least 0"),
+    ({"indenter": {"tilt": 46}}, r"indenter.tilt: .*at most 45"),
+    ({"indenter": {"kind": "flat", "radius": 3}}, r"radius: unknown key in \[indenter\]"),
+    ({"indenter": {"kind": "sphere"}}, r"indenter.radius: missing; a 'sphere' indenter needs rad"),
+    ({"indenter": {"kind": "sphere", "radius": 0}}, r"indenter.radius: .*above 0"),
+    ({"indenter": {"kind": "sphere", "radius": 3, "at": [1]}}, r"indenter.at: .*2 numbers"),
+    ({"indenter": {"kind": "sphere", "radius": 3, "at": [0, 7]}}, r"indenter.at: .*never touches"),
+    ({"indenter": {"kind": "ellipsoid", "radii": [1, 2]}}, r"indenter.radii: .*3 numbers"),
+    ({"motion": {}}, r"motion.kind: missing; expected one of 'ramp'"),
+    ({"motion": {"kind": "rampe"}}, r"motion.kind: .*Did you mean 'ramp'\?"),
+    ({"motion": {"kind": "ramp", "speed": 3}}, r"motion.depth: missing; a 'ramp' motion needs spe"),
+    (press(sped=3), r"sped: unknown key in \[motion\]. Did you mean 'speed'\?"),
+    (press(speed=0), r"motion.speed: .*above 0, received 0"),
+    (press(depth=-1), r"motion.depth: .*above 0, received -1"),
+    (press(depth="deep"), r"motion.depth: .*received 'deep'"),
+    (press(depth=float("nan")), r"motion.depth: .*received nan"),
+    (press(depth=True), r"motion.depth: .*received True"),
+    (press(depth=5), r"motion.depth: expected less than 5 mm, the tissue under the pad"),
+    ({"motion": {"kind": "sampled", "file": 3}}, r"motion.file: expected the name of a CSV file"),
+    ({"motion": {"kind": "sampled", "file": "no.csv"}}, r"motion.file: cannot read 'no.csv'"),
+    ({"ask": {"force": "yes"}}, r"ask.force: expected true or false, received 'yes'"),
+    ({"ask": {"spikes": "SAI"}}, r"ask.spikes: expected a list out of SAI, SAII"),
+    ({"ask": {"spikes": ["SA1"]}}, r"ask.spikes\[0\]: .*Did you mean 'SAI'\?"),
+    ({"ask": {"spikes": ["SAI", "SAI"]}}, r"ask.spikes: expected every name once"),
+    ({"ask": {"rel_error": 0}}, r"ask.rel_error: .*above 0 and at most 1"),
+    ({"ask": {"seconds": -1}}, r"ask.seconds: .*above 0"),
+    ({"ask": {"depths": {"SA1": 1}}}, r"SA1: unknown key in \[ask.depths\]. Did you mean 'SAI'"),
+    ({"ask": {"depths": {"SAI": 6}}}, r"ask.depths.SAI: .*below 5, received 6"),
+    ({"ask": {"depths": 3}}, r"ask.depths: expected a table"),
+    ({"ask": {"drives": {"SAI": "compress"}}}, r"ask.drives.SAI: .*Did you mean 'compressive'\?"),
+    ({"ask": {"generator": "linea"}}, r"ask.generator: .*Did you mean 'linear'\?"),
+    ({"name": " "}, r"name: expected a name for the scene"),
+    ({"name": 3}, r"name: expected a name for the scene, received 3"),
+]
+
+
+@pytest.mark.parametrize(("tables", "message"), BAD_TABLES, ids=[m for _, m in BAD_TABLES])
+def test_each_unusable_value_gets_its_own_sentence(tables, message):
+    with pytest.raises(InputError, match=message):
+        scene_of(**tables)
+
+
+@pytest.mark.parametrize("poisson", [0, 0.5])
+def test_the_ends_of_the_range_of_poissons_ratio_are_allowed(poisson):
+    assert scene_of(**skin(poisson=poisson)).finger.skin.poisson == poisson
+
+
+def test_missing_tables_are_named_with_an_example():
+    with pytest.raises(InputError, match=r"finger: missing; expected a table \[finger\]"):
+        Scene.from_dict({"motion": {}})
+    with pytest.raises(InputError, match=r"motion: missing; expected a table \[motion\]"):
+        Scene.from_dict({"finger": {"subject": "a.h."}})
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "empty; expected a scene with at least the tables"),
+        (b" \n\n", "empty; expected a scene"),
+        (b"[finger]\nsubject == 3\n", r"not TOML: .*line 2"),
+        (b"\xff\xfe\x00", "expected a TOML file .* received other bytes"),
+    ],
+)
+def test_files_that_are_no_scenes_are_refused(tmp_path, content, message):
+    file = tmp_path / "scene.toml"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        Scene.from_toml(file)
+
+
+def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
+    with pytest.raises(InputError, match=r"no such file.*Did you mean 'flat-press'\?"):
+        scenes.load("flat-pres")
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        Scene.from_toml(tmp_path / "no.toml")
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        Scene.from_toml(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("motion.depth", "expected FIELD=VALUE"),
+        ("=3", "expected FIELD=VALUE"),
+        ("motion.depth=", "expected FIELD=VALUE"),
+        ("motion.dept=3", r"dept: unknown key in \[motion\]. Did you mean 'depth'\?"),
+        ("moton.depth=3", r"moton: unknown key. Did you mean 'motion'\?"),
+        ("motion.depth.x=3", r"motion.depth.x: expected a table at motion.depth"),
+        ("motion.depth=deep", r"motion.depth: .*received 'deep'"),
+        ("motion.depth=nan", r"motion.depth: .*received nan"),
+    ],
+)
+def test_a_setting_that_cannot_be_used_is_refused(text, message):
+    with pytest.raises(InputError, match=message):
+        scenes.load("flat-press", scenes.settings([text]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"finger": 3}, "finger: expected a Finger, received int"),
+        ({"motion": Flat()}, "motion: expected a Motion, received Flat"),
+        ({"motion": Sampled((0, 1), (0, 5))}, "motion.depth: expected less than 5 mm"),
+    ],
+)
+def test_python_gets_the_same_checks(changes, message):
+    with pytest.raises(InputError, match=message):
+        Scene(**{"finger": FINGER, "motion": Ramp(60, 1)} | changes)
+
+
+def test_toml_written_out_has_every_value_in_plain_tables():
+    table = tomllib.loads(scenes.load("flat-press").to_toml())
+    assert table["finger"]["subject"] == "a.h."
+    assert table["finger"]["prony"] == {"c": [0.29, 0.47, 0.13, 0.1], "v": [226.0, 8.6, 0.61]}
+    assert table["motion"]["kind"] == "ramp-hold"

@@ -1,0 +1,45 @@
+"""A Case: one number that fefinger gives, beside what it should be and who says so."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+
+Verdict = Literal["pass", "documented", "fail"]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One comparison.
+
+    measure: gives fefinger's value; expected and tolerance (absolute) in `unit`; source: the
+    equation, table, program or second method behind `expected`; printed: a published value that is
+    known to be wrong, kept beside the right one.
+    """
+
+    suite: str
+    name: str
+    measure: Callable[[], float]
+    expected: float
+    tolerance: float
+    unit: str
+    source: str
+    printed: float | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A Case that has been measured."""
+
+    case: Case
+    value: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """Pass, fail, or documented: ours is right and the printed value is known to be outside."""
+        case = self.case
+        if not abs(self.value - case.expected) <= case.tolerance:
+            return "fail"
+        if case.printed is not None and abs(case.printed - case.expected) > case.tolerance:
+            return "documented"
+        return "pass"

@@ -1,0 +1,61 @@
+"""The suites by name, and how they are run."""
+
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Any
+
+from fefinger.checks import choice
+from fefinger.validation.case import Case, Outcome
+
+
+SUITES = ("hertz", "elements", "relaxation", "finger", "neural")
+
+
+def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
+    """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
+    module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
+    return tuple(module.cases(quick=quick))
+
+
+def run(
+    suites: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    progress: Callable[[str, float], None] = lambda stage, fraction: None,
+) -> dict[str, tuple[Outcome, ...]]:
+    """Measure every case of the suites (all of them by default)."""
+    chosen = [choice("suite", suite, SUITES) for suite in suites] or list(SUITES)
+    outcomes: dict[str, tuple[Outcome, ...]] = {}
+    for suite in chosen:
+        todo = cases(suite, quick=quick)
+        done = []
+        for number, case in enumerate(todo):
+            progress(suite, number / len(todo))
+            done.append(Outcome(case, float(case.measure())))
+        progress(suite, 1.0)
+        outcomes[suite] = tuple(done)
+    return outcomes
+
+
+def as_json(outcomes: dict[str, tuple[Outcome, ...]]) -> dict[str, Any]:
+    """Return the outcomes as plain records, in the form that `validate --json` prints."""
+    return {
+        "suites": [
+            {"suite": suite, "cases": [_record(outcome) for outcome in done]}
+            for suite, done in outcomes.items()
+        ]
+    }
+
+
+def _record(outcome: Outcome) -> dict[str, Any]:
+    case = outcome.case
+    return {
+        "name": case.name,
+        "value": outcome.value,
+        "expected": case.expected,
+        "tolerance": case.tolerance,
+        "unit": case.unit,
+        "source": case.source,
+        "printed": case.printed,
+        "verdict": outcome.verdict,
+    }
