@@ -14,6 +14,7 @@ import numpy as np
 from fefinger.checks import ConvergenceError
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.spaces import Array
+from fefinger.fem.threads import one_thread
 from fefinger.tolerances import FORCE_MATCH
 
 
@@ -75,6 +76,7 @@ class Prescribed:
     value: Array
 
 
+@one_thread
 def march(
     flexibility: Array,
     gap: Array,

@@ -12,18 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from threadpoolctl import threadpool_limits
 
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import multifrontal
 from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.fem.threads import one_thread
 from fefinger.tolerances import FACTOR_COMPRESSIBILITY, LINEAR_RESIDUAL
 
 
 REFINEMENTS = 8
 
-THREADS = 1
-"""BLAS threads of the factor: its fronts are small, and idle threads that spin cost more."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +38,7 @@ class System:
     reduced: sparse.csr_matrix
     factor: multifrontal.Factor
 
+    @one_thread
     def solve(self, loads: Array, prescribed: Array | None = None) -> Array:
         """Return the unknowns (n,) or (n, k) under loads of the same shape.
 
@@ -55,8 +54,7 @@ class System:
         if prescribed is not None:
             right = right - self.matrix[self.free][:, self.fixed] @ prescribed
         answer = np.zeros_like(loads)
-        with threadpool_limits(THREADS, user_api="blas"):
-            answer[self.free] = self._refined(right)
+        answer[self.free] = self._refined(right)
         if prescribed is not None:
             answer[self.fixed] = prescribed
         return answer
@@ -82,6 +80,7 @@ class System:
         raise ConvergenceError(message)
 
 
+@one_thread
 def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
     """Factor `matrix` of `space` with the unknowns `fixed` prescribed.
 
@@ -97,14 +96,13 @@ def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
         raise InputError(message)
     free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    with threadpool_limits(THREADS, user_api="blas"):
-        dissection = multifrontal.dissect(
-            number[space.unknowns],
-            space.points[space.vertices].mean(axis=1),
-            int(is_free[: space.n_displacements].sum()),
-        )
-        neighbor = _compressible(space, matrix)[free][:, free].tocsr()
-        factored = multifrontal.factor(neighbor, dissection)
+    dissection = multifrontal.dissect(
+        number[space.unknowns],
+        space.points[space.vertices].mean(axis=1),
+        int(is_free[: space.n_displacements].sum()),
+    )
+    neighbor = _compressible(space, matrix)[free][:, free].tocsr()
+    factored = multifrontal.factor(neighbor, dissection)
     return System(matrix, free, held, matrix[free][:, free].tocsr(), factored)
 
 

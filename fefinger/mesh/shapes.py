@@ -128,7 +128,9 @@ def parametric(recipe: Recipe) -> Shape:
     x = tip - (tip - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     side = (x, half * _rounding(x, tip, reach))
     top = recipe.thickness - palmar[1].max()
-    dorsal = (x, top * _rounding(x, tip, 0.7 * recipe.width))
+    # The back's radius at the tip is 1.5 top^2 / reach: the skin must fit inside it.
+    blunt = min(0.7 * recipe.width, 1.5 * top**2 / (1.3 * recipe.skin_thickness))
+    dorsal = (x, top * _rounding(x, tip, blunt))
     outer = {"palmar": palmar, "dorsal": dorsal, "side": side}
     inner = {name: offset(table, recipe.skin_thickness) for name, table in outer.items()}
     nail = tip - 0.12 * recipe.width

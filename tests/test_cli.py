@@ -1,0 +1,358 @@
+"""The command line: what it prints, its exit statuses, and the sentences for unusable input."""
+
+import importlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from dataclasses import replace
+
+import pytest
+
+from fefinger import mechanics, scenes
+from fefinger.__main__ import main
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.files import load
+from fefinger.mechanics import linear
+from fefinger.scene import Ask, Scene
+
+
+QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
+
+
+@pytest.fixture
+def answered(monkeypatch, synthetic):
+    """Answer every scene with the synthetic result; return the calls that were made."""
+    calls = []
+
+    def run(scene, **options):
+        calls.append((scene, options))
+        return synthetic
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", run)
+    return calls
+
+
+def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
+    assert main(["run", "flat-press", "--set", "motion.depth=1", "--mechanics", "linear"]) == 0
+    ((scene, options),) = answered
+    assert scene == scenes.load("flat-press", {"motion.depth": 1})
+    assert options == {"mechanics": "linear", "progress": None}
+    out, err = capsys.readouterr()
+    for words in (
+        "peak force",
+        "contact area",
+        "centroid",
+        "SAI-1",
+        "seconds",
+        "note",
+        "No inertia",
+    ):
+        assert words in out
+    assert err == ""
+
+
+def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered, synthetic):
+    assert main(["run", "flat-press", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert list(record) == [
+        *("status", "mechanics", "peak_force_N", "final_force_N", "contact_area_mm2"),
+        *("centroid_mm", "seconds", "files"),
+    ]
+    assert record["peak_force_N"] == synthetic.force.max()
+    assert record["final_force_N"] == synthetic.force[-1]
+    assert record["contact_area_mm2"] == synthetic.contact_area[synthetic.force.argmax()]
+    assert record["files"] == []
+
+
+def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic):
+    scene = replace(synthetic.scene, ask=Ask(force=False, pressure=False))
+    response = replace(
+        synthetic.response, contact_area=None, centroid=None, pad=None, pressure=None
+    )
+    bare = replace(synthetic, scene=scene, response=response, spikes=None)
+    module = importlib.import_module("fefinger.run")
+    monkeypatch.setattr(module, "run", lambda scene, **options: bare)
+    assert main(["run", "flat-press", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    for key in ("peak_force_N", "final_force_N", "contact_area_mm2", "centroid_mm"):
+        assert record[key] is None
+    assert main(["run", "flat-press"]) == 0
+    assert "force" not in capsys.readouterr().out.replace("mechanics", "")
+
+
+def test_run_writes_what_it_names_and_a_picture_can_be_had_from_it(capsys, answered, tmp_path):
+    out = tmp_path / "deep" / "out"
+    assert main(["run", "flat-press", "--json", "-o", str(out)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["files"]
+    assert all(os.path.isfile(file) for file in record["files"])
+    assert "save" in record["seconds"]
+    assert load(out).scene.name == "synthetic"
+
+
+def test_a_scene_is_answered_for_real(capsys):
+    assert main(["run", "flat-press", "--json", *QUICK]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["mechanics"] == "linear"
+    assert 0.1 < record["final_force_N"] < record["peak_force_N"] < 10
+    assert record["centroid_mm"][1] == pytest.approx(0, abs=1e-9)
+    assert {"mesh", "contact", "neural"} <= set(record["seconds"])
+
+
+def test_a_result_says_how_to_make_it_again():
+    import fefinger as ff
+
+    scene = scenes.load("flat-press", scenes.settings(QUICK[1::2]))
+    result = ff.run(replace(scene, ask=Ask(strain=False, spikes=("FAI",), fields=False)))
+    assert (result.strain, result.fields) == (None, None)
+    assert result.spikes.types == ("FAI",)
+    assert result.provenance["fefinger"] == ff.__version__
+    assert set(result.provenance["packages"]) == {"numpy", "scipy", "scikit-fem", "numba"}
+    assert len(result.provenance["scene_sha256"]) == 64
+    assert "Spikes: FAI" in result.status
+
+
+def test_explain_prints_the_choice_and_the_ladder(capsys):
+    assert main(["explain", "flat-press"]) == 0
+    out = capsys.readouterr().out
+    assert "cheapest that does not refuse" in out
+    assert "evidence" in out
+    assert main(["explain", "flat-press", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["mechanics"] in [rung["mechanics"] for rung in record["rungs"]]
+
+
+def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeypatch):
+    from fefinger.records import Refusal
+
+    refusal = Refusal("linear", "ability", "never")
+    monkeypatch.setattr(mechanics, "names", lambda: ("linear", "other"))
+    unable = type("Unable", (), {"refuse": staticmethod(lambda scene: (refusal,))})
+    monkeypatch.setattr(mechanics, "get", {"linear": unable, "other": linear}.__getitem__)
+    assert main(["explain", "flat-press", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["rungs"][0]["seconds"], record["rungs"][0]["error"]) == (None, None)
+
+
+def test_scenes_lists_all_and_prints_one_that_loads(capsys):
+    assert main(["scenes"]) == 0
+    out = capsys.readouterr().out
+    assert [line.split()[0] for line in out.splitlines()] == list(scenes.names())
+    assert main(["scenes", "press-to-1N"]) == 0
+    assert Scene.from_toml(capsys.readouterr().out) == scenes.load("press-to-1N")
+    assert main(["scenes", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)["scenes"]
+    assert [entry["name"] for entry in listed] == list(scenes.names())
+    assert main(["scenes", "press-to-1N", "--json"]) == 0
+    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == scenes.load("press-to-1N")
+
+
+def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
+    file = tmp_path / "finger.vtu"
+    assert main(["mesh", *QUICK[:2], "-o", str(file), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["half"] is True
+    assert record["tetrahedra"] > 1000
+    assert record["quality"]["min_volume"] > 0
+    assert file.is_file()
+    assert main(["mesh", *QUICK[:2], "--whole"]) == 0
+    assert "recipe.width" in capsys.readouterr().out
+
+
+def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_path):
+    suites = pytest.importorskip("fefinger.validation.suites")
+    cases = {"name": "n", "value": 1.0, "expected": 1.0, "tolerance": 0.1, "unit": "N"}
+
+    def outcome(verdict):
+        return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
+
+    monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
+    for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
+        monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
+        assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
+        assert json.loads(capsys.readouterr().out) == outcome(verdict)
+        assert json.loads((tmp_path / "validation.json").read_text()) == outcome(verdict)
+        assert main(["validate", "s"]) == status
+        assert verdict in capsys.readouterr().out
+
+
+def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
+    from fefinger import view
+
+    synthetic.save(str(tmp_path / "out"))
+    drawn = []
+    monkeypatch.setattr(view, "screenshot", lambda *args, **kwargs: drawn.append((args, kwargs)))
+    picture = str(tmp_path / "a.png")
+    command = ["view", str(tmp_path / "out"), "--screenshot", picture]
+    assert main([*command, "--field", "pressure", "--time", "0.5"]) == 0
+    (((_, path), options),) = drawn
+    assert path == picture
+    assert options == {"field": "pressure", "time": 0.5}
+    assert main([*command, "--time", "99"]) == 2
+    assert "--time: expected a finite number s at least 0 and at most 5" in capsys.readouterr().err
+
+
+TOML = '[finger]\nsubject = "a.h."\n[motion]\nkind = "ramp-hold"\nspeed = 60\ndepth = 1\nhold = 1\n'
+BAD_FILES = {
+    "empty": ("", "empty; expected a scene with at least the tables"),
+    "not TOML": ("finger: a.h.", r"not TOML: .* \(at line 1"),
+    "not TOML further down": (TOML + "corner = = 3\n", r"not TOML: .* \(at line 8"),
+    "misspelt": (TOML + "cornr = 0\n", r"cornr: unknown key in [motion]. Did you mean 'corner'?"),
+    "missing": (TOML.replace("depth = 1\n", ""), "motion.depth: missing; a 'ramp-hold' motion"),
+    "text": (TOML.replace("= 60", '= "fast"'), "motion.speed: expected a finite number mm/s above"),
+    "nan": (TOML.replace("= 60", "= nan"), "motion.speed: expected a finite number mm/s above 0"),
+}
+BAD_SETTINGS = {
+    "motion.depth=-1": "motion.depth: expected a finite number mm above 0, received -1",
+    "motion.speed=0": "motion.speed: expected a finite number mm/s above 0, received 0",
+    "motion.depth=5": "motion.depth: expected less than 5 mm, the tissue under the pad",
+    "finger.skin.poisson=0.51": "finger.skin.poisson: expected a finite number at least 0 and at",
+    "finger.prony={c=[0.3,0.6],v=[1]}": "finger.prony.c: expected weights that sum to 0.98 to 1.02",
+    "finger.prony={c=[0.4,0.6],v=[-1]}": "finger.prony.v: expected rates above 0 1/s",
+    "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because the thesis",
+    "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
+    "indenter.angle=90": "indenter.angle: expected a finite number degrees at least 0 and at most",
+    "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
+    "depth": "--set 'depth': expected FIELD=VALUE, as in motion.depth=2",
+}
+
+
+def refused(capsys, arguments):
+    """Return the one sentence with which the command line refuses `arguments`."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("error: ")
+    assert "Traceback" not in err
+    return err
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_FILES.values(), ids=BAD_FILES)
+@pytest.mark.parametrize("command", ["run", "explain", "mesh"])
+def test_a_file_that_is_no_scene_is_refused(capsys, tmp_path, command, text, message):
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    err = refused(capsys, [command, str(file)])
+    first, _, second = message.partition(r": .* \(")
+    assert first in err
+    assert second in err
+
+
+@pytest.mark.parametrize(("setting", "message"), BAD_SETTINGS.items(), ids=BAD_SETTINGS)
+def test_a_value_that_cannot_be_used_is_refused_before_any_work(
+    capsys, answered, tmp_path, setting, message
+):
+    out = tmp_path / "out"
+    assert message in refused(capsys, ["run", "flat-press", "-o", str(out), "--set", setting])
+    assert not answered
+    assert not out.exists()
+
+
+def test_a_scene_that_does_not_exist_is_refused_with_the_names_that_do(capsys):
+    err = refused(capsys, ["run", "flat-pres"])
+    assert "no such file" in err
+    assert "Did you mean 'flat-press'?" in err
+    assert "Did you mean 'flat-press'?" in refused(capsys, ["scenes", "flat-pres"])
+
+
+def test_an_indenter_that_never_touches_is_refused(capsys):
+    sphere = ("--set", "indenter.kind=sphere", "--set", "indenter.radius=2")
+    err = refused(capsys, ["run", "flat-press", *sphere, "--set", "indenter.at=[0, 9]"])
+    assert "there the indenter never touches" in err
+
+
+@pytest.mark.parametrize("command", [["run", "flat-press"], ["mesh"], ["validate"]], ids=str)
+def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
+    capsys, answered, monkeypatch, tmp_path, command
+):
+    monkeypatch.setattr("fefinger.mesh.ready.ready", lambda *a, **k: pytest.fail("work began"))
+    (tmp_path / "file").write_text("")
+    name = "m.vtu" if command == ["mesh"] else ""
+    err = refused(capsys, [*command, "-o", str(tmp_path / "file" / name)])
+    assert "output folder: expected a folder" in err
+    assert not answered
+
+
+def test_a_folder_without_a_result_cannot_be_viewed(capsys, tmp_path):
+    assert "result: expected a folder" in refused(capsys, ["view", str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (InputError("x: expected y"), 2, "error: x: expected y"),
+        (ConvergenceError("contact: reached 1e-3"), 1, "failed: contact: reached 1e-3"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_what_goes_wrong_inside_decides_the_exit_status(capsys, monkeypatch, error, status, words):
+    def fail(scene, **options):
+        raise error
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", fail)
+    assert main(["run", "flat-press", "--json"]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["rn"], "No such command 'rn'"), (["run"], "Missing argument"), (["run", "--x"], "--x")],
+)
+def test_a_command_that_is_no_command_is_refused(capsys, arguments, words):
+    assert main(arguments) == 2
+    assert words in capsys.readouterr().err
+
+
+def process(*arguments):
+    """Start the command line in a process of its own."""
+    command = [sys.executable, "-m", "fefinger", *arguments]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+@pytest.mark.parametrize("seconds", [0.4, 1.2])
+def test_ctrl_c_ends_a_run_with_130_and_leaves_nothing_behind(tmp_path, seconds):
+    out = tmp_path / "out"
+    with process("run", "flat-press", "-o", str(out)) as running:
+        time.sleep(seconds)
+        running.send_signal(signal.SIGINT)
+        _, err = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert err.strip() == "interrupted; nothing was left half-written"
+    assert not out.exists() or not list(out.iterdir())
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["scenes"], ["scenes", "flat-press"]], ids=str)
+def test_help_and_scenes_load_no_library_that_takes_its_time(arguments):
+    slow = ("numpy", "scipy", "skfem", "pyvista", "numba", "rich", "xarray", "matplotlib")
+    code = (
+        "import sys\nfrom fefinger.__main__ import main\n"
+        f"main({arguments!r})\n"
+        f"print([name for name in {slow!r} if name in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+def test_the_version_stands_in_one_place_twice():
+    import fefinger
+
+    with open(os.path.join(os.path.dirname(__file__), "..", "pyproject.toml"), "rb") as file:
+        project = tomllib.load(file)["project"]
+    assert project.get("version", fefinger.__version__) == fefinger.__version__
+
+
+def test_every_public_name_can_be_had_from_the_package():
+    import fefinger
+
+    assert {name for name in fefinger.__all__ if not hasattr(fefinger, name)} == set()
+    assert set(fefinger.__all__) <= set(dir(fefinger))
+    with pytest.raises(AttributeError, match="no attribute 'Fingr'"):
+        _ = fefinger.Fingr
