@@ -37,7 +37,10 @@ def number(
     message = f"{name}: {expected}, received {value!r}"
     if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
         raise InputError(message)
-    result = float(value)
+    try:
+        result = float(value)
+    except (OverflowError, TypeError) as error:
+        raise InputError(message) from error
     if not math.isfinite(result):
         raise InputError(message)
     if not all(holds(result, limit) for limit, _, holds in limits if limit is not None):

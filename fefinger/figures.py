@@ -129,10 +129,14 @@ def _scale(start: float, stop: float) -> float:
 
 
 def _label_time(axes: Any, spans: list[tuple[str, float, float]]) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     for column, (title, start, stop) in enumerate(spans):
         axes[0, column].set_title(title)
         name = "time / ms" if stop - start < SHORT else "time / s"
         axes[-1, column].set_xlabel(name)
+        if column < len(spans) - 1:
+            axes[-1, column].xaxis.set_major_locator(MaxNLocator(5, prune="upper"))
 
 
 def force(result: Result) -> Any:

@@ -1,6 +1,6 @@
 """The rigid objects that touch the finger."""
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import dataclass
 from typing import ClassVar
 
 from fefinger.checks import number
@@ -60,7 +60,6 @@ class Sphere(Indenter):
     kind = "sphere"
 
     radius: float
-    _: KW_ONLY
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
@@ -81,7 +80,6 @@ class Ellipsoid(Indenter):
     kind = "ellipsoid"
 
     radii: tuple[float, float, float]
-    _: KW_ONLY
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:

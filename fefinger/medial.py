@@ -108,7 +108,7 @@ def _organs(result: Result, rest: Array, moved: Array) -> list[tuple[Array, str,
     ):
         nearest = int(np.argmin(np.sum((rest - point) ** 2, axis=1)))
         place = (point + moved[nearest])[[0, 2]]
-        label = f"{kind}  {depth:.2g} mm"
+        label = f"{kind}  {depth:g} mm"
         color = figures.COLORS.get(kind, figures.INK)
         found.append((place, label, color, bool(abs(point[1]) <= OFF_PLANE)))
     return found

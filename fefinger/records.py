@@ -21,8 +21,9 @@ Integers = NDArray[np.int64]
 class Refusal:
     """Why a mechanics should not answer a scene.
 
-    `about` is "ability" (it cannot answer at all) or "accuracy" (it can, but worse than asked);
-    `reason` quotes the number that broke, as in "contact radius / thickness = 0.9 > 0.1".
+    `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than asked) or
+    "time" (it can, but takes longer than asked); `reason` quotes the number that broke, as in
+    "contact radius / thickness = 0.9 > 0.1".
     """
 
     mechanics: str
@@ -102,9 +103,9 @@ class Fields:
     """Fields on the mesh at some of the times.
 
     points (n_points, 3) mm, cells (n_cells, 4), region (n_cells,) 1 skin, 2 subcutaneous tissue,
-    times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames, n_points, 6)
-    with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points) kPa on the
-    pad and zero elsewhere.
+    3 bone, times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames,
+    n_points, 6) with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points)
+    kPa on the pad and zero elsewhere.
     """
 
     points: Array
@@ -124,7 +125,8 @@ class Response:
     normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact;
     pressure (n_t, n_pad) kPa; strain (n_t, n_sites, 3, 3), positive in tension.
     `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
-    the result has to know; `status` is one sentence on how the solution was reached.
+    the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
+    sizes of the problem; `sources` what it was computed from, such as the mesh and its hash.
     """
 
     mechanics: str
@@ -143,6 +145,7 @@ class Response:
     seconds: dict[str, float]
     notes: tuple[str, ...]
     numbers: dict[str, float] = field(default_factory=dict)
+    sources: dict[str, str] = field(default_factory=dict)
 
 
 class Progress(Protocol):

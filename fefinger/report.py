@@ -167,7 +167,7 @@ def _section(result: Result) -> dict[str, Any]:
     assert result.fields is not None
     text = (
         "The deformed finger at the stored time next to the largest force. Lines bound skin and "
-        "subcutaneous tissue; the hole is the bone; dots are the end organs."
+        "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
     pictures = []
     with tempfile.TemporaryDirectory() as folder:

@@ -51,7 +51,7 @@ def run(
     response = get(plan.mechanics).respond(scene, progress)
     stages = Stages(progress)
     with stages.stage("neural"):
-        spikes = _spikes(scene, response) if scene.ask.spikes else None
+        spikes = fire(scene, response) if scene.ask.spikes else None
     return Result(
         scene=scene,
         plan=plan,
@@ -59,11 +59,11 @@ def run(
         spikes=spikes,
         status=_status(response, spikes),
         seconds={**response.seconds, **stages.seconds},
-        provenance=_provenance(scene),
+        provenance=_provenance(scene) | response.sources,
     )
 
 
-def _spikes(scene: "Scene", response: "Response") -> "SpikeTrains":
+def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
     """Return what one unit of each type asked fires under the strain at its end organ."""
     from fefinger.checks import InputError
     from fefinger.neural.afferents import from_strain

@@ -195,5 +195,5 @@ def _plain(record: Any) -> dict[str, Any]:
 def keys(part: str, kind: Any) -> tuple[str, ...]:
     """Return the keys that the table `part` ("indenter", "motion") takes for `kind`."""
     kinds: dict[str, Mapping[str, Any]] = {"indenter": INDENTERS, "motion": MOTIONS}
-    record = kinds.get(part, {}).get(kind)
+    record = kinds.get(part, {}).get(kind) if isinstance(kind, str) else None
     return () if record is None else ("kind", *(field.name for field in fields(record)))

@@ -72,6 +72,12 @@ class Trajectory:
         begins at t = 0, so a corner delays every knot by corner / 2 and no level is missed.
         """
         t, y = np.asarray(times, float), np.asarray(values, float)
+        if not np.all(np.diff(t) > 0):
+            msg = (
+                f"motion: expected parts whose lengths can be told apart, received knots at "
+                f"{t.tolist()} s; change the speed or the hold"
+            )
+            raise InputError(msg)
         slope = np.diff(y) / np.diff(t)
         before = np.concatenate([[0.0], slope])
         after = np.concatenate([slope, [0.0 if stop else slope[-1]]])
@@ -160,8 +166,8 @@ class Trajectory:
         turns = turns[(turns > self.start[bent]) & (turns < ends)]
         times = np.concatenate([self.breaks, turns])
         if self.wave is not None:
-            last = (self.duration - self.wave.start) * self.wave.frequency
-            crests = np.arange(0.25, last, 1.0) / self.wave.frequency
+            last = min(self.duration - self.wave.start, self.wave.rise + 1 / self.wave.frequency)
+            crests = np.arange(0.25, last * self.wave.frequency + 0.25, 1.0) / self.wave.frequency
             times = np.concatenate([times, self.wave.start + crests])
         return float(self.value(times).max())
 

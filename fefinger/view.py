@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,8 +44,8 @@ BAR: dict[str, Any] = {
     "position_y": 0.2,
     "height": 0.6,
     "width": 0.05,
-    "title_font_size": 20,
-    "label_font_size": 18,
+    "title_font_size": 26,
+    "label_font_size": 24,
 }
 LEGEND: dict[str, Any] = {
     "title": "region",
@@ -115,20 +116,27 @@ def screenshot(
 def show(result: Result, field: str = DEFAULT) -> Any:
     """Open a window, or a view inside a notebook, with a slider over the stored times.
 
-    Raises InputError if there is no renderer or the result has no fields.
+    Raises InputError if there is no renderer or no display, or the result has no fields.
     """
     import pyvista as pv
 
     fields, frame = _frame(result, field, None)
     _require_renderer()
+    _quiet()
     plotter: Any = pv.Plotter(window_size=[1200, 850])
+    if not (plotter.notebook or plotter.off_screen or _has_display()):
+        message = (
+            "show: expected a display for the window, found none; "
+            "use `fefinger view DIR --screenshot PNG`, or a notebook"
+        )
+        raise InputError(message)
     _add_finger(plotter, result, fields, frame, field)
 
     def move(value: float) -> None:
         chosen = section.nearest_frame(fields, value)
         _add_finger(plotter, result, fields, chosen, field)
 
-    if len(fields.times) > 1 and not plotter.notebook:
+    if len(fields.times) > 1 and not (plotter.notebook or plotter.off_screen):
         limits = (float(fields.times[0]), float(fields.times[-1]))
         now = float(fields.times[frame])
         plotter.add_slider_widget(move, limits, value=now, title="time / s", fmt="%.3f")
@@ -161,7 +169,7 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
         diffuse=0.45,
     )
     title = f"{mesh.name}: {len(mesh.points)} points, {len(mesh.cells)} tetrahedra"
-    plotter.add_text(title, font_size=12, color="#1f2933")
+    plotter.add_text(title, font_size=16, color="#1f2933")
     _look(plotter, (0.55, -1.0, 0.35))
     _finish(plotter, path)
 
@@ -185,21 +193,39 @@ def _require_renderer() -> None:
         raise InputError(missing)
 
 
+def _quiet() -> None:
+    """Keep VTK from warning on every start that there is no X server, before it takes EGL."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+
+
+def _has_display() -> bool:
+    """Return whether a window can open: only Linux runs without a desktop as a rule."""
+    names = ("DISPLAY", "WAYLAND_DISPLAY")
+    return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in names)
+
+
 def _plotter(size: list[int]) -> Any:
     """Return an off-screen plotter with a white background."""
     import pyvista as pv
-    from vtkmodules.vtkCommonCore import vtkLogger
 
-    # VTK says on every start that there is no X server before it takes EGL.
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    _quiet()
     plotter: Any = pv.Plotter(off_screen=True, window_size=size)
     plotter.set_background("white")
     return plotter
 
 
 def _finish(plotter: Any, path: str | PathLike[str]) -> None:
-    plotter.screenshot(os.fspath(path))
-    plotter.close()
+    """Write the picture as PNG under a temporary name, and move it to `path`."""
+    final = Path(path)
+    new = final.with_name(f".{final.stem}.new.png")
+    try:
+        plotter.screenshot(new)
+        new.replace(final)
+    finally:
+        new.unlink(missing_ok=True)
+        plotter.close()
 
 
 def _look(plotter: Any, from_: tuple[float, float, float]) -> None:
@@ -279,10 +305,10 @@ def _add_finger(plotter: Any, result: Result, fields: Fields, frame: int, field:
     bone = shown.cells[_behind(shown) & (shown.region == section.BONE)]
     if len(bone) and not on_skin:
         solid = _grid(points, bone).extract_surface(algorithm=None)
-        plotter.add_mesh(solid, color=REGIONS[3][1], name="bone")
+        plotter.add_mesh(solid, color=REGIONS[3][1], ambient=0.6, diffuse=0.4, name="bone")
     _add_indenter(plotter, result, float(fields.times[frame]), on_skin)
     words = f"{result.scene.name}: {field} at t = {fields.times[frame]:.4g} s"
-    plotter.add_text(words, font_size=12, color="#1f2933", name="words")
+    plotter.add_text(words, font_size=16, color="#1f2933", name="words")
     _look(plotter, (0.75, -0.6, -0.75) if on_skin else (0.5, -1.0, 0.25))
 
 

@@ -76,7 +76,9 @@ class Edge(NamedTuple):
 
 
 def test_every_import_keeps_to_the_directions():
-    assert violations(sources()) == []
+    found = violations(sources())
+    if found:
+        pytest.fail("\n".join(found), pytrace=False)
 
 
 def test_the_walk_sees_the_modules_it_is_about():

@@ -2,6 +2,7 @@
 
 import pickle
 import tomllib
+from datetime import date
 
 import pytest
 
@@ -294,6 +295,23 @@ def test_a_setting_that_cannot_be_used_is_refused(text, message):
 def test_python_gets_the_same_checks(changes, message):
     with pytest.raises(InputError, match=message):
         Scene(**{"finger": FINGER, "motion": Ramp(60, 1)} | changes)
+
+
+ODD_VALUES = [[], {}, "x", "", float("nan"), float("inf"), -1, 0, 10**20, True, [1], [[]], {"a": 1}]
+
+
+@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("value", [*ODD_VALUES, date(2020, 1, 1)], ids=str)
+def test_no_value_anywhere_gives_anything_but_a_scene_or_a_sentence(name, value):
+    table = scenes.load(name).to_dict()
+    leaves = [f"{part}.{key}" for part in table if part != "name" for key in table[part]]
+    layers = [f"finger.{layer}.{key}" for layer in ("skin", "prony") for key in ("modulus", "c")]
+    for path in ("name", *leaves, *layers, *table, "ask.depths.SAI", "ask.drives.SAI"):
+        try:
+            scene = scenes.load(name, {path: value})
+        except InputError:
+            continue
+        assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_toml_written_out_has_every_value_in_plain_tables():

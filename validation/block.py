@@ -9,10 +9,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import MeshTet
 
 from fefinger.fem.contact import Complementarity, Patch, patch
 from fefinger.fem.forms import Elastic, stiffness
+from fefinger.fem.grids import box
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Space
 from fefinger.theory.hertz import Hertz
@@ -43,7 +43,7 @@ class Paraboloid:
 
 @dataclass(frozen=True)
 class Block:
-    """A quarter block with `cells` cells along the contact radius, under the indenter of `hertz`."""
+    """A quarter block under the indenter of `hertz`, with `cells` cells along its radius."""
 
     hertz: Hertz
     cells: int
@@ -53,8 +53,7 @@ class Block:
         """Taylor-Hood on a graded grid: even under the contact, growing away from it."""
         a = self.hertz.contact_radius
         across, down = (_graded(a, self.cells, even) for even in (REFINED, 0.5))
-        mesh = MeshTet.init_tensor(across, across, down)
-        return Space(mesh.p.T.copy(), mesh.t.T.astype(np.int64), np.ones(mesh.t.shape[1], np.int8))
+        return box(across, across, down)
 
     @cached_property
     def far(self) -> NDArray[np.bool_]:
@@ -68,9 +67,7 @@ class Block:
         held = np.repeat(self.far[:, None], 3, axis=1)
         held[:, :2] |= self.space.node_points[:, :2] == 0
         elastic = Elastic(self.hertz.modulus, self.hertz.poisson)
-        return factor(
-            self.space, stiffness(self.space, {1: elastic}), np.flatnonzero(held.ravel())
-        )
+        return factor(self.space, stiffness(self.space, {1: elastic}), np.flatnonzero(held.ravel()))
 
     @cached_property
     def patch(self) -> Patch:

@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
-from fefinger.checks import choice
 from fefinger.validation.case import Case, Outcome
+
+from fefinger.checks import choice
 
 
 SUITES = ("hertz", "elements", "relaxation", "finger", "neural")

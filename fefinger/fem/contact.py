@@ -15,7 +15,7 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.obstacle import Rigid
 from fefinger.fem.spaces import Array, Integers, Space, Trace, trace
 from fefinger.tolerances import COMPLEMENTARITY
 
@@ -56,11 +56,11 @@ def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
         mean = directions[:, a] + directions[:, b]
         length = np.linalg.norm(mean, axis=1, keepdims=True)
         lifts[:, place] = height[:, None] * mean / np.where(length > 0, length, 1.0)
-    return surface.places + np.einsum("kq,tkd->tqd", surface.quadratic, lifts)
+    return np.asarray(surface.places + np.einsum("kq,tkd->tqd", surface.quadratic, lifts))
 
 
 def patch(
-    space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
+    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
 ) -> Patch:
     """Return the patch of the pad vertices whose gap at first touch is at most `reach` mm.
 
@@ -87,7 +87,8 @@ def patch(
 
     def gathered(density: Array) -> Array:
         values = np.einsum("tjq,tq->tj", hats, density)
-        return np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
+        sums = np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
+        return np.asarray(sums, dtype=np.float64)
 
     return Patch(
         vertices=vertices,
@@ -103,7 +104,7 @@ def patch(
 def _loads(
     space: Space, part: Trace, hats: Array, direction: Array, owner: Integers, count: int
 ) -> sparse.csc_matrix:
-    """Unit loads (n_unknowns, count): the integral of psi_j n . v for every displacement v."""
+    """Return unit loads (n_unknowns, count): integrals of psi_j n . v for all displacements v."""
     block = np.einsum("tjq,kq,tqc->tkcj", hats, part.quadratic, direction)
     rows = np.broadcast_to(
         (3 * part.nodes[:, :, None] + np.arange(3))[:, :, :, None], block.shape

@@ -1,8 +1,8 @@
 """Contact of a linear viscoelastic body through time.
 
 With one relaxation function for the body, u(t) follows the elastic pressure q, of which the
-contact pressure is the hereditary integral p = integral of G(t - s) dq(s). Over a step in which q is
-linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
+contact pressure is the hereditary integral p = integral of G(t - s) dq(s). Over a step in which q
+is linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
 Depth control solves q's complementarity problem, force control finds the depth as well.
 """
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.blas import dsyrk, dtrsm
@@ -56,7 +55,7 @@ class Dissection:
 
 @dataclass(frozen=True)
 class Eliminated:
-    """The factor of a front: lower (n, n) of its pivots, below (m, n) for its rest, signs (n, 1)."""
+    """A factored front: lower (n, n) for its pivots, below (m, n) for its rest, signs (n, 1)."""
 
     front: Front
     lower: Array
@@ -102,8 +101,9 @@ def dissect(unknowns: Integers, centers: Array, n_displacements: int) -> Dissect
 
     def divide(cells: Integers, members: Integers, outer: Integers) -> int:
         """Add the parts of `cells`; `outer` are those of its members that ancestors eliminate."""
+        parts: tuple[int, ...] = ()
         if len(cells) <= LEAF:
-            own, parts = np.setdiff1d(members, outer, assume_unique=True), ()
+            own = np.setdiff1d(members, outer, assume_unique=True)
         else:
             halves, sides, shared = _halved(unknowns, centers, cells)
             own = np.setdiff1d(shared, outer, assume_unique=True)
@@ -201,7 +201,7 @@ def _gather(columns: Array, matrix: sparse.csr_matrix, front: Front, place: Inte
     columns[member[inside], row[inside]] = matrix.data[block][inside]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _add_lower(columns: Array, rest: Array, update: Array, where: Integers, own: int) -> None:
     """Add the lower triangle of a part's Schur complement; its first `own` rows are pivots here."""
     n = columns.shape[1]

@@ -7,10 +7,22 @@ axis, at every depth; sideways motion enters to first order.
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from fefinger.fem.spaces import Array
+
+
+class Rigid(Protocol):
+    """What contact needs of an obstacle."""
+
+    @property
+    def axis(self) -> Array:
+        """Unit direction of travel (3,), into the body."""
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +57,9 @@ class Obstacle:
         ahead = inside > 0
         root = np.sqrt(np.where(ahead, inside, 1.0))
         surface = self.radii[2] * (root - 1.0)
-        normal = np.concatenate([scaled / self.radii[:2], (root / self.radii[2])[..., None]], axis=-1)
+        normal = np.concatenate(
+            [scaled / self.radii[:2], (root / self.radii[2])[..., None]], axis=-1
+        )
         normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
         distance = np.where(ahead, local[..., 2] - surface, np.inf)
         return distance, normal @ self.frame

@@ -84,7 +84,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Array]:
 def _inverse_jacobians(space: Space) -> Array:
     """Gradients (n_cells, 3, 3) of the reference coordinates, one per row."""
     corners = space.points[space.vertices]
-    return np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2))
+    return np.asarray(np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)))
 
 
 def _strain_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
@@ -100,6 +100,8 @@ def _strain_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matr
     unknowns = 3 * space.nodes[cells][:, :, None] + np.arange(3)
     rows = np.arange(6 * len(cells)).reshape(len(cells), 6, 1, 1)
     shape = (6 * len(cells), space.n_unknowns)
-    where = (np.broadcast_to(rows, block.shape).ravel(),
-             np.broadcast_to(unknowns[:, None], block.shape).ravel())
+    where = (
+        np.broadcast_to(rows, block.shape).ravel(),
+        np.broadcast_to(unknowns[:, None], block.shape).ravel(),
+    )
     return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()

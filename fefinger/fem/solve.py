@@ -23,7 +23,6 @@ from fefinger.tolerances import FACTOR_COMPRESSIBILITY, LINEAR_RESIDUAL
 REFINEMENTS = 8
 
 
-
 @dataclass(frozen=True)
 class System:
     """A factored linear system with some unknowns prescribed.

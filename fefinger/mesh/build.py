@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError
-from fefinger.mesh import improve, surface, topology
+from fefinger.mesh import improve, topology
 from fefinger.mesh.mesher import Settings, tetrahedra
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.quality import gate, measure
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.record import BONE, REGIONS, FingerMesh, volumes
-from fefinger.mesh.shapes import PATCH_CENTER, PATCH_RADIUS, Shape, parametric
+from fefinger.mesh.record import BONE, FingerMesh, volumes
+from fefinger.mesh.scan import scanned
+from fefinger.mesh.shapes import Shape
 
 
 Array = NDArray[np.float64]
@@ -43,7 +46,7 @@ def build(
 
     Raises ConvergenceError with the last attempt's faults if none passes.
     """
-    shape = parametric(recipe)
+    shape = parametric(recipe) if recipe.surface is None else scanned(recipe)
     settings = settings or SETTINGS[recipe.resolution]
     say = progress or (lambda _: None)
     for attempt in range(ATTEMPTS):
@@ -77,18 +80,12 @@ def _attempt(
     shape: Shape, recipe: Recipe, settings: Settings, *, name: str, say: Progress
 ) -> FingerMesh:
     """Return one half mesh, measured but not judged."""
-    outer = surface.half(shape.skin, settings.facet)
-    # The inner surfaces reach through the cut, so that nothing depends on their open edges there.
-    inner = [
-        _without_caps(surface.half(shell, settings.facet, overhang=1.0))
-        for shell in shape.shells[1:]
-    ]
-    points, cells = tetrahedra([outer, *inner, _nail_wall(shape)], sizes(shape, settings), settings)
+    inputs = shape.triangles(settings.facet)
+    points, cells = tetrahedra(inputs, sizes(shape, settings), settings)
     points, cells, region = _inside(shape, points, cells)
     say(f"{len(cells)} cells; fitting the boundaries")
-    tolerance = 1.5 * settings.envelope * float(np.linalg.norm(np.ptp(outer[0], axis=0)))
-    cut = shape.skin.cut
-    facets = topology.facet_sets(points, cells, region, cut=cut, tolerance=tolerance)
+    tolerance = 1.5 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
+    facets = topology.facet_sets(points, cells, region, cut=shape.cut, tolerance=tolerance)
     points, first = _snapped(shape, points, facets)
     supports = _supports(shape, len(points), facets)
     points = improve.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
@@ -100,7 +97,7 @@ def _inside(shape: Shape, points: Array, cells: Index) -> tuple[Array, Index, ND
     """Return the part of the box that is the half finger, with the region of each cell."""
     centers = points[cells].mean(axis=1)
     region = shape.region(centers)
-    keep = (region > 0) & (centers[:, 1] > 0.0) & (centers[:, 0] > shape.skin.cut)
+    keep = (region > 0) & (centers[:, 1] > 0.0) & (centers[:, 0] > shape.cut)
     used, cells = np.unique(cells[keep], return_inverse=True)
     return points[used], cells.reshape(-1, 4), region[keep]
 
@@ -110,7 +107,7 @@ def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Arr
     points = points.copy()
     medial = np.unique(facets["medial"])
     points[medial, 1] = 0.0
-    points[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = shape.skin.cut
+    points[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = shape.cut
     ridge = np.intersect1d(medial, facets["pad"])
     first = int(ridge[np.argmin(np.linalg.norm(points[ridge], axis=1))])
     points[first] = 0.0
@@ -142,9 +139,8 @@ def _bone_of_full_volume(
     free = _supports(shape, len(points), facets).free[on]
     moves = np.zeros_like(points)
     moves[on] = shape.bone.normals(points[on]) * free
-    wanted = surface.volume(surface.half(shape.bone, 0.2))
     present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, 0.01))
-    return points + 0.01 * (wanted - present) / (trial - present) * moves
+    return points + 0.01 * (shape.volumes["bone"] - present) / (trial - present) * moves
 
 
 def _record(
@@ -159,37 +155,20 @@ def _record(
 ) -> FingerMesh:
     """Return the mesh with its nail, smooth normals and measured quality."""
     outer = facets["pad"]
-    nail = shape.on_nail(points[outer].mean(axis=1))
+    nail = shape.nail.covers(points[outer].mean(axis=1))
     sets = {"pad": outer[~nail], "nail": outer[nail]}
     sets |= {key: facets[key] for key in ("cut", "bone", "medial", "bone-cut")}
     pad = np.unique(sets["pad"])
+    gap = float(np.abs(shape.skin.level(points[pad])).max())
     normals = np.zeros_like(points)
     normals[pad] = shape.skin.normals(points[pad])
     mesh = FingerMesh(
         points, cells, region, sets, normals, half=True, name=name, recipe=recipe.to_dict()
     )
-    full = [surface.volume(surface.half(shell, 0.2)) for shell in shape.shells]
-    own = [full[0] - full[1], full[1] - full[2], full[2]]
     quality = measure(
         mesh,
         radii=shape.radii,
-        own_volumes=dict(zip(REGIONS, own, strict=True)),
-        gap=float(np.abs(shape.skin.level(points[pad])).max()),
+        own_volumes=shape.volumes,
+        gap=gap,
     )
     return replace(mesh, quality=quality)
-
-
-def _without_caps(part: surface.Triangles) -> surface.Triangles:
-    """Return a half surface without its medial plane and cut, where the skin's own caps are."""
-    points, faces = part
-    corners = points[faces]
-    caps = np.all(corners[:, :, 1] == 0.0, axis=1)
-    caps |= np.all(corners[:, :, 0] == points[0, 0], axis=1)
-    return points, faces[~caps]
-
-
-def _nail_wall(shape: Shape) -> surface.Triangles:
-    """Return a strip through the skin along the nail's outline, so that facets end there."""
-    edge = shape.nail_edge(40)
-    normals = shape.skin.normals(edge)
-    return surface.ribbon(np.stack([edge + 0.5 * normals, edge - 0.5 * normals]))

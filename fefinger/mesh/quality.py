@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError
+from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.record import BONE, REGIONS, FingerMesh, edges, volumes
-from fefinger.mesh.shapes import PATCH_CENTER, PATCH_RADIUS, PLATE, PLATE_NORMAL
 
 
 Array = NDArray[np.float64]
@@ -27,9 +27,6 @@ SURFACE_GAP = 1e-5
 FIRST_TOUCH = 1e-6
 """mm; how far a vertex may stand out before the origin against the 30-degree plate."""
 
-FIT_RADIUS = 2.0
-"""Radius in mm around P30 within which the quadric is fitted (design 4.6)."""
-
 
 def dihedral_angles(points: Array, cells: NDArray[np.int64]) -> Array:
     """Return the six dihedral angles of each tetrahedron, (m, 6) degrees."""
@@ -48,22 +45,11 @@ def dihedral_angles(points: Array, cells: NDArray[np.int64]) -> Array:
 
 
 def measured_radii(mesh: FingerMesh) -> tuple[float, float]:
-    """Return the normal curvature radii (R', R'') mm at P30, from the pad vertices within 2 mm.
-
-    Least squares of height = c0 + c1 u + c2 v + u^2/(2 R') + v^2/(2 R'') + c5 u v along the
-    inward normal, with u along the finger and v across it; a half is mirrored first.
-    """
+    """Return the radii (R', R'') mm at P30, measured on the pad vertices; a half is mirrored."""
     pad = mesh.points[np.unique(mesh.facets["pad"])]
-    near = pad[np.linalg.norm(pad, axis=1) < FIT_RADIUS]
     if mesh.half:
-        near = np.concatenate([near, near[near[:, 1] > 0.0] * [1.0, -1.0, 1.0]])
-    if len(near) < 6:
-        return float("nan"), float("nan")
-    along = near @ np.array([np.cos(PLATE), 0.0, np.sin(PLATE)])
-    across, height = near[:, 1], -near @ PLATE_NORMAL
-    terms = [along**2 / 2, across**2 / 2, along * across, along, across, np.ones(len(near))]
-    fit = np.linalg.lstsq(np.stack(terms, axis=1), height, rcond=None)[0]
-    return float(1.0 / fit[0]), float(1.0 / fit[1])
+        pad = np.concatenate([pad, pad[pad[:, 1] > 0.0] * [1.0, -1.0, 1.0]])
+    return fitted_radii(pad)
 
 
 def measure(

@@ -47,6 +47,14 @@ class FingerMesh:
     recipe: dict[str, Any] = field(default_factory=dict)
     quality: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 of the geometry: points, cells and regions."""
+        import hashlib
+
+        parts = (self.points, self.cells, self.region)
+        return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
+
 
 def volumes(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return the signed volume of each tetrahedron, (m,) mm^3."""

@@ -1,65 +1,118 @@
-"""Parametric distal fingertip: skin, subcutaneous tissue, bone and nail from a few dimensions.
+"""What a fingertip is made of, whatever it comes from: nested surfaces, nail and bone.
 
 Frame: x distal, y radial, z dorsal; the origin is the point P30 that a plate at 30 degrees touches
 first. Lengths in mm.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
-from scipy.optimize import brentq
 
 from fefinger.checks import InputError
+from fefinger.mesh import surface
+from fefinger.mesh.plate import PLATE
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array, Shell, Table, offset
+from fefinger.mesh.shell import Array, Shell
+from fefinger.mesh.surface import Triangles
 
 
-PLATE = np.radians(30.0)
-PLATE_NORMAL = np.array([np.sin(PLATE), 0.0, -np.cos(PLATE)])
-"""Outward pad normal at the point that the 30-degree plate touches."""
-
-PATCH_CENTER = np.array([-1.8, 0.0, -0.7])
-PATCH_RADIUS = 5.0
-"""Ball, mm, in which the pad meets a 30-degree plate: it reaches farther towards the flat pad."""
-
-TIP_HEIGHT = 0.65
-"""Wanted height of the foremost point above the lowest one, over the thickness."""
-
-TIP_RADIUS = 0.2
-"""Smallest radius of the palmar profile at the tip, over the thickness; it may lift the tip."""
-
-SHARPENING = (np.radians(34.0), np.radians(48.0))
-"""Slopes between which the profile turns from the pad's curvature to the tip's."""
+FINE = 0.2
+"""Facets in mm that give a smooth surface's own volume to about 0.1 %."""
 
 PULP = 0.47
 """Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
+
+ROOM = 0.2
+"""Least subcutaneous tissue around the bone, mm: thinner layers would need flat cells."""
 
 SAMPLES = 4001
 """Points in a profile table: their trapezoid error is below 1e-6 mm."""
 
 
+class Surface(Protocol):
+    """A smooth closed surface; `Shell` and `fefinger.mesh.scan.Cloud` are its kinds."""
+
+    def level(self, points: Array) -> Array:
+        """Return a signed distance, negative inside, (n,) mm."""
+
+    def normals(self, points: Array) -> Array:
+        """Return the unit outward normals (n, 3) at points of the surface."""
+
+    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
+        """Return points (n, 3) moved onto the surface, changing only free coordinates."""
+
+
+@dataclass(frozen=True)
+class Nail:
+    """Patch of the back under the nail: a rounded rectangle seen from above, mm.
+
+    Attributes
+    ----------
+    start, end : x of its proximal and distal end.
+    half_width : half its width where the finger is wide.
+    middle : z that it stays above.
+    side : half width of the finger at x, which it follows where the finger narrows.
+
+    """
+
+    start: float
+    end: float
+    half_width: float
+    middle: float
+    side: Callable[[Array], Array]
+
+    def covers(self, points: Array) -> NDArray[np.bool_]:
+        """Return which points of the skin are under the nail, (n,)."""
+        x, y, z = points.T
+        along = (2.0 * x - self.start - self.end) / (self.end - self.start)
+        reach = self._reach(x) * np.maximum(1.0 - along**6, 0.0) ** (1.0 / 6.0)
+        return np.asarray((np.abs(y) < reach) & (z > self.middle))
+
+    def edge(self, count: int) -> tuple[Array, Array]:
+        """Return x and y of points along the outline with y >= 0, each (count,)."""
+        angle = np.linspace(0.0, np.pi, count)
+        along, aside = (
+            np.sign(part) * np.abs(part) ** (1.0 / 3.0) for part in (np.cos(angle), np.sin(angle))
+        )
+        x = (self.start + self.end + along * (self.end - self.start)) / 2.0
+        y = self._reach(x) * aside
+        y[[0, -1]] = 0.0
+        return x, y
+
+    def _reach(self, x: Array) -> Array:
+        """Return half the nail's width at x, (n,)."""
+        return np.asarray(np.minimum(self.half_width, 0.8 * self.side(x)))
+
+
 @dataclass(frozen=True)
 class Shape:
-    """The nested shells of one fingertip and the patch under its nail; origin at P30.
+    """The nested surfaces of one fingertip, origin at P30.
 
     Attributes
     ----------
     skin, subcutaneous, bone : outer surfaces of regions 1, 2 and 3.
+    cut : x of the proximal cut, mm.
     radii : wanted normal curvature radii at P30, along (R') and across (R'') the finger, mm.
-    nail : x of the nail's proximal and distal end and its half width, mm.
+    nail : the patch under the nail.
+    triangles : step in mm -> surfaces for the mesher that divide half a finger into its regions.
+    volumes : volume of half of each region inside the smooth surfaces, by name, mm^3.
 
     """
 
-    skin: Shell
-    subcutaneous: Shell
+    skin: Surface
+    subcutaneous: Surface
     bone: Shell
+    cut: float
     radii: tuple[float, float]
-    nail: tuple[float, float, float]
+    nail: Nail
+    triangles: Callable[[float], list[Triangles]]
+    volumes: dict[str, float]
 
     @property
-    def shells(self) -> tuple[Shell, Shell, Shell]:
+    def shells(self) -> tuple[Surface, Surface, Shell]:
         """Outer surfaces of the skin (1), the subcutaneous tissue (2) and the bone (3)."""
         return self.skin, self.subcutaneous, self.bone
 
@@ -67,123 +120,31 @@ class Shape:
         """Return 0 outside, 1 in skin, 2 in subcutaneous tissue, 3 in bone, (n,)."""
         return np.sum([shell.level(points) < 0.0 for shell in self.shells], axis=0, dtype=np.int8)
 
-    def on_nail(self, points: Array) -> NDArray[np.bool_]:
-        """Return which points of the skin are under the nail, a rounded rectangle, (n,)."""
-        x, y, z = points.T
-        along = (2.0 * x - self.nail[0] - self.nail[1]) / (self.nail[1] - self.nail[0])
-        inside = along**6 + (y / self._nail_half_width(x)) ** 6 < 1.0
-        return np.asarray(inside & (z > self.skin.middle))
 
-    def nail_edge(self, count: int) -> Array:
-        """Return points of the nail's outline with y >= 0 on the skin, (count, 3) mm."""
-        angle = np.linspace(0.0, np.pi, count)
-        along, aside = (
-            np.sign(part) * np.abs(part) ** (1.0 / 3.0) for part in (np.cos(angle), np.sin(angle))
-        )
-        x = (self.nail[0] + self.nail[1] + along * (self.nail[1] - self.nail[0])) / 2.0
-        y = self._nail_half_width(x) * aside
-        y[[0, -1]] = 0.0
-        wide, _, high = self.skin.heights(x)
-        return np.column_stack([x, y, self.skin.middle + high * np.sqrt(1.0 - (y / wide) ** 2)])
-
-    def _nail_half_width(self, x: Array) -> Array:
-        """Return half the nail's width at x: it follows the finger where that narrows, (n,) mm."""
-        return np.asarray(np.minimum(self.nail[2], 0.8 * self.skin.heights(x)[0]))
+def nail_of(recipe: Recipe, *, tip: float, middle: float, side: Callable[[Array], Array]) -> Nail:
+    """Return the nail of a finger with the given tip: 0.86 w long and 0.75 w wide."""
+    end = tip - 0.12 * recipe.width
+    return Nail(end - 0.86 * recipe.width, end, 0.375 * recipe.width, middle, side)
 
 
-def radii(recipe: Recipe) -> tuple[float, float]:
-    """Return the wanted radii (R', R'') mm: R'' = (w/2)^2/(t/2), R' = R^2/R''."""
-    across = (recipe.width / 2.0) ** 2 / (recipe.thickness / 2.0)
-    return recipe.pad_radius**2 / across, across
+def region_volumes(skin: float, subcutaneous: float, bone: float) -> dict[str, float]:
+    """Return the volume of each region from those inside the three surfaces, mm^3."""
+    return {"skin": skin - subcutaneous, "subcutaneous": subcutaneous - bone, "bone": bone}
 
 
-def parametric(recipe: Recipe) -> Shape:
-    """Return the fingertip of width w, thickness t and pad radius R.
-
-    The palmar profile has curvature 1/R' at P30. There the section x = const leans by 30 degrees
-    against the normal, so (Meusnier) its own curvature b/a^2 must be 1/(R'' cos 30): this gives the
-    half width a at P30, and the outline narrows from w/2 through it to the tip.
-    """
-    along, across = radii(recipe)
-    if along < 0.6 * recipe.thickness:
+def check_room(under: Surface, bone: Shell, recipe: Recipe) -> None:
+    """Raise InputError unless the bone keeps ROOM from the skin."""
+    left = -float(under.level(surface.without_caps(surface.half(bone, 0.5))[0]).max())
+    if left < ROOM:
         message = (
-            f"pad_radius: expected at least {np.sqrt(0.6 * recipe.thickness * across):.1f} mm on a "
-            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
-            f"{recipe.pad_radius:g} mm; the pad would be sharper along the finger than its tip"
+            f"thickness: expected room for the bone of a finger {recipe.width:g} mm wide and "
+            f"{recipe.thickness:g} mm thick, received a shape that leaves {left:.2f} mm around it, "
+            f"less than {ROOM:g} mm; use a thinner skin, other dimensions or, for a scan, its frame"
         )
         raise InputError(message)
-    palmar, middle = _palmar(recipe, along)
-    cut, tip = float(palmar[0][0]), float(palmar[0][-1])
-    half = recipe.width / 2.0
-    share = middle * np.cos(PLATE) * across / half**2
-    if share > 0.98:
-        message = (
-            f"pad_radius: expected a fingertip that narrows towards its tip, received width "
-            f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
-            f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
-            "width at the contact point; use a smaller thickness or a larger pad radius"
-        )
-        raise InputError(message)
-    reach = tip / (1.0 - np.cbrt(1.0 - share))
-    x = tip - (tip - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
-    side = (x, half * _rounding(x, tip, reach))
-    top = recipe.thickness - palmar[1].max()
-    # The back's radius at the tip is 1.5 top^2 / reach: the skin must fit inside it.
-    blunt = min(0.7 * recipe.width, 1.5 * top**2 / (1.3 * recipe.skin_thickness))
-    dorsal = (x, top * _rounding(x, tip, blunt))
-    outer = {"palmar": palmar, "dorsal": dorsal, "side": side}
-    inner = {name: offset(table, recipe.skin_thickness) for name, table in outer.items()}
-    nail = tip - 0.12 * recipe.width
-    return Shape(
-        skin=Shell.of(middle, cut=cut, **outer),
-        subcutaneous=Shell.of(middle, cut=cut, **inner),
-        bone=_bone(recipe, cut=cut, tip=tip, top=middle + top),
-        radii=(along, across),
-        nail=(nail - 0.86 * recipe.width, nail, 0.375 * recipe.width),
-    )
 
 
-def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
-    """Return the palmar profile (x, depth below the widest level) and the z of that level.
-
-    The curvature is 1/R' over the pad, grows without a jump to the tip's between the slopes of
-    SHARPENING, and fades to zero behind the lowest point.
-    """
-    thickness = recipe.thickness
-    slope = np.linspace(0.0, np.pi / 2, SAMPLES)
-    start, end = SHARPENING
-    ramp = _smooth((slope - start) / (end - start))
-
-    def distal(sharpness: float) -> Table:
-        radius = along / (1.0 + sharpness * ramp)
-        steps = (np.cos(slope) * radius, np.sin(slope) * radius)
-        x, z = (cumulative_trapezoid(step, slope, initial=0.0) for step in steps)
-        return x, z
-
-    sharpest = max(along / (TIP_RADIUS * thickness) - 1.0, 0.0)
-    wanted = TIP_HEIGHT * thickness
-    sharpness = sharpest
-    if distal(0.0)[1][-1] > wanted > distal(sharpest)[1][-1]:
-        sharpness = brentq(lambda c: distal(c)[1][-1] - wanted, 0.0, sharpest)
-    x, z = distal(sharpness)
-    if z[-1] > 0.9 * thickness:
-        message = (
-            f"pad_radius: expected a pad that rises at most {0.9 * thickness:.1f} mm to its tip, "
-            f"received {recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
-            f"thickness {thickness:g} mm; use a smaller pad radius or a larger thickness"
-        )
-        raise InputError(message)
-    length = min(max(1.7 * recipe.width, x[-1] + 5.0), max(25.0, x[-1] + 5.0)) - x[-1]
-    arc = np.linspace(-length, 0.0, SAMPLES)
-    back = cumulative_trapezoid(1.0 - _smooth(-arc / (0.5 * recipe.width)), arc, initial=0.0)
-    rise = cumulative_trapezoid((back - back[-1]) / along, arc, initial=0.0)
-    x_all = np.append(arc[:-1], x)
-    z_all = np.append((rise - rise[-1])[:-1], z)
-    at = np.array([np.interp(PLATE, slope, part) for part in (x, z)])
-    return (x_all - at[0], z[-1] - z_all), float(z[-1] - at[1])
-
-
-def _bone(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
+def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
     """Return the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
     width, thickness = recipe.width, recipe.thickness
     pulp = PULP * thickness
@@ -192,21 +153,21 @@ def _bone(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
     # A pad that rises steeply comes close to the nail: there the bone ends short of the pulp.
     end = min(tip - 0.42 * thickness, -np.sqrt(max(pulp**2 - middle**2, 0.0)))
     x = end - (end - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
-    base = _smooth(1.0 - (x - cut) / (0.6 * width))
+    base = smooth(1.0 - (x - cut) / (0.6 * width))
     tuft = np.exp(-(((x - end + 0.16 * width) / (0.2 * width)) ** 2))
-    rounding = _rounding(x, end, 0.3 * width)
-    side = width * (0.16 + 0.10 * base + 0.05 * tuft) * rounding
-    low = (depth + 0.16 * thickness * base) * rounding
-    high = 0.09 * thickness * rounding
+    tip_factor = rounding(x, end, 0.3 * width)
+    side = width * (0.16 + 0.10 * base + 0.05 * tuft) * tip_factor
+    low = (depth + 0.16 * thickness * base) * tip_factor
+    high = 0.09 * thickness * tip_factor
     return Shell.of(middle, cut=cut, palmar=(x, low), dorsal=(x, high), side=(x, side))
 
 
-def _rounding(x: Array, tip: float, reach: float) -> Array:
+def rounding(x: Array, tip: float, reach: float) -> Array:
     """Return sqrt(1 - u^3) with u the share of the last `reach` mm: from one to zero at the tip."""
     return np.asarray(np.sqrt(1.0 - np.clip((x - tip) / reach + 1.0, 0.0, 1.0) ** 3))
 
 
-def _smooth(u: Array) -> Array:
+def smooth(u: Array) -> Array:
     """Return the step from 0 to 1 over 0 < u < 1 with two continuous derivatives."""
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))

@@ -43,6 +43,15 @@ def half(shell: Shell, step: float, *, overhang: float = 0.0) -> Triangles:
     return points, np.concatenate(faces)
 
 
+def without_caps(part: Triangles) -> Triangles:
+    """Return a half surface without its medial plane and cut."""
+    points, faces = part
+    corners = points[faces]
+    caps = np.all(corners[:, :, 1] == 0.0, axis=1)
+    caps |= np.all(corners[:, :, 0] == points[0, 0], axis=1)
+    return points, faces[~caps]
+
+
 def ribbon(rows: Array) -> Triangles:
     """Return the surface through neighboring rows of points, (rows, count, 3) mm."""
     index = np.arange(rows[..., 0].size).reshape(rows.shape[:2])

@@ -28,7 +28,7 @@ class Hertz:
 
     @property
     def contact_radius(self) -> float:
-        """a = sqrt(R depth) in mm."""
+        """A = sqrt(R depth) in mm."""
         return float(np.sqrt(self.radius * self.depth))
 
     @property
@@ -73,7 +73,9 @@ class Hertz:
         sigma_t = -p0 * (ring + t * (2 * nu + bulge - swell))
         axis = p0 * (0.5 / (1 + (z / a) ** 2) - (1 + nu) * (1 - z / a * np.arctan2(a, z)))
         shear = -p0 * r * z**2 * a**2 * root / ((u**2 + a**2 * z**2) * (a**2 + u))
-        return np.array([np.where(far, sigma_r, axis), np.where(far, sigma_t, axis), sigma_z, shear])
+        return np.array(
+            [np.where(far, sigma_r, axis), np.where(far, sigma_t, axis), sigma_z, shear]
+        )
 
     def displacement(self, r: ArrayLike, z: ArrayLike) -> Array:
         """Return u_r, u_z (2, ...) in mm under the contact pressure; z > 0, zero at infinity."""

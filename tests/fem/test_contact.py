@@ -4,12 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
+from fefinger.validation.hertz import COARSE, block, force_error, peak_error
 
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.validation.hertz import COARSE, block, force_error, peak_error
 
 
 PRONY = Prony((0.3, 0.4, 0.2, 0.1), (200.0, 10.0, 0.6))
@@ -58,7 +58,7 @@ def test_hertz_force_and_peak_pressure(poisson: float) -> None:
 
 @pytest.fixture
 def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A flexibility like that of a layer, gaps of a paraboloid, and weights."""
+    """Return a flexibility like that of a layer, gaps of a paraboloid, and weights."""
     x = np.linspace(-1, 1, 21)
     matrix = 0.02 * np.exp(-np.abs(x[:, None] - x) / 0.4) + 0.005 * np.eye(21)
     weights = np.full(21, 0.1)

@@ -57,8 +57,12 @@ def test_the_dissection_orders_every_unknown_once_and_saves_fill(space: Space) -
     for front in parts.fronts:
         assert (front.rest >= front.stop).all()
         own = parts.order[front.start : front.stop]
-        assert ((own >= space.n_displacements) == (np.arange(len(own)) >= front.pressure - front.start)).all()
-    stored = multifrontal.factor(stiffness(space, {1: Elastic(1.0, 0.3)}) + 1e-3 * signs(space), parts)
+        assert (
+            (own >= space.n_displacements) == (np.arange(len(own)) >= front.pressure - front.start)
+        ).all()
+    stored = multifrontal.factor(
+        stiffness(space, {1: Elastic(1.0, 0.3)}) + 1e-3 * signs(space), parts
+    )
     assert stored.entries < 0.4 * space.n_unknowns**2
 
 

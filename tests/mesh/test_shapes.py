@@ -6,8 +6,10 @@ from scipy.spatial import cKDTree
 
 from fefinger.checks import InputError
 from fefinger.mesh import surface
+from fefinger.mesh.parametric import parametric, patch_points, radii
+from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shapes import PLATE, PLATE_NORMAL, Shape, parametric, radii
+from fefinger.mesh.shapes import Shape
 
 
 SUBJECTS = {"d.p.": (12, 9.5, 15), "d.s.": (14, 11.5, 12), "a.h.": (14, 10, 14)}
@@ -30,15 +32,18 @@ def test_radii_follow_from_width_thickness_and_pad_radius() -> None:
     assert radii(Recipe(14, 10, 14)) == pytest.approx((20.0, 9.8))
 
 
-def test_normal_curvatures_at_first_touch_are_the_wanted_ones(shape: Shape) -> None:
+def test_radii_fitted_at_first_touch_are_the_wanted_ones(shape: Shape) -> None:
+    assert fitted_radii(patch_points(shape.skin)) == pytest.approx(shape.radii, rel=2e-3)
+
+
+def test_curvatures_at_first_touch_are_near_the_fitted_ones(shape: Shape) -> None:
     # Second differences along the two principal directions: exact curvature, no fit.
     step = 0.05
-    along, across = np.array([np.cos(PLATE), 0, np.sin(PLATE)]), np.array([0.0, 1.0, 0.0])
-    for direction, wanted in zip((along, across), shape.radii, strict=True):
+    for direction, wanted in zip((ALONG, np.array([0.0, 1.0, 0.0])), shape.radii, strict=True):
         points = np.array([-step, 0.0, step])[:, None] * direction
         normals = shape.skin.normals(shape.skin.project(points))
         curvature = (normals[2] - normals[0]) @ direction / (2 * step)
-        assert 1 / curvature == pytest.approx(wanted, rel=2e-3)
+        assert 1 / curvature == pytest.approx(wanted, rel=0.05)
 
 
 def test_first_touch_of_a_30_degree_plate_is_the_origin(shape: Shape) -> None:
@@ -72,7 +77,7 @@ def test_skin_is_equally_thick(shape: Shape, recipe: Recipe) -> None:
     outer = np.concatenate([outer, outer * [1, -1, 1]])
     distance = cKDTree(outer).query(points)[0]
     # The flat finger of d.p. has an edge along its side that is sharper than its skin is thick.
-    assert distance.min() > 0.78 * recipe.skin_thickness
+    assert distance.min() > 0.75 * recipe.skin_thickness
     assert distance.max() < 1.1 * recipe.skin_thickness
     palmar = points[:, 2] < shape.skin.middle - 1.0
     assert distance[palmar].min() > 0.9 * recipe.skin_thickness
@@ -111,11 +116,13 @@ def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) ->
 
 
 def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
-    edge = shape.nail_edge(200)
-    assert np.abs(shape.skin.level(edge)).max() < 1e-6
-    assert np.all(edge[:, 2] > shape.skin.middle)
-    assert 10 < np.ptp(edge[:, 0]) < 15
-    assert edge[:, 1].max() == pytest.approx(0.375 * recipe.width, rel=0.02)
+    x, y = shape.nail.edge(200)
+    skin = surface.half(shape.skin, 0.2)[0]
+    covered = skin[shape.nail.covers(skin) & (np.abs(shape.skin.level(skin)) < 1e-6)]
+    assert np.all(covered[:, 2] > shape.skin.middle)
+    assert x.min() <= covered[:, 0].min() < covered[:, 0].max() <= x.max()
+    assert 10 < np.ptp(x) < 15
+    assert y.max() == pytest.approx(0.375 * recipe.width, rel=0.02)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger.mesh import files
+from fefinger.mesh.parametric import parametric, radii
+from fefinger.mesh.plate import PLATE_NORMAL
 from fefinger.mesh.quality import (
     MIN_DIHEDRAL,
     RADIUS_ERROR,
@@ -15,7 +17,7 @@ from fefinger.mesh.quality import (
 from fefinger.mesh.ready import data_folder
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.record import BONE, FACETS, FingerMesh, faces, volumes
-from fefinger.mesh.shapes import PLATE_NORMAL, Shape, parametric, radii
+from fefinger.mesh.shapes import Shape
 
 
 NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))

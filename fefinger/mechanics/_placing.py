@@ -32,6 +32,9 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
         axis = direction(indenter)
         flat = Obstacle(axis, np.zeros(3) if indenter == STANDARD else _foremost(body, axis))
         return _touching(flat, body, f"indenter.angle {indenter.angle:g} degrees")
+    if not isinstance(indenter, Sphere | Ellipsoid):
+        message = f"indenter: expected a plate, sphere or ellipsoid, received {indenter.kind!r}"
+        raise InputError(message)
     if indenter.at is None:
         origin, axis = np.zeros(3), direction(STANDARD)
     else:

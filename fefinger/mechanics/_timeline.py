@@ -1,5 +1,7 @@
 """Time steps that follow the motion: fine while it moves, growing while it rests."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +13,8 @@ FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
 STEPS_PER_CYCLE = 40
 STEPS_PER_MOVE = 60
 GROWTH = 1.25  # of successive steps while at rest
-RESTING_STEP = 0.05  # s, the longest
+RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
+RESTING_STEPS = 200  # longer rests take longer steps
 
 
 def time_grid(motion: Motion, *, fast: bool, refine: int = 1) -> NDArray[np.float64]:
@@ -25,7 +28,7 @@ def time_grid(motion: Motion, *, fast: bool, refine: int = 1) -> NDArray[np.floa
     if frequency:
         finest = min(finest, 1.0 / (STEPS_PER_CYCLE * frequency))
     pieces = [np.zeros(1)]
-    for start, stop in zip(corners[:-1], corners[1:], strict=True):
+    for start, stop in pairwise(corners):
         middle = (start + stop) / 2
         move = [end - begin for begin, end in motion.moving if begin <= middle <= end]
         step = min([finest, *(length / STEPS_PER_MOVE for length in move)])
@@ -43,8 +46,9 @@ def _even(start: float, stop: float, step: float) -> NDArray[np.float64]:
 
 
 def _growing(start: float, stop: float, step: float) -> NDArray[np.float64]:
+    longest = max(RESTING_STEP, (stop - start) / RESTING_STEPS)
     lengths = [step]
     while sum(lengths) < stop - start:
-        lengths.append(min(lengths[-1] * GROWTH, RESTING_STEP))
+        lengths.append(min(lengths[-1] * GROWTH, longest))
     edges = np.cumsum(lengths)
     return start + (stop - start) * edges / edges[-1]

@@ -5,8 +5,8 @@ from functools import cache
 from typing import Any
 
 from fefinger.data import report
-from fefinger.mechanics.symmetry import symmetric
-from fefinger.mechanics.timeline import time_grid
+from fefinger.mechanics._symmetry import symmetric
+from fefinger.mechanics._timeline import time_grid
 from fefinger.scene import Scene
 
 

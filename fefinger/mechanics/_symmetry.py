@@ -8,4 +8,6 @@ def symmetric(scene: Scene) -> bool:
     indenter = scene.indenter
     if isinstance(indenter, Flat):
         return indenter.tilt == 0
-    return not isinstance(indenter, Sphere | Ellipsoid) or indenter.at is None or indenter.at[1] == 0
+    return (
+        not isinstance(indenter, Sphere | Ellipsoid) or indenter.at is None or indenter.at[1] == 0
+    )

@@ -1,0 +1,284 @@
+"""Contact of a finger as a linear viscoelastic body, from a scene to a response.
+
+Shared by the small-strain mechanics: one factor, unit loads on the candidate vertices, then time.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.body import Body, Reduced, body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.forms import Elastic
+from fefinger.fem.march import History, Prescribed, Relaxation, march
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
+from fefinger.library import receptors
+from fefinger.mechanics import _placing
+from fefinger.mechanics._symmetry import symmetric
+from fefinger.mechanics._timeline import time_grid
+from fefinger.mesh.ready import ready
+from fefinger.mesh.record import FingerMesh
+from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
+from fefinger.scene import Finger, Scene
+from fefinger.stages import Stages
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+REACH = 1.25  # candidate vertices are those whose gap at first touch is below this times the depth
+GROW = 1.4  # factor on the reach when contact meets the border of the candidates
+ATTEMPTS = 4
+FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finger's thickness
+REFERENCE_DEPTH = 0.5  # mm, of the small flat press that sets the length of a strain
+FRAMES_MOVING, FRAMES_RESTING = 20, 6
+
+
+def press(
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    mechanics: str,
+    notes: tuple[str, ...],
+    refine: int = 1,
+) -> Response:
+    """Answer the scene; `refine` divides every time step.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If a linear or contact solution is not reached.
+    """
+    stages = Stages(progress)
+    with stages.stage("mesh"):
+        mesh = ready(scene.finger, half=symmetric(scene))
+    with stages.stage("factor"):
+        finger = body(mesh, tissues(scene.finger), held(scene.finger))
+    touch = _placing.obstacle(scene.indenter, finger)
+    _check_depth(scene, finger, mesh, touch)
+    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
+    contact = _contact(scene, finger, touch, time, stages)
+    with stages.stage("reference"):
+        reference = _reference(scene, finger, contact)
+    with stages.stage("fields"):
+        fields = _fields(contact, finger, mesh) if scene.ask.fields else None
+    return Response(
+        mechanics=mechanics,
+        **_answer(scene, finger, contact, reference, fields),
+        seconds=stages.seconds,
+        notes=notes + _notes(scene),
+        sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
+    )
+
+
+def tissues(finger: Finger) -> dict[int, Elastic]:
+    """Return the relaxed elasticity of the regions that deform."""
+    layers = {1: finger.skin, 2: finger.subcutaneous}
+    return {region: Elastic(layer.modulus, layer.poisson) for region, layer in layers.items()}
+
+
+def held(finger: Finger) -> tuple[str, ...]:
+    """Return the facets that do not move."""
+    return ("bone", "nail", "cut") if finger.cut == "fixed" else ("bone", "nail")
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """The solved contact: where, on what, when, and the end organs that it strains."""
+
+    touch: Obstacle
+    reduced: Reduced
+    sites: Sites | None
+    time: Array
+    history: History
+
+
+def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: Stages) -> _Contact:
+    """Solve the contact, with more candidate vertices as long as it meets their rim."""
+    sites = _sites(scene, touch) if scene.ask.strain or scene.ask.spikes else None
+    probe = strain_at(finger.space, sites.points if sites else np.empty((0, 3)))
+    depth_control = scene.motion.control == "depth"
+    value = scene.motion.value(time)
+    if not depth_control:
+        value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
+    deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
+    reach = REACH * deepest
+    for _ in range(ATTEMPTS):
+        candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
+        with stages.stage("unit loads") as report:
+            reduced = reduce(finger, candidates, probe, report)
+        prony = scene.finger.prony
+        memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(candidates.vertices))
+        asked = Prescribed(scene.motion.control, time, value)
+        with stages.stage("contact") as report:
+            history = march(
+                reduced.flexibility, candidates.gap, candidates.travel, memory, asked, report
+            )
+        pressed = (history.pressure > 0).any(axis=0)
+        if np.isin(candidates.vertices[pressed], _placing.border(finger)).any():
+            message = (
+                f"motion: expected contact inside the pad, but at a depth of "
+                f"{history.depth.max():.3g} mm it reaches the nail or the proximal cut; press less"
+            )
+            raise InputError(message)
+        if not pressed.any():
+            message = "indenter: expected contact with the finger, but it never touches"
+            raise InputError(message)
+        if not (pressed & candidates.edge).any():
+            return _Contact(touch, reduced, sites, time, history)
+        reach *= GROW
+    message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
+    raise ConvergenceError(message)
+
+
+def _check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) -> None:
+    bone = mesh.points[np.unique(mesh.facets["bone"])]
+    pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))
+    if scene.motion.control == "depth" and scene.motion.peak >= pulp:
+        message = (
+            f"motion.depth: expected less than the {pulp:.3g} mm of tissue over the bone, "
+            f"received {scene.motion.peak:g} mm"
+        )
+        raise InputError(message)
+
+
+def _sites(scene: Scene, touch: Obstacle) -> Sites:
+    """Return one site per type that is asked for (all four when only strain is)."""
+    depths = {kind: organ.depth for kind, organ in receptors().items()} | dict(scene.ask.depths)
+    types = scene.ask.spikes or tuple(depths)
+    return _placing.sites(touch, types, [depths[kind] for kind in types])
+
+
+def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | None:
+    """Press the standard plate a little; on the scene's own patch if that is the same plate."""
+    if contact.sites is None:
+        return None
+    touch = _placing.obstacle(_placing.STANDARD, finger)
+    central = _sites(scene, touch)
+    reduced = contact.reduced
+    if scene.indenter != _placing.STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
+        reach = 2 * REACH * REFERENCE_DEPTH
+        candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
+        reduced = reduce(finger, candidates, strain_at(finger.space, central.points))
+    free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
+    pressure = Complementarity(reduced.flexibility).solve(free)
+    if (pressure[reduced.patch.edge] > 0).any():
+        message = "reference press: contact left its patch; the pad is much flatter than expected"
+        raise ConvergenceError(message)
+    strain = tensors((reduced.strain @ pressure).reshape(-1, 6))
+    return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
+
+
+def _fields(contact: _Contact, finger: Body, mesh: FingerMesh) -> Fields:
+    """Solve for the whole body at some of the times."""
+    force = contact.history.pressure @ contact.reduced.patch.travel
+    frames = _frames(contact.history.depth, int(np.argmax(force)))
+    loads = contact.reduced.patch.loads @ contact.history.elastic[frames].T
+    unknowns = finger.system.solve(np.asarray(loads))
+    n_points, n_frames = len(mesh.points), len(frames)
+    displacement = np.zeros((n_frames, n_points, 3))
+    strain = np.zeros((n_frames, n_points, 6))
+    pressure = np.zeros((n_frames, n_points))
+    vertices = 3 * len(finger.original)
+    displacement[:, finger.original] = unknowns[:vertices].T.reshape(n_frames, -1, 3)
+    at_vertices = strain_at_vertices(finger.space) @ unknowns
+    strain[:, finger.original] = at_vertices.T.reshape(n_frames, -1, 6)
+    pressed = finger.original[contact.reduced.patch.vertices]
+    pressure[:, pressed] = contact.history.pressure[frames]
+    times = contact.time[frames]
+    return Fields(mesh.points, mesh.cells, mesh.region, times, displacement, strain, pressure)
+
+
+def _frames(depth: Array, peak: int) -> NDArray[np.int64]:
+    """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
+    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
+    moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))
+    evenly = np.linspace(0, len(depth) - 1, FRAMES_RESTING).round()
+    return np.unique(np.concatenate([moving, evenly, [peak]]).astype(np.int64))
+
+
+def _answer(
+    scene: Scene,
+    finger: Body,
+    contact: _Contact,
+    reference: Reference | None,
+    fields: Fields | None,
+) -> dict[str, Any]:
+    """Return the fields of a Response that the solved contact gives."""
+    history, on_pad = contact.history, contact.reduced.patch
+    pad, column = _pad(finger, contact)
+    pressure = history.pressure[:, column]
+    sides = 2 if finger.half else 1
+    force = sides * history.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
+    strain = None
+    if contact.sites is not None:
+        components = history.elastic @ contact.reduced.strain.T
+        strain = tensors(components.reshape(len(contact.time), -1, 6))
+    asked = scene.ask.pressure
+    return {
+        "time": contact.time,
+        "depth": history.depth,
+        "force": force,
+        "contact_area": (pressure > 0) @ pad.areas if asked else None,
+        "centroid": _centroid(pad, pressure) if asked else None,
+        "pad": pad if asked else None,
+        "pressure": pressure if asked else None,
+        "sites": contact.sites,
+        "strain": strain,
+        "reference": reference,
+        "fields": fields,
+        "status": f"Solved: {history.exchanges} contact solutions with exact complementarity.",
+        "numbers": {
+            "unknowns": finger.space.n_unknowns,
+            "candidates": len(on_pad.vertices),
+            "half": float(finger.half),
+        },
+    }
+
+
+def _centroid(pad: Pad, pressure: Array) -> Array:
+    """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
+    weights = pressure * pad.areas
+    total = weights.sum(axis=1, keepdims=True)
+    moment = weights @ pad.points[:, :2]
+    return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
+
+
+def _pad(finger: Body, contact: _Contact) -> tuple[Pad, NDArray[np.int64]]:
+    """Return the pad of the whole finger, and the patch column of each of its points."""
+    on_pad = contact.reduced.patch
+    points, normals = finger.space.points[on_pad.vertices], finger.normals[on_pad.vertices]
+    column = np.arange(len(points))
+    number = np.full(len(finger.space.points), -1, dtype=np.int64)
+    number[on_pad.vertices] = column
+    triangles = number[on_pad.triangles]
+    triangles = triangles[(triangles >= 0).all(axis=1)]
+    if not finger.half:
+        return Pad(points, on_pad.areas, normals, triangles), column
+    mirror = np.array([1.0, -1.0, 1.0])
+    off = points[:, 1] > 0
+    twin = column.copy()
+    twin[off] = len(points) + np.arange(off.sum())
+    areas = np.where(off, on_pad.areas, 2 * on_pad.areas)
+    pad = Pad(
+        points=np.concatenate([points, points[off] * mirror]),
+        areas=np.concatenate([areas, areas[off]]),
+        normals=np.concatenate([normals, normals[off] * mirror]),
+        triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
+    )
+    return pad, np.concatenate([column, column[off]])
+
+
+def _notes(scene: Scene) -> tuple[str, ...]:
+    total = sum(scene.finger.prony.c)
+    cut = "held" if scene.finger.cut == "fixed" else "free"
+    notes: tuple[str, ...] = (f"The proximal cut of the tissue is {cut}.",)
+    if abs(total - 1) > 1e-12:
+        notes = (*notes, f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).")
+    return notes

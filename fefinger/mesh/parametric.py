@@ -1,0 +1,187 @@
+"""The parametric fingertip: skin from width, thickness and pad radius, the rest inside it."""
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.optimize import brentq
+
+from fefinger.checks import InputError
+from fefinger.mesh import shapes, surface
+from fefinger.mesh.plate import ALONG, PLATE, fitted_radii
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.shapes import SAMPLES, Nail, Shape, rounding, smooth
+from fefinger.mesh.shell import Array, Shell, Table, offset
+from fefinger.mesh.surface import Triangles
+
+
+TIP_HEIGHT = 0.65
+"""Wanted height of the foremost point above the lowest one, over the thickness."""
+
+TIP_RADIUS = 0.2
+"""Smallest radius of the palmar profile at the tip, over the thickness; it may lift the tip."""
+
+SHARPENING = (np.radians(34.0), np.radians(48.0))
+"""Slopes between which the profile turns from the pad's curvature to the tip's."""
+
+BACK_SLOPE = 0.21
+"""Largest slope in radians of the palm behind the pad, towards the crease."""
+
+
+def radii(recipe: Recipe) -> tuple[float, float]:
+    """Return the wanted radii (R', R'') mm: R'' = (w/2)^2/(t/2), R' = R^2/R''."""
+    across = (recipe.width / 2.0) ** 2 / (recipe.thickness / 2.0)
+    return recipe.pad_radius**2 / across, across
+
+
+def parametric(recipe: Recipe) -> Shape:
+    """Return the fingertip of width w, thickness t and pad radius R.
+
+    The curvatures at P30 are set so that a quadric fitted within 2 mm has the wanted radii; they
+    differ from the fitted ones by a few percent, because the pad gets sharper towards the tip.
+    """
+    wanted = radii(recipe)
+    if wanted[0] < 0.6 * recipe.thickness:
+        least = np.sqrt(0.6 * recipe.thickness * wanted[1])
+        message = (
+            f"pad_radius: expected at least {least:.1f} mm on a "
+            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
+            f"{recipe.pad_radius:g} mm; the pad would be sharper along the finger than its tip"
+        )
+        raise InputError(message)
+    point = np.array(wanted)
+    for _ in range(4):
+        middle, tables = _skin(recipe, along=point[0], across=point[1])
+        cut = float(tables["palmar"][0][0])
+        skin = Shell.of(middle, cut=cut, **tables)
+        point *= np.array(wanted) / fitted_radii(patch_points(skin))
+    return _with_inside(recipe, skin, tables, wanted)
+
+
+def patch_points(skin: shapes.Surface) -> Array:
+    """Return points of a symmetric skin around the origin, for fitting, (n, 3) mm."""
+    grid = np.stack(np.meshgrid(np.linspace(-3, 3, 31), np.linspace(-3, 3, 31)), axis=-1)
+    u, v = grid.reshape(-1, 2).T
+    return skin.project(u[:, None] * ALONG + v[:, None] * [0.0, 1.0, 0.0])
+
+
+def _with_inside(
+    recipe: Recipe, skin: Shell, tables: dict[str, Table], wanted: tuple[float, float]
+) -> Shape:
+    """Return the shape with subcutaneous tissue, bone and nail put inside the skin."""
+    cut, tip = skin.cut, skin.tip
+    inner = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
+    under = Shell.of(skin.middle, cut=cut, **inner)
+    top = skin.middle + float(tables["dorsal"][1].max())
+    bone = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
+    shapes.check_room(under, bone, recipe)
+    nail = shapes.nail_of(recipe, tip=tip, middle=skin.middle, side=lambda x: skin.heights(x)[0])
+    shells = (skin, under, bone)
+    inside = (surface.volume(surface.half(shell, shapes.FINE)) for shell in shells)
+    return Shape(
+        skin=skin,
+        subcutaneous=under,
+        bone=bone,
+        cut=cut,
+        radii=wanted,
+        nail=nail,
+        triangles=lambda step: _triangles(shells, nail, step),
+        volumes=shapes.region_volumes(*inside),
+    )
+
+
+def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[str, Table]]:
+    """Return the widest level and the three profiles with radii `along` and `across` at P30.
+
+    The palmar profile has curvature 1/R' at P30. There the section x = const leans by 30 degrees
+    against the normal, so (Meusnier) its own curvature b/a^2 must be 1/(R'' cos 30): this gives the
+    half width a at P30, and the outline narrows from w/2 through it to the tip.
+    """
+    palmar, middle = _palmar(recipe, along)
+    cut, tip = float(palmar[0][0]), float(palmar[0][-1])
+    half = recipe.width / 2.0
+    share = middle * np.cos(PLATE) * across / half**2
+    if share > 0.98:
+        message = (
+            f"pad_radius: expected a fingertip that narrows towards its tip, received width "
+            f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
+            f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
+            "width at the contact point; use a smaller thickness or a larger pad radius"
+        )
+        raise InputError(message)
+    reach = tip / (1.0 - np.cbrt(1.0 - share))
+    x = tip - (tip - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
+    top = recipe.thickness - palmar[1].max()
+    # The back's radius at the tip is 1.5 top^2 / reach: the skin must fit inside it.
+    blunt = min(0.7 * recipe.width, 1.5 * top**2 / (1.3 * recipe.skin_thickness))
+    dorsal = (x, top * rounding(x, tip, blunt))
+    side = (x, half * rounding(x, tip, reach))
+    return middle, {"palmar": palmar, "dorsal": dorsal, "side": side}
+
+
+def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
+    """Return the palmar profile (x, depth below the widest level) and the z of that level.
+
+    The curvature is 1/R' over the pad, grows without a jump to the tip's between the slopes of
+    SHARPENING, and fades to zero behind the lowest point.
+    """
+    slope = np.linspace(0.0, np.pi / 2, SAMPLES)
+    x, z = _distal(recipe, along, slope)
+    if z[-1] > 0.9 * recipe.thickness:
+        message = (
+            f"pad_radius: expected a pad that rises at most {0.9 * recipe.thickness:.1f} mm to its "
+            f"tip, received {recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
+            f"thickness {recipe.thickness:g} mm; use a smaller pad radius or a larger thickness"
+        )
+        raise InputError(message)
+    length = min(max(1.7 * recipe.width, x[-1] + 5.0), max(25.0, x[-1] + 5.0)) - x[-1]
+    arc = np.linspace(-length, 0.0, SAMPLES)
+    fading = min(0.5 * recipe.width, 2.0 * BACK_SLOPE * along)
+    back = cumulative_trapezoid(1.0 - smooth(-arc / fading), arc, initial=0.0)
+    rise = cumulative_trapezoid((back - back[-1]) / along, arc, initial=0.0)
+    x_all = np.append(arc[:-1], x)
+    z_all = np.append((rise - rise[-1])[:-1], z)
+    at = np.array([np.interp(PLATE, slope, part) for part in (x, z)])
+    return (x_all - at[0], z[-1] - z_all), float(z[-1] - at[1])
+
+
+def _distal(recipe: Recipe, along: float, slope: Array) -> Table:
+    """Return x and z of the profile at slopes from the lowest point to the tip, as sharp as needed.
+
+    A tip of height TIP_HEIGHT t if its radius need not be smaller than TIP_RADIUS t for that.
+    """
+    start, end = SHARPENING
+    ramp = smooth((slope - start) / (end - start))
+
+    def profile(sharpness: float) -> Table:
+        radius = along / (1.0 + sharpness * ramp)
+        steps = (np.cos(slope) * radius, np.sin(slope) * radius)
+        x, z = (cumulative_trapezoid(step, slope, initial=0.0) for step in steps)
+        return x, z
+
+    def excess(sharpness: float) -> float:
+        return float(profile(sharpness)[1][-1] - TIP_HEIGHT * recipe.thickness)
+
+    sharpest = max(along / (TIP_RADIUS * recipe.thickness) - 1.0, 0.0)
+    if excess(0.0) <= 0.0:
+        return profile(0.0)
+    if excess(sharpest) >= 0.0:
+        return profile(sharpest)
+    return profile(brentq(excess, 0.0, sharpest))
+
+
+def _triangles(shells: tuple[Shell, ...], nail: Nail, step: float) -> list[Triangles]:
+    """Return the closed skin, the open inner surfaces and a wall under the nail's outline.
+
+    The inner surfaces reach through the cut, so that nothing depends on their open edges there;
+    the wall makes facets end at the nail's outline.
+    """
+    skin = shells[0]
+    inner = [surface.without_caps(surface.half(s, step, overhang=1.0)) for s in shells[1:]]
+    x, y = nail.edge(40)
+    wide, _, high = skin.heights(x)
+    edge = np.column_stack([x, y, skin.middle + high * np.sqrt(1.0 - (y / wide) ** 2)])
+    reach = 0.5 * skin.normals(edge)
+    return [
+        surface.half(skin, step),
+        *inner,
+        surface.ribbon(np.stack([edge + reach, edge - reach])),
+    ]

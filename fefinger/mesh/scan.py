@@ -1,0 +1,237 @@
+"""A fingertip from a surface file (STL, PLY, OBJ, ...), with skin and bone put inside.
+
+The file gives the outer skin in mm in the frame x distal, y radial, z dorsal, wherever its origin.
+Its half y >= middle is meshed, so a scan is made symmetric; how far it is from that is checked.
+The skin has the given thickness, the bone is the parametric one for the given width and thickness.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fefinger.checks import InputError
+from fefinger.mesh import shapes, surface
+from fefinger.mesh.parametric import patch_points
+from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.shapes import Shape
+from fefinger.mesh.shell import Array
+from fefinger.mesh.surface import Triangles
+
+
+MIRROR = np.array([1.0, -1.0, 1.0])
+
+SPACING = 0.35
+"""Largest edge in mm of the refined scan whose vertices stand for the surface."""
+
+NEIGHBORS = 16
+"""Vertices that a signed distance is averaged over: two rings, which smooths facets of a scan."""
+
+SIZE_ERROR = 0.35
+"""Relative difference of a scan's width from the given one that is taken for a wrong unit."""
+
+ASYMMETRY = 0.15
+"""Largest mean distance of a scan from its mirror image, over half its width."""
+
+LENGTH = 24.0
+"""mm of a longer scan that are used, from the tip."""
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """A smooth surface through points with normals, moved inward by `inset` mm.
+
+    The signed distance is a weighted mean of the distances from the tangent planes of the nearest
+    points (implicit moving least squares, Kolluri 2008).
+    """
+
+    points: Array
+    point_normals: Array
+    tree: Any
+    inset: float = 0.0
+
+    def level(self, points: Array) -> Array:
+        """Return a signed distance, negative inside, (n,) mm."""
+        return self._evaluate(points)[0]
+
+    def normals(self, points: Array) -> Array:
+        """Return the unit outward normals (n, 3) at points of the surface."""
+        return self._evaluate(points)[1]
+
+    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
+        """Return points (n, 3) moved onto the surface, changing only free coordinates."""
+        moved = np.array(points, dtype=float)
+        mask = np.ones_like(moved) if free is None else free.astype(float)
+        for _ in range(60):
+            level, normals = self._evaluate(moved)
+            normals *= mask
+            size = np.maximum(np.einsum("ij,ij->i", normals, normals), 0.05)
+            moved -= np.clip(level / size, -0.5, 0.5)[:, None] * normals
+            if np.max(np.abs(level), initial=0.0) < 1e-8:
+                break
+        return moved
+
+    def _evaluate(self, points: Array) -> tuple[Array, Array]:
+        """Return signed distances (n,) and unit normals (n, 3)."""
+        distance, index = self.tree.query(points, k=NEIGHBORS)
+        reach = distance[:, :1] ** 2 + SPACING**2
+        weight = np.exp(-(distance**2 - distance[:, :1] ** 2) / reach)
+        weight /= weight.sum(axis=1)[:, None]
+        normals = self.point_normals[index]
+        offsets = np.einsum("nki,nki->nk", points[:, None] - self.points[index], normals)
+        mean = np.einsum("nk,nki->ni", weight, normals)
+        mean /= np.linalg.norm(mean, axis=1)[:, None]
+        return np.einsum("nk,nk->n", weight, offsets) + self.inset, mean
+
+
+def scanned(recipe: Recipe) -> Shape:
+    """Return the fingertip whose skin is the surface file of a recipe.
+
+    Raises InputError for a file that is missing, is no closed surface, has another unit or frame,
+    is far from symmetric, or leaves no room for the bone.
+    """
+    mesh = _loaded(recipe)
+    skin = _cloud(mesh, 0.0)
+    origin = _first_touch(skin)
+    mesh.apply_translation(-origin)
+    skin, under = _cloud(mesh, 0.0), _cloud(mesh, recipe.skin_thickness)
+    _check_symmetry(skin, recipe)
+    low, high = mesh.bounds
+    tip, top = float(high[0]), float(high[2])
+    cut = max(float(low[0]) + 0.5, tip - LENGTH)
+    bone = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
+    shapes.check_room(under, bone, recipe)
+    middle = 0.5 * (float(low[2]) + top)
+    nail = shapes.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
+    outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
+    inside = surface.volume(surface.half(bone, shapes.FINE))
+    around, within = (_volume(part, cut) for part in (outer, inner))
+    return Shape(
+        skin=skin,
+        subcutaneous=under,
+        bone=bone,
+        cut=cut,
+        radii=fitted_radii(_symmetric_patch(skin)),
+        nail=nail,
+        triangles=lambda step: [
+            outer,
+            *_planes(mesh.bounds, cut),
+            _halved(mesh, under, cut - 1.0),
+            surface.without_caps(surface.half(bone, step, overhang=1.0)),
+        ],
+        volumes=shapes.region_volumes(around, within, inside),
+    )
+
+
+def _loaded(recipe: Recipe) -> Any:
+    """Return the refined surface mesh of a file, checked."""
+    import trimesh
+
+    path = Path(str(recipe.surface))
+    if not path.is_file():
+        message = f"surface: expected a surface file, received {str(path)!r}, which does not exist"
+        raise InputError(message)
+    try:
+        mesh = trimesh.load_mesh(path)
+        closed = bool(mesh.is_watertight)
+    except Exception as error:
+        message = (
+            f"surface: expected a triangle surface, {path.name} cannot be read as one: {error}"
+        )
+        raise InputError(message) from error
+    if not closed:
+        message = (
+            f"surface: expected a closed surface, {path.name} has open edges or holes; close it "
+            "(also behind the finger) in the program that made it"
+        )
+        raise InputError(message)
+    width = float(mesh.extents[1])
+    if abs(width / recipe.width - 1.0) > SIZE_ERROR:
+        message = (
+            f"surface: expected a finger about {recipe.width:g} mm wide along y, received "
+            f"{width:.4g}; the file must be in mm with x distal, y radial and z dorsal"
+        )
+        raise InputError(message)
+    mesh.fix_normals()
+    points, faces = trimesh.remesh.subdivide_to_size(mesh.vertices, mesh.faces, SPACING)
+    fine = trimesh.Trimesh(points, faces)
+    # What closes the finger behind is no skin: faces of the proximal quarter that look back.
+    back = fine.triangles_center[:, 0] < fine.bounds[0, 0] + 0.25 * fine.extents[0]
+    fine.update_faces(~(back & (fine.face_normals[:, 0] < -0.7)))
+    fine.remove_unreferenced_vertices()
+    return fine
+
+
+def _cloud(mesh: Any, inset: float) -> Cloud:
+    """Return the smooth surface through the vertices of a mesh."""
+    points = np.asarray(mesh.vertices, dtype=float)
+    return Cloud(points, np.asarray(mesh.vertex_normals, dtype=float), cKDTree(points), inset)
+
+
+def _first_touch(skin: Cloud) -> Array:
+    """Return the point of the ridge, halfway between the sides, that a 30-degree plate touches."""
+    points = skin.points
+    middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
+    ridge = points[np.abs(points[:, 1] - middle) < 2.0 * SPACING].copy()
+    ridge[:, 1] = middle
+    free = np.tile([True, False, True], (len(ridge), 1))
+    ridge = skin.project(ridge, free=free)
+    best = ridge[np.argmax(ridge @ PLATE_NORMAL)]
+    # Along the ridge in steps of a micrometer: a neighbor then stands out by less than 1e-7 mm.
+    line = best + np.linspace(-0.4, 0.4, 801)[:, None] * ALONG
+    line = skin.project(line, free=np.tile([True, False, True], (len(line), 1)))
+    return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
+
+
+def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
+    """Raise InputError if the surface is far from its mirror image in y = 0."""
+    away = float(np.mean(np.abs(skin.level(skin.points[::7] * MIRROR))))
+    if away > ASYMMETRY * recipe.width / 2.0:
+        message = (
+            f"surface: expected a finger about symmetric in y, received one that is {away:.2f} mm "
+            "from its mirror image in the mean; turn it about x until the pad faces down (-z)"
+        )
+        raise InputError(message)
+
+
+def _symmetric_patch(skin: Cloud) -> Array:
+    """Return points of the half y >= 0 near the origin and their mirror images, (n, 3)."""
+    points = patch_points(skin)
+    return np.concatenate([points[points[:, 1] > -0.05], points[points[:, 1] > 0.05] * MIRROR])
+
+
+def _side(skin: Cloud, x: Array) -> Array:
+    """Return half the width at x, (n,) mm."""
+    stations = np.linspace(skin.points[:, 0].min(), skin.points[:, 0].max(), 60)
+    slot = np.digitize(skin.points[:, 0], stations)
+    widest = [np.max(skin.points[slot == i, 1], initial=0.0) for i in range(1, len(stations))]
+    return np.interp(x, (stations[1:] + stations[:-1]) / 2.0, widest)
+
+
+def _halved(mesh: Any, cloud: Cloud, cut: float) -> Triangles:
+    """Return the part y >= 0, x >= cut of the surface, open where it was sliced."""
+    from trimesh.intersections import slice_faces_plane
+
+    points, faces = cloud.points - cloud.inset * cloud.point_normals, mesh.faces
+    for normal, at in (((0.0, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (cut, 0.0, 0.0))):
+        points, faces, *_ = slice_faces_plane(points, faces, np.array(normal), np.array(at))
+    return np.asarray(points, dtype=float), np.asarray(faces, dtype=np.int64)
+
+
+def _planes(bounds: Array, cut: float) -> list[Triangles]:
+    """Return rectangles on y = 0 and x = cut, larger than the finger."""
+    (x, y, z), (far_x, far_y, far_z) = bounds + np.array([[-0.8], [0.8]])
+    square = np.array([[0, 1, 2], [0, 2, 3]])
+    medial = [(x, 0.0, z), (far_x, 0.0, z), (far_x, 0.0, far_z), (x, 0.0, far_z)]
+    back = [(cut, y, z), (cut, far_y, z), (cut, far_y, far_z), (cut, y, far_z)]
+    return [(np.array(medial), square), (np.array(back), square)]
+
+
+def _volume(part: Triangles, cut: float) -> float:
+    """Return the volume between an open half surface and the planes y = 0 and x = cut, mm^3."""
+    points, faces = part
+    return surface.volume((points - [cut, 0.0, 0.0], faces))

@@ -1,0 +1,170 @@
+"""The mechanics `linear` on a coarse finger: balance, symmetry, relaxation, refusals."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.fem.body import Body, body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.probe import strain_at
+from fefinger.mechanics import _placing, _press, _timeline, linear
+from fefinger.mesh.ready import ready
+from fefinger.motion import Motion
+from fefinger.records import Response
+from fefinger.run import fire
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+PRESS = ff.RampHold(speed=60, depth=1.0, hold=0.5)
+ASK = ff.Ask(fields=False)
+
+
+def scene(**parts: object) -> ff.Scene:
+    given = {"finger": FINGER, "indenter": ff.Flat(angle=30), "motion": PRESS, "ask": ASK}
+    return ff.Scene(**(given | parts))
+
+
+@pytest.fixture(scope="module")
+def half() -> Body:
+    mesh = ready(FINGER, half=True)
+    return body(mesh, _press.tissues(FINGER), _press.held(FINGER))
+
+
+@pytest.fixture(scope="module")
+def press() -> Response:
+    return linear.respond(scene())
+
+
+INDENTERS = [ff.Flat(angle=30), ff.Flat(angle=10), ff.Flat(angle=45), ff.Sphere(radius=5)]
+
+
+@pytest.mark.parametrize("indenter", INDENTERS, ids=str)
+def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
+    half: Body, indenter: ff.Flat | ff.Sphere
+) -> None:
+    touch = _placing.obstacle(indenter, half)
+    on_pad = patch(half.space, half.pad, half.normals, touch, 1.0)
+    small = reduce(half, on_pad, strain_at(half.space, np.empty((0, 3))))
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.travel)
+    loads = on_pad.loads @ pressure
+    reactions = np.zeros(half.space.n_unknowns)
+    reactions[half.system.fixed] = half.system.reactions(half.system.solve(loads), loads)
+    total = reactions[: half.space.n_displacements].reshape(-1, 3).sum(axis=0)
+    force = float(on_pad.travel @ pressure)
+    assert force > 0
+    assert pressure.min() >= 0
+    assert -total @ touch.axis == pytest.approx(force, rel=1e-6)
+    tangent = np.cross([0.0, 1.0, 0.0], touch.axis)  # across is balanced by the other half
+    if isinstance(indenter, ff.Flat):
+        assert abs(total @ tangent) < 1e-6 * force
+
+
+def test_a_whole_finger_made_of_two_halves_equals_the_half(
+    press: Response, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_press, "symmetric", lambda scene: False)
+    whole = linear.respond(scene())
+    assert whole.force == pytest.approx(press.force, rel=1e-8, abs=1e-10)
+    assert whole.contact_area == pytest.approx(press.contact_area, rel=1e-8)
+    assert whole.strain == pytest.approx(press.strain, rel=1e-7, abs=1e-9)
+    assert whole.centroid[1:] == pytest.approx(press.centroid[1:], abs=1e-7, nan_ok=True)
+
+
+def test_the_mirror_image_of_a_scene_gives_the_mirror_image_of_the_answer() -> None:
+    left, right = (
+        linear.respond(scene(indenter=ff.Flat(angle=30, tilt=tilt), motion=ff.Ramp(60, 0.6)))
+        for tilt in (10.0, -10.0)
+    )
+    assert left.centroid[-1, 1] * right.centroid[-1, 1] < 0
+    assert left.force == pytest.approx(right.force, rel=1e-6, abs=1e-9)
+    mirror = np.diag([1.0, -1.0, 1.0])
+    assert left.centroid[1:, 1] == pytest.approx(-right.centroid[1:, 1], abs=1e-5, nan_ok=True)
+    reflected = mirror @ right.strain @ mirror
+    assert left.strain == pytest.approx(reflected, abs=1e-5 * np.abs(right.strain).max())
+
+
+def test_strain_is_constant_in_the_hold_and_nothing_pulls(press: Response) -> None:
+    holding = press.time >= PRESS.duration - PRESS.hold
+    strain = press.strain[holding]
+    assert np.ptp(strain, axis=0).max() < 1e-6 * np.abs(strain).max()
+    assert press.pressure.min() == 0
+    assert press.pressure[holding].max() > 1
+
+
+def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_elastic_force(
+    press: Response,
+) -> None:
+    elastic = linear.respond(scene(finger=replace(FINGER, prony=Prony((1.0,), ()))))
+    prony = FINGER.prony
+    expected = hereditary_integral(prony, press.time, elastic.force) / prony.long_time
+    assert press.force == pytest.approx(expected, rel=1e-3, abs=1e-3 * expected.max())
+    assert press.strain[-1] == pytest.approx(elastic.strain[-1], rel=1e-9, abs=1e-12)
+
+
+def test_force_control_reaches_the_force_and_creeps() -> None:
+    pressed = linear.respond(scene(motion=ff.ForceRampHold(loading_rate=5, force=0.3, hold=1.0)))
+    holding = pressed.time >= pressed.time[-1] - 1.0
+    assert pressed.force[holding] == pytest.approx(np.full(holding.sum(), 0.3), rel=1e-8)
+    assert (np.diff(pressed.depth[holding]) > -1e-9).all()
+    assert pressed.depth[-1] > 1.1 * pressed.depth[holding][0]
+
+
+def test_spike_counts_survive_halving_the_time_step() -> None:
+    asked = replace(ASK, spikes=("SAI", "SAII", "FAI", "FAII"))
+    pressed = scene(motion=ff.RampHold(speed=60, depth=1.5, hold=1.0), ask=asked)
+    counts = []
+    for refine in (1, 2):
+        response = _press.press(pressed, mechanics="linear", notes=(), refine=refine)
+        counts.append(fire(pressed, response).count().tolist())
+    assert counts[0] == counts[1]
+    assert min(counts[0]) >= 1
+
+
+BAD = [
+    ({"motion": ff.Ramp(60, 4.9)}, "tissue over the bone"),
+    ({"indenter": ff.Sphere(radius=5, at=(12.0, 0.0))}, "expected a place"),
+    ({"ask": replace(ASK, depths={"FAII": 4.9})}, "expected a point in the soft tissue"),
+]
+
+
+@pytest.mark.parametrize(("parts", "message"), BAD)
+def test_what_cannot_be_answered_gets_a_sentence(parts: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        linear.respond(scene(**parts))
+
+
+def test_what_is_not_asked_is_none() -> None:
+    asked = ff.Ask(pressure=False, strain=False, fields=False)
+    bare = linear.respond(scene(ask=asked))
+    for absent in ("pad", "pressure", "contact_area", "centroid", "sites", "strain", "fields"):
+        assert getattr(bare, absent) is None
+
+
+@pytest.fixture(params=["ramp", "hold", "sinusoid"])
+def motion(request: pytest.FixtureRequest) -> Iterator[Motion]:
+    return {
+        "ramp": ff.Ramp(speed=60, depth=1.0),
+        "hold": ff.RampHold(speed=60, depth=1.0, hold=5.0),
+        "sinusoid": ff.RampSinusoid(20, 1.0, amplitude=0.1, frequency=200, cycles=4),
+    }[request.param]
+
+
+@pytest.mark.parametrize("fast", [True, False])
+def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
+    grid = _timeline.time_grid(motion, fast=fast)
+    assert grid[0] == 0
+    assert grid[-1] == pytest.approx(motion.duration)
+    assert (np.diff(grid) > 0).all()
+    assert np.diff(grid).max() <= _timeline.RESTING_STEP * 1.001
+    middle = (grid[1:] + grid[:-1]) / 2
+    limit = _timeline.FAST_STEP if fast else _timeline.MOVING_STEP
+    for start, stop in motion.moving:
+        moving = (middle > start) & (middle < stop)
+        assert np.diff(grid)[moving].max() <= limit * 1.001
+    for corner in motion.breaks:
+        assert np.abs(grid - corner).min() < 1e-9

@@ -1,0 +1,116 @@
+"""A finger from a surface file: the parametric one, written as STL, comes back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.mesh import surface
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.plate import PLATE_NORMAL
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.scan import scanned
+from fefinger.mesh.shapes import Shape
+
+
+trimesh = pytest.importorskip("trimesh")
+AWAY = np.array([100.0, 3.0, -7.0])  # a scan's origin is anywhere
+
+
+def exported(shape: Shape, path: Path) -> Path:
+    """Write the whole closed skin of a shape, moved away, to a file."""
+    points, faces = surface.half(shape.skin, 0.5)
+    faces = faces[~np.all(points[faces][:, :, 1] == 0.0, axis=1)]
+    both = np.concatenate([faces, faces[:, ::-1] + len(points)])
+    whole = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
+    whole.merge_vertices()
+    whole.apply_translation(AWAY)
+    whole.export(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def shape() -> Shape:
+    """Return the parametric fingertip."""
+    return parametric(Recipe(14, 10, 14))
+
+
+@pytest.fixture(scope="module")
+def stl(shape: Shape, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an STL file of the parametric fingertip."""
+    return exported(shape, tmp_path_factory.mktemp("scan") / "finger.stl")
+
+
+@pytest.fixture(scope="module")
+def scan(stl: Path) -> Shape:
+    """Return the fingertip made of the file."""
+    return scanned(Recipe(14, 10, 14, surface=str(stl)))
+
+
+def test_first_touch_and_radii_come_back(scan: Shape, shape: Shape) -> None:
+    assert scan.radii == pytest.approx(shape.radii, rel=0.04)
+    assert scan.skin.level(np.zeros((1, 3))) == pytest.approx(0.0, abs=1e-3)
+    assert scan.skin.normals(np.zeros((1, 3)))[0] == pytest.approx(PLATE_NORMAL, abs=5e-3)
+
+
+def test_regions_come_back(scan: Shape, shape: Shape) -> None:
+    random = np.random.default_rng(5)
+    points = random.uniform([-18, 0, -3], [4, 7, 8], (4000, 3))
+    assert np.mean(scan.region(points) == shape.region(points)) > 0.97
+
+
+def test_skin_surface_is_within_micrometers(scan: Shape, shape: Shape) -> None:
+    points = surface.without_caps(surface.half(shape.skin, 0.8))[0]
+    points = points[(points[:, 0] > -18) & (np.abs(shape.skin.level(points)) < 1e-6)]
+    assert np.abs(scan.skin.level(points)).max() < 0.05
+    assert np.sqrt(np.mean(scan.skin.level(points) ** 2)) < 0.01
+
+
+def test_volumes_come_back(scan: Shape, shape: Shape) -> None:
+    # The scan's cut is half a millimeter farther in, of 24.
+    for name, volume in shape.volumes.items():
+        assert scan.volumes[name] == pytest.approx(volume, rel=0.04)
+
+
+def test_projection_lands_on_the_surface(scan: Shape) -> None:
+    random = np.random.default_rng(2)
+    points = scan.skin.points[::40] + random.normal(scale=0.05, size=scan.skin.points[::40].shape)
+    assert np.abs(scan.skin.level(scan.skin.project(points))).max() < 1e-6
+
+
+def test_missing_file_is_named() -> None:
+    with pytest.raises(InputError, match=r"received 'nowhere\.stl', which does not exist"):
+        scanned(Recipe(14, 10, 14, surface="nowhere.stl"))
+
+
+def test_text_is_no_surface(tmp_path: Path) -> None:
+    (tmp_path / "finger.stl").write_text("hello")
+    with pytest.raises(InputError, match=r"finger\.stl (cannot be read|has open edges)"):
+        scanned(Recipe(14, 10, 14, surface=str(tmp_path / "finger.stl")))
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("open", "has open edges or holes"),
+        ("meters", "expected a finger about 14 mm wide along y, received 0.014"),
+        ("lopsided", "about symmetric in y"),
+        ("flat", "expected room for the bone"),
+    ],
+)
+def test_unusable_surfaces_get_a_sentence(
+    stl: Path, tmp_path: Path, fault: str, message: str
+) -> None:
+    mesh = trimesh.load_mesh(stl)
+    if fault == "open":
+        mesh.update_faces(np.arange(len(mesh.faces)) > 3)
+    if fault == "meters":
+        mesh.apply_scale(0.001)
+    if fault == "lopsided":
+        mesh.vertices[:, 2] += 0.8 * (mesh.vertices[:, 1] - 3.0)
+    if fault == "flat":
+        mesh.vertices[:, 2] *= 0.35
+    mesh.export(tmp_path / "bad.stl")
+    with pytest.raises(InputError, match=message):
+        scanned(Recipe(14, 10, 14, surface=str(tmp_path / "bad.stl")))

@@ -1,0 +1,184 @@
+"""A saved result loads as it was, and nothing half-written is left behind."""
+
+import csv
+import dataclasses
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fefinger import files, report
+from fefinger.checks import InputError
+from fefinger.files import LAYOUT, RECORDS, load, save
+from fefinger.records import Result
+from fefinger.scene import Sampled
+
+
+@pytest.fixture
+def plain_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write an empty page for the report, which has its own tests."""
+    monkeypatch.setattr(report, "write", lambda result, path: Path(path).write_text("report"))
+
+
+def assert_same(a: Any, b: Any, place: str = "result") -> None:
+    """Compare records field by field, arrays exactly (nan equals nan) and with their types."""
+    assert type(a) is type(b), place
+    if dataclasses.is_dataclass(a) and not isinstance(a, type):
+        for field in dataclasses.fields(a):
+            name = f"{place}.{field.name}"
+            assert_same(getattr(a, field.name), getattr(b, field.name), name)
+    elif isinstance(a, np.ndarray):
+        assert a.dtype == b.dtype, place
+        np.testing.assert_array_equal(a, b, err_msg=place)
+    elif isinstance(a, dict):
+        assert a.keys() == b.keys(), place
+        for key in a:
+            assert_same(a[key], b[key], f"{place}[{key!r}]")
+    elif isinstance(a, tuple | list):
+        assert len(a) == len(b), place
+        for number, (x, y) in enumerate(zip(a, b, strict=True)):
+            assert_same(x, y, f"{place}[{number}]")
+    else:
+        assert a == b, place
+
+
+def without(result: Result, *names: str) -> Result:
+    """Return the result without some fields of its response, and without spikes if named."""
+    gone = dict.fromkeys(name for name in names if name != "spikes")
+    spikes = None if "spikes" in names else result.spikes
+    response = dataclasses.replace(result.response, **gone)
+    return dataclasses.replace(result, response=response, spikes=spikes)
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize(
+    "missing",
+    [
+        (),
+        ("spikes",),
+        ("fields",),
+        ("pressure", "pad", "centroid", "contact_area"),
+        ("sites", "strain", "reference", "fields", "spikes"),
+    ],
+)
+def test_a_saved_result_loads_equal(
+    synthetic: Result, tmp_path: Path, missing: tuple[str, ...]
+) -> None:
+    result = without(synthetic, *missing)
+    written = save(result, tmp_path / "out")
+    names = ["result.nc", "result.vtkhdf", "spikes.csv", "report.html"]
+    gone = {"fields": "result.vtkhdf", "spikes": "spikes.csv"}
+    expected = [name for name in names if name not in {gone.get(m) for m in missing}]
+    assert [Path(path).name for path in written] == expected
+    assert sorted(os.listdir(tmp_path / "out")) == sorted(expected)
+    for path in (tmp_path / "out", written[0]):
+        assert_same(load(path), result)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_long_sampled_motion_is_saved_whole(synthetic: Result, tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 6000)
+    motion = Sampled(time=tuple(time), depth=tuple(1 - np.cos(np.pi * time)))
+    result = dataclasses.replace(
+        synthetic, scene=dataclasses.replace(synthetic.scene, motion=motion)
+    )
+    save(result, tmp_path)
+    assert load(tmp_path).scene == result.scene
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path: Path) -> None:
+    save(synthetic, tmp_path)
+    with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf") as data:
+        for name, variable in data.data_vars.items():
+            assert variable.attrs["long_name"], name
+            assert name in ("scene", "record") or variable.attrs["units"], name
+        assert data["pressure"].dims == ("time", "pad")
+        assert data["strain"].dims == ("time", "site", "axis", "axis_2")
+        assert data["unit_current"].sel(unit="FAI-1").shape == synthetic.time.shape
+
+
+def test_every_array_of_the_records_has_a_place_in_the_file() -> None:
+    for name, record in RECORDS.items():
+        for field in dataclasses.fields(record):
+            if "Array" in str(field.type) or "ndarray" in str(field.type):
+                assert (name, field.name) in LAYOUT
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
+    save(synthetic, tmp_path)
+    assert synthetic.spikes is not None
+    with open(tmp_path / "spikes.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["unit", "type", "x_mm", "y_mm", "z_mm", "time_s"]
+    assert [float(row["time_s"]) for row in rows] == np.concatenate(synthetic.spikes.times).tolist()
+    assert synthetic.spikes.positions is not None
+    place = [float(rows[-1][name]) for name in ("x_mm", "y_mm", "z_mm")]
+    assert rows[-1]["unit"] == "FAI-1"
+    assert place == synthetic.spikes.positions[2].tolist()
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_files_of_an_earlier_result_do_not_stay(synthetic: Result, tmp_path: Path) -> None:
+    save(synthetic, tmp_path)
+    save(without(synthetic, "fields", "spikes"), tmp_path)
+    assert sorted(os.listdir(tmp_path)) == ["report.html", "result.nc"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_an_interruption_leaves_no_half_written_file(
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
+) -> None:
+    def stop(result: Result, path: Path) -> None:
+        Path(path).write_text("half")
+        raise error
+
+    monkeypatch.setattr(report, "write", stop)
+    (tmp_path / "result.nc").write_text("earlier")
+    with pytest.raises(error):
+        save(synthetic, tmp_path)
+    assert os.listdir(tmp_path) == ["result.nc"]
+    assert (tmp_path / "result.nc").read_text() == "earlier"
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(synthetic: Result, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="output folder: expected a folder, received the file"):
+        save(synthetic, tmp_path / "file")
+
+
+def test_a_folder_that_cannot_be_made_is_refused(synthetic: Result, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="output folder: expected a folder that can be written"):
+        save(synthetic, tmp_path / "file" / "out")
+
+
+@pytest.mark.parametrize("path", ["nowhere", "empty", "empty/result.nc"])
+def test_a_missing_result_is_named(tmp_path: Path, path: str) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="there is no file"):
+        load(tmp_path / path)
+
+
+def test_a_file_that_is_no_result_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "result.nc").write_text("not HDF5")
+    with pytest.raises(InputError, match="damaged or is no result"):
+        load(tmp_path)
+
+
+def test_another_netcdf_file_is_refused(tmp_path: Path) -> None:
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match=f"expected the format {files.FORMAT!r}.*received None"):
+        load(tmp_path / "other.nc")
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> None:
+    path = Path(save(synthetic, tmp_path)[0])
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(InputError, match="damaged or is no result"):
+        load(tmp_path)

@@ -1,0 +1,102 @@
+"""The report holds what was asked, nothing else, and needs no other file."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fefinger import figures, report, view
+from fefinger.records import Result
+from fefinger.scene import Ramp, RampHold, RampSinusoid, Scene
+
+
+def page(result: Result, folder: Path) -> str:
+    report.write(result, folder / "report.html")
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def sections(html: str) -> list[str]:
+    return re.findall(r'<section id="([a-z]+)"', html)
+
+
+@pytest.fixture(autouse=True)
+def plain_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw without a renderer: the pictures of view have their own tests."""
+    monkeypatch.setattr(view, "renderer_available", lambda: "No renderer (said in the test).")
+
+
+def test_a_full_report_has_every_section_and_stands_alone(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    html = page(synthetic, tmp_path)
+    parts = ["force", "pressure", "contact", "section", "strain", "current", "spikes"]
+    assert sections(html) == [*parts, "plan", "limits", "files", "provenance"]
+    sources = re.findall(r'(?:src|href)="([^"]*)"', html)
+    assert len(sources) == 8
+    assert all(source.startswith("data:image/") for source in sources)
+    for text in (
+        "No renderer (said in the test).",
+        "Run in spite of a refusal about accuracy: depth / half thickness = 0.3 &gt; 0.2",
+        "contact radius / tissue thickness = 0.9 &gt; 0.1 (accuracy)",
+        "Small strain: geometry of the undeformed finger.",
+        "SAI-1: made up.",
+        "versions.fefinger",
+        "kind = &#34;ramp-hold&#34;",
+    ):
+        assert text in html
+
+
+def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None:
+    names = ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields")
+    response = dataclasses.replace(synthetic.response, **dict.fromkeys(names))
+    bare = dataclasses.replace(synthetic, response=response, spikes=None, provenance={})
+    html = page(bare, tmp_path)
+    assert sections(html) == ["force", "plan", "limits", "files", "provenance"]
+    assert "None" not in html
+
+
+def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
+    peak = synthetic.response.force.max()
+    said = report.answer(synthetic)
+    assert f"up to {peak:.3g} N" in said
+    assert "33 mm²" in said
+    assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
+
+
+def test_block_is_warned_of(synthetic: Result, tmp_path: Path) -> None:
+    assert synthetic.spikes is not None
+    spikes = dataclasses.replace(synthetic.spikes, block_seconds=np.array([0.0, 2.5, 0.0, 0.0]))
+    html = page(dataclasses.replace(synthetic, spikes=spikes), tmp_path)
+    assert "SAII-1 spends 2.5 s in depolarization block" in html
+
+
+def test_names_are_escaped(synthetic: Result, tmp_path: Path) -> None:
+    scene = dataclasses.replace(synthetic.scene, name="<script>alert(1)</script>")
+    assert "<script>" not in page(dataclasses.replace(synthetic, scene=scene), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("motion", "titles"),
+    [
+        (Ramp(speed=60, depth=1.5), ["whole stimulus"]),
+        (RampHold(speed=60, depth=1.5, hold=5), ["first movement", "whole stimulus"]),
+        (
+            RampSinusoid(speed=20, depth=1, amplitude=0.01, frequency=200, cycles=100, settle=1),
+            ["first movement", "last four cycles", "whole stimulus"],
+        ),
+    ],
+)
+def test_fast_and_slow_parts_get_their_own_panels(
+    synthetic: Result, motion: Ramp | RampHold | RampSinusoid, titles: list[str]
+) -> None:
+    scene: Scene = dataclasses.replace(synthetic.scene, motion=motion)
+    spans = figures.windows(scene, motion.duration)
+    assert [title for title, _, _ in spans] == titles
+    assert spans[-1][1:] == (0.0, motion.duration)
+    assert all(0 <= start < stop <= motion.duration for _, start, stop in spans)
+
+
+def test_the_same_result_gives_the_same_figure(synthetic: Result) -> None:
+    assert figures.svg(figures.force(synthetic)) == figures.svg(figures.force(synthetic))

@@ -1,0 +1,131 @@
+"""What the pictures show: fields by name, mirror images, cuts and indenters."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fefinger import section
+from fefinger.checks import InputError
+from fefinger.records import Fields, Result
+from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
+
+
+def one_point(strain: NDArray[np.float64]) -> Fields:
+    """Return fields of one point with a strain tensor (3, 3), 3-4-12 displacement, 7 kPa."""
+    six = strain[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    return Fields(
+        points=np.zeros((1, 3)),
+        cells=np.zeros((1, 4), np.int64),
+        region=np.ones(1, np.int8),
+        times=np.zeros(1),
+        displacement=np.array([[[3.0, 4.0, 12.0]]]),
+        strain=six[None, None],
+        pressure=np.array([[7.0]]),
+    )
+
+
+STRETCH = np.array([[0.02, 0.03, 0.05], [0.03, -0.04, 0.07], [0.05, 0.07, 0.01]])
+
+
+@pytest.mark.parametrize(
+    ("field", "strain", "expected"),
+    [
+        ("compressive strain", np.diag([0.1, -0.3, 0.2]), 30.0),
+        ("compressive strain", np.diag([0.1, 0.3, 0.2]), 0.0),
+        ("tensile strain", np.diag([0.1, -0.3, 0.2]), 20.0),
+        ("von Mises strain", np.diag([0.2, -0.1, -0.1]), 20.0),
+        ("displacement", np.eye(3), 13.0),
+        ("pressure", np.eye(3), 7.0),
+        ("strain xx", STRETCH, 2.0),
+        ("strain yy", STRETCH, -4.0),
+        ("strain zz", STRETCH, 1.0),
+        ("strain xy", STRETCH, 3.0),
+        ("strain yz", STRETCH, 7.0),
+        ("strain xz", STRETCH, 5.0),
+    ],
+)
+def test_fields_by_name(field: str, strain: NDArray[np.float64], expected: float) -> None:
+    assert section.values(one_point(strain), field, 0) == pytest.approx([expected], abs=1e-12)
+
+
+def test_an_unknown_field_gets_the_nearest_name() -> None:
+    with pytest.raises(InputError, match=r"Did you mean 'compressive strain'\?"):
+        section.values(one_point(np.eye(3)), "compresive strain", 0)
+
+
+def test_principal_strains_do_not_change_with_the_frame() -> None:
+    turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    turned = turn @ np.diag([0.1, -0.3, 0.2]) @ turn.T
+    assert section.values(one_point(turned), "compressive strain", 0) == pytest.approx([30.0])
+
+
+def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) -> None:
+    half = synthetic.fields
+    assert half is not None
+    both = section.whole(half)
+    on_plane = int((half.points[:, 1] == 0).sum())
+    assert len(both.points) == 2 * len(half.points) - on_plane
+    assert section.whole(both) is both
+    # The made-up displacement is a closed form, so the mirrored strain has one too.
+    u = both.displacement[1]
+    gradient = -2 * u[:, :, None] * both.points[:, None, :] / 25
+    expected = (gradient + gradient.transpose(0, 2, 1)) / 2
+    np.testing.assert_allclose(section.tensors(both.strain[1]), expected, atol=1e-12)
+    a, b, c, d = both.points[both.cells].transpose(1, 0, 2)
+    assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) > 0).all()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_cut_has_the_area_of_the_section_and_keeps_linear_fields(
+    synthetic: Result, mirrored: bool
+) -> None:
+    fields = synthetic.fields
+    assert fields is not None
+    face = fields.cells[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
+    medial = face[(fields.points[face][:, :, 1] == 0).all(axis=1)]
+    if mirrored:
+        fields = section.whole(fields)
+    cut = section.cut(fields.points, fields.cells, fields.region)
+    places = cut.at(fields.points)
+    assert np.abs(places[:, 1]).max() < 1e-3
+    assert area(places, cut.triangles) == pytest.approx(area(fields.points, medial), rel=1e-3)
+    slope = np.array([0.3, 0.0, -0.7])
+    np.testing.assert_allclose(cut.at(fields.points @ slope), places @ slope, atol=1e-9)
+
+
+def area(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+@pytest.mark.parametrize(
+    "indenter",
+    [Flat(0.0), Flat(30.0), Flat(45.0), Sphere(5.0), Ellipsoid((4.0, 3.0, 6.0))],
+)
+def test_an_indenter_reaches_its_depth_and_no_farther(
+    synthetic: Result, indenter: Indenter
+) -> None:
+    scene = dataclasses.replace(synthetic.scene, indenter=indenter)
+    result = dataclasses.replace(synthetic, scene=scene)
+    first, pressed = section.pose(result, 0.0), section.pose(result, 1.5)
+    assert pressed.origin - first.origin == pytest.approx(1.5 * first.axis)
+    outline = first.outline(20.0)
+    ahead = outline @ first.axis[[0, 2]]
+    assert ahead.max() == pytest.approx(first.origin @ first.axis, abs=1e-9)
+    assert synthetic.fields is not None
+    if isinstance(indenter, Flat):
+        clearance = synthetic.fields.points @ first.axis - first.origin @ first.axis
+        assert clearance.min() == pytest.approx(0.0, abs=0.2)
+
+
+def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic: Result) -> None:
+    scene = dataclasses.replace(synthetic.scene, indenter=Sphere(5.0, at=(-3.0, 2.0)))
+    pose = section.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    outline = pose.outline(20.0)
+    center = pose.origin - 5.0 * pose.axis
+    radius = np.linalg.norm(outline - center[[0, 2]], axis=1)
+    assert radius == pytest.approx(np.sqrt(25 - center[1] ** 2))
+    far = pose._replace(origin=pose.origin + np.array([0.0, 20.0, 0.0]))
+    assert len(far.outline(20.0)) == 0

@@ -1,0 +1,51 @@
+"""The VTK series reads back through VTK's own reader, with one mesh for all times."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from fefinger import vtkhdf
+from fefinger.records import Result
+
+
+def read_step(path: Path, step: int) -> tuple[tuple[float, ...], Any]:
+    """Return all times, and the grid at one of them, from vtkHDFReader."""
+    import pyvista as pv
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(Pipeline.TIME_STEPS())
+    reader.UpdateTimeStep(times[step])
+    return times, pv.wrap(reader.GetOutputDataObject(0)).copy()
+
+
+@pytest.mark.parametrize("step", [0, 1, 2])
+def test_vtk_reads_times_mesh_and_values(synthetic: Result, tmp_path: Path, step: int) -> None:
+    fields = synthetic.fields
+    assert fields is not None
+    vtkhdf.write(fields, tmp_path / "a.vtkhdf")
+    times, grid = read_step(tmp_path / "a.vtkhdf", step)
+    assert times == pytest.approx(fields.times)
+    np.testing.assert_allclose(grid.points, fields.points, atol=1e-5)
+    assert np.array_equal(grid.cells.reshape(-1, 5)[:, 1:], fields.cells)
+    assert np.array_equal(grid["region"], fields.region)
+    for name in ("displacement", "strain", "pressure"):
+        expected = getattr(fields, name)[step]
+        atol = 1e-6 * np.abs(expected).max()
+        np.testing.assert_allclose(grid[name], expected, atol=atol, err_msg=name)
+
+
+def test_the_mesh_is_stored_once(synthetic: Result, tmp_path: Path) -> None:
+    assert synthetic.fields is not None
+    vtkhdf.write(synthetic.fields, tmp_path / "a.vtkhdf")
+    with h5py.File(tmp_path / "a.vtkhdf") as file:
+        root = file["VTKHDF"]
+        assert root["Points"].shape == synthetic.fields.points.shape
+        assert root["Connectivity"].size == synthetic.fields.cells.size
+        assert root["CellData/region"].shape == synthetic.fields.region.shape

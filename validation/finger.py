@@ -1,0 +1,120 @@
+"""Suite `finger`: a real finger under a plate balances, converges, and fires the same again."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from fefinger.validation.case import Case
+
+from fefinger import scenes
+from fefinger.fem.body import body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.probe import strain_at
+from fefinger.mechanics import _placing, linear
+from fefinger.mechanics._press import held, press, tissues
+from fefinger.mesh.ready import ready
+from fefinger.records import Response
+from fefinger.run import fire
+from fefinger.scene import Flat, Ramp, Scene
+
+
+DEPTH = 1.0  # mm
+QUICK, STANDARD = "coarse", "standard"
+
+
+@cache
+def balance(resolution: str) -> tuple[float, float]:
+    """Return the relative differences of contact force and reactions, along and across the axis."""
+    finger = replace(scenes.load("flat-press").finger, resolution=resolution)
+    solid = body(ready(finger, half=True), tissues(finger), held(finger))
+    touch = _placing.obstacle(Flat(30), solid)
+    on_pad = patch(solid.space, solid.pad, solid.normals, touch, 1.25 * DEPTH)
+    small = reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.travel)
+    loads = on_pad.loads @ pressure
+    reactions = np.zeros(solid.space.n_unknowns)
+    reactions[solid.system.fixed] = solid.system.reactions(solid.system.solve(loads), loads)
+    total = reactions[: solid.space.n_displacements].reshape(-1, 3).sum(axis=0)
+    force = float(on_pad.travel @ pressure)
+    across = np.cross([0.0, 1.0, 0.0], touch.axis)
+    return float(-total @ touch.axis / force - 1), float(total @ across / force)
+
+
+@cache
+def ramp(resolution: str, angle: float = 30.0, tilt: float = 0.0) -> Response:
+    """Return the response to a slow ramp of DEPTH."""
+    scene = scenes.load("flat-press")
+    asked = replace(scene.ask, spikes=(), fields=False)
+    finger = replace(scene.finger, resolution=resolution)
+    pressed = Scene(finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=asked)
+    return linear.respond(pressed)
+
+
+def mirror(resolution: str) -> float:
+    """Return the largest difference of the forces at opposite tilts, over the largest force."""
+    left, right = ramp(resolution, tilt=10.0), ramp(resolution, tilt=-10.0)
+    return float(np.abs(left.force - right.force).max() / left.force.max())
+
+
+def pull(resolution: str) -> float:
+    """Return the lowest pressure in kPa."""
+    pressure = ramp(resolution).pressure
+    assert pressure is not None
+    return float(pressure.min())
+
+
+@cache
+def spikes(refine: int) -> dict[str, int]:
+    """Return the spike counts of flat-press with every time step divided by `refine`."""
+    scene = scenes.load("flat-press")
+    response = press(scene, mechanics=linear.name, notes=(), refine=refine)
+    fired = fire(scene, response)
+    return dict(zip(fired.types, fired.count().tolist(), strict=True))
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield balance, symmetry and, when not quick, the spikes of flat-press at half the step."""
+    resolution = QUICK if quick else STANDARD
+    statics = "equilibrium of the body"
+    yield Case(
+        "finger",
+        "contact force against reactions",
+        lambda: balance(resolution)[0],
+        0.0,
+        1e-6,
+        "1",
+        statics,
+    )
+    yield Case(
+        "finger",
+        "tangential reaction over the force",
+        lambda: balance(resolution)[1],
+        0.0,
+        1e-6,
+        "1",
+        statics,
+    )
+    yield Case(
+        "finger", "lowest pressure", lambda: pull(resolution), 0.0, 0.0, "kPa", "no adhesion"
+    )
+    yield Case(
+        "finger",
+        "forces at tilts of 10 and -10 degrees",
+        lambda: mirror(resolution),
+        0.0,
+        1e-6,
+        "1",
+        "mirror image",
+    )
+    if not quick:
+        for kind in ("SAI", "SAII", "FAI", "FAII"):
+            yield Case(
+                "finger",
+                f"spikes of {kind} in flat-press, half the time step",
+                lambda k=kind: spikes(2)[k],
+                spikes(1)[kind],
+                0.0,
+                "spikes",
+                "the full step",
+            )
