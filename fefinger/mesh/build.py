@@ -82,10 +82,12 @@ def _attempt(
     """Return one half mesh, measured but not judged."""
     inputs = shape.triangles(settings.facet)
     points, cells = tetrahedra(inputs, sizes(shape, settings), settings)
-    points, cells, region = _inside(shape, points, cells)
     say(f"{len(cells)} cells; fitting the boundaries")
-    tolerance = 1.5 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
-    facets = topology.facet_sets(points, cells, region, cut=shape.cut, tolerance=tolerance)
+    tolerance = 1.6 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
+    points, cells, region = _inside(shape, points, cells, tolerance)
+    facets = topology.facet_sets(
+        points, cells, region, cut=shape.cut, tolerance=tolerance, level=shape.skin.level
+    )
     points, first = _snapped(shape, points, facets)
     supports = _supports(shape, len(points), facets)
     points = improve.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
@@ -93,11 +95,21 @@ def _attempt(
     return _record(shape, recipe, points, cells, region, facets, name=name)
 
 
-def _inside(shape: Shape, points: Array, cells: Index) -> tuple[Array, Index, NDArray[np.int8]]:
-    """Return the part of the box that is the half finger, with the region of each cell."""
+def _inside(
+    shape: Shape, points: Array, cells: Index, tolerance: float
+) -> tuple[Array, Index, NDArray[np.int8]]:
+    """Return the part of the box that is the half finger, with the region of each cell.
+
+    Cells within `tolerance` mm of the medial plane, the cut or the skin's surface are left out:
+    they would be flat once their vertices are put there.
+    """
     centers = points[cells].mean(axis=1)
     region = shape.region(centers)
     keep = (region > 0) & (centers[:, 1] > 0.0) & (centers[:, 0] > shape.cut)
+    for axis, at in ((0, shape.cut), (1, 0.0)):
+        keep &= np.abs(points[cells][:, :, axis] - at).max(axis=1) > tolerance
+    on_skin = np.abs(shape.skin.level(points)) < tolerance
+    keep &= ~on_skin[cells].all(axis=1) | (shape.skin.level(centers) < -tolerance)
     used, cells = np.unique(cells[keep], return_inverse=True)
     return points[used], cells.reshape(-1, 4), region[keep]
 

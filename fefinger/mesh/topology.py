@@ -1,5 +1,7 @@
 """Faces of a tetrahedral mesh: which are shared, which are boundary, and what they are called."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,20 +39,24 @@ def facet_sets(
     *,
     cut: float,
     tolerance: float,
+    level: Callable[[NDArray[np.float64]], NDArray[np.float64]],
 ) -> dict[str, Index]:
     """Return the named facets, the outer skin with the nail still as "pad", and the two interfaces.
 
     "skin-subcutaneous" is the interface of the tissues. A face within `tolerance` mm of a plane
-    and parallel to it belongs to that plane.
+    belongs to that plane if it is parallel to it or reaches under the skin, whose signed distance
+    is `level`.
     """
     found, inner, outer = interfaces(cells, region)
     corners = points[found]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     boundary = outer == 0
-    medial = boundary & (np.abs(corners[:, :, 1]).max(1) < tolerance) & (normal[:, 1] < -FLAT)
-    at_cut = np.abs(corners[:, :, 0] - cut).max(1) < tolerance
-    at_cut &= boundary & ~medial & (normal[:, 0] < -FLAT)
+    deep = level(corners.reshape(-1, 3)).reshape(-1, 3).min(axis=1) < -2.0 * tolerance
+    medial = boundary & (np.abs(corners[:, :, 1]).max(1) < tolerance)
+    medial &= deep | (normal[:, 1] < -FLAT)
+    at_cut = boundary & ~medial & (np.abs(corners[:, :, 0] - cut).max(1) < tolerance)
+    at_cut &= deep | (normal[:, 0] < -FLAT)
     return {
         "pad": found[boundary & ~medial & ~at_cut],
         "cut": found[at_cut & (inner != BONE)],

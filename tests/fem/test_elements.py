@@ -64,7 +64,8 @@ def test_rigid_motion_gives_no_strain_and_no_force(poisson: float) -> None:
     space = cube(2)
     matrix = stiffness(space, {1: Elastic(2.0, poisson)})
     rigid = np.zeros(space.n_unknowns)
-    rotation = [*np.cross([0.3, -0.7, 0.2], space.node_points), 1.0, 2.0, 3.0]
+    shift = np.array([1.0, 2.0, 3.0])
+    rotation = np.cross([0.3, -0.7, 0.2], space.node_points) + shift
     rigid[: space.n_displacements] = rotation.ravel()
     assert np.abs(matrix @ rigid).max() < 1e-13
     assert np.abs(strain_at_vertices(space) @ rigid).max() < 1e-13
