@@ -19,3 +19,6 @@ FORCE_MATCH = 1e-9
 INSIDE = 1e-3
 """Barycentric coordinate by which a site may lie outside the nearest cell: facets are flat, the
 surface is not."""
+
+SHARED = 1e-9
+"""Barycentric coordinate up to which a site counts as lying on a face that cells share."""

@@ -1,6 +1,6 @@
 """Measure the mesh error and the cost of `linear` and write the report that the planner reads.
 
-    python -m fefinger.validation.evidence reports
+python -m fefinger.validation.evidence reports
 """
 
 import json
@@ -24,7 +24,7 @@ from fefinger.records import Response
 
 
 ORDER = 2.0
-"""Order in the length of the cells that the extrapolation assumes; contact limits it to about two."""
+"""Order in the cell length that the extrapolation assumes; contact limits it to about two."""
 
 
 def measure(resolution: str) -> tuple[Response, float]:

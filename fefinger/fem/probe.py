@@ -5,23 +5,36 @@ from scipy import sparse
 
 from fefinger.checks import InputError
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.tolerances import INSIDE
+from fefinger.tolerances import INSIDE, SHARED
 
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Order of the six strain components: xx yy zz xy yz xz, tensor (not engineering) shear."""
 
+ODD = (3, 4)
+"""Components that change sign in the mirror y = 0."""
 
-def strain_at(space: Space, points: Array) -> sparse.csr_matrix:
+
+def strain_at(space: Space, points: Array, *, medial: bool = False) -> sparse.csr_matrix:
     """Return the operator (6 n_points, n_unknowns) from unknowns to the strain at `points`.
+
+    A point that several cells share gets their mean, as strain jumps between cells. With `medial`
+    the plane y = 0 is a mirror: a point on it gets the mean with its image.
 
     Raises
     ------
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    cells, local = locate(space, points)
-    return _strain_rows(space, cells, local)
+    owner, cells, local = locate(space, points)
+    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], 6)
+    place = (6 * owner[:, None] + np.arange(6)).ravel()
+    shape = (6 * len(points), 6 * len(cells))
+    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
+    mirrored = np.ones((len(points), 6))
+    if medial:
+        mirrored[np.ix_(points[:, 1] == 0, ODD)] = 0.0
+    return (sparse.diags(mirrored.ravel()) @ mean @ _strain_rows(space, cells, local)).tocsr()
 
 
 def strain_at_vertices(space: Space) -> sparse.csr_matrix:
@@ -55,8 +68,10 @@ def tensors(components: Array) -> Array:
     return full
 
 
-def locate(space: Space, points: Array) -> tuple[Integers, Array]:
-    """Return the cell (n_points,) that holds each point, and its reference coordinates.
+def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
+    """Return the cells that hold the points: point number, cell and reference coordinates (m, 3).
+
+    Points are numbered in order; a point on a face, edge or vertex has an entry for each cell.
 
     Raises
     ------
@@ -65,20 +80,24 @@ def locate(space: Space, points: Array) -> tuple[Integers, Array]:
     """
     origin = space.points[space.vertices[:, 0]]
     inverse = _inverse_jacobians(space)
-    cells, local = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
+    owners, cells, local = [], [], []
     for k, point in enumerate(points):
         inner = np.einsum("eij,ej->ei", inverse, point - origin)
         least = np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1))
-        cells[k] = np.argmax(least)
-        local[k] = inner[cells[k]]
-        if least[cells[k]] < -INSIDE:
+        if least.max() < -INSIDE:
             listed = ", ".join(f"{x:.3g}" for x in point)
             message = (
                 f"site ({listed}) mm: expected a point in the soft tissue, received one outside; "
                 "choose a smaller depth or another place on the pad"
             )
             raise InputError(message)
-    return cells, local
+        found = np.flatnonzero(least >= min(least.max(), -SHARED))
+        owners.append(np.full(len(found), k))
+        cells.append(found)
+        local.append(inner[found])
+    if not cells:
+        return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
+    return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
 
 
 def _inverse_jacobians(space: Space) -> Array:

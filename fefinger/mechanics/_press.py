@@ -102,7 +102,8 @@ class _Contact:
 def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: Stages) -> _Contact:
     """Solve the contact, with more candidate vertices as long as it meets their rim."""
     sites = _sites(scene, touch) if scene.ask.strain or scene.ask.spikes else None
-    probe = strain_at(finger.space, sites.points if sites else np.empty((0, 3)))
+    where = sites.points if sites else np.empty((0, 3))
+    probe = strain_at(finger.space, where, medial=finger.half)
     depth_control = scene.motion.control == "depth"
     value = scene.motion.value(time)
     if not depth_control:
@@ -165,7 +166,8 @@ def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | Non
     if scene.indenter != _placing.STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
-        reduced = reduce(finger, candidates, strain_at(finger.space, central.points))
+        probe = strain_at(finger.space, central.points, medial=finger.half)
+        reduced = reduce(finger, candidates, probe)
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
     pressure = Complementarity(reduced.flexibility).solve(free)
     if (pressure[reduced.patch.edge] > 0).any():

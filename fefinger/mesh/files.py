@@ -10,7 +10,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,14 @@ import numpy as np
 
 from fefinger.checks import InputError
 from fefinger.mesh.record import FACETS, FingerMesh
+from fefinger.version import VERSION
 
 
 LAYOUT = 1
 """Version of the file layout; a reader refuses another."""
 
-TOOLS = ("fefinger", "pytetwild", "numpy", "scipy")
-"""Programs whose version decides a mesh."""
+TOOLS = ("pytetwild", "numpy", "scipy")
+"""Libraries whose version decides a mesh, beside fefinger's own."""
 
 
 def write(mesh: FingerMesh, path: str | Path) -> Path:
@@ -156,10 +157,4 @@ def _hash(path: Path) -> str:
 
 def _versions() -> dict[str, str]:
     """Return the versions of the programs that decide a mesh."""
-    found = {}
-    for tool in TOOLS:
-        try:
-            found[tool] = version(tool)
-        except PackageNotFoundError:
-            found[tool] = "not installed"
-    return found
+    return {"fefinger": VERSION, **{tool: version(tool) for tool in TOOLS}}

@@ -6,7 +6,7 @@ from skfem import MeshTet
 
 from fefinger.checks import InputError
 from fefinger.fem.forms import Elastic, pressure_scale, stiffness
-from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
+from fefinger.fem.probe import locate, strain_at, strain_at_vertices, tensors
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
 
@@ -144,6 +144,18 @@ def test_quadratic_displacement_has_its_exact_strain_everywhere() -> None:
     for (px, py, pz), e in zip(at, strain, strict=True):
         gradient = np.array([[py, px, 0], [2 * px, pz, py], [pz, 0, px]])
         assert e == pytest.approx((gradient + gradient.T) / 2)
+
+
+def test_a_site_that_cells_share_gets_their_mean() -> None:
+    space = cube(2, seed=0)
+    unknowns = np.random.default_rng(4).normal(size=space.n_unknowns)
+    corner = space.points[np.argmin(np.abs(space.points - 0.5).sum(axis=1))]
+    near = corner + 1e-7 * np.random.default_rng(5).normal(size=(4000, 3))
+    around = (strain_at(space, near) @ unknowns).reshape(-1, 6)
+    shared = strain_at(space, corner[None]) @ unknowns
+    cells = np.unique(np.round(around, 2), axis=0)
+    assert len(cells) == len(locate(space, corner[None])[1])
+    assert shared == pytest.approx(cells.mean(axis=0), abs=0.01)
 
 
 def test_a_site_outside_the_body_is_refused() -> None:
