@@ -1,0 +1,212 @@
+"""The lumped fingerpad of Pawluk (1997), chapter 2: an exponential spring that relaxes (QLV).
+
+Forces are exact for positions that are straight lines between samples. Eq. 2.3 holds in contact;
+`contact_force` lets the indenter leave the skin and come back.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Instantaneous elastic response T(x) = (b/m) [exp(m (x - x0)) - 1], and 0 before touch.
+
+    Parameters
+    ----------
+    b
+        Stiffness at first touch in N/mm.
+    m
+        Rise of the stiffness with the force in 1/mm.
+    x0
+        Position of first touch in mm.
+
+    Raises
+    ------
+    ValueError
+        b or m that is not above 0, or a number that is not finite.
+
+    Notes
+    -----
+    Pawluk (1997), Eq. 2.1 and 3.4.
+    """
+
+    b: float
+    m: float
+    x0: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        finite = all(map(math.isfinite, (self.b, self.m, self.x0)))
+        if not finite or self.b <= 0 or self.m <= 0:
+            msg = f"spring: expected b > 0 N/mm, m > 0 1/mm and a finite x0, received {self}"
+            raise ValueError(msg)
+
+    def force(self, position: ArrayLike) -> Array:
+        """Return T in N at positions in mm, of any shape (Eq. 2.1)."""
+        return self.b / self.m * np.expm1(self.m * self.depth(position))
+
+    def stiffness(self, force: ArrayLike) -> Array:
+        """Return k = m T + b in N/mm at instantaneous elastic forces in N (Eq. 2.4)."""
+        return self.m * np.asarray(force, float) + self.b
+
+    def depth(self, position: ArrayLike) -> Array:
+        """Return the indentation max(0, x - x0) in mm."""
+        return np.maximum(np.asarray(position, float) - self.x0, 0.0)
+
+    def position(self, force: ArrayLike) -> Array:
+        """Return the position in mm at which T is `force` >= 0 N: the inverse of `force`."""
+        return self.x0 + np.log1p(self.m / self.b * np.asarray(force, float)) / self.m
+
+
+def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:
+    """Return P in N of Eq. 2.3, exact for a position that is linear between samples.
+
+    Parameters
+    ----------
+    spring, prony
+        T and G.
+    time
+        (n_t,) s, not decreasing; a repeated time is a step.
+    position
+        (n_t,) mm; the finger is at rest before, so an indented first sample is a step.
+
+    Raises
+    ------
+    ValueError
+        Times that decrease, values that are not finite, or shapes that do not match.
+
+    Notes
+    -----
+    Where x falls fast, P is below zero: Eq. 2.3 glues the indenter to the skin. On a segment each
+    exponential gains b e^(m y) dy e^(max(A, -v h)) (1 - e^-|z|) / |z| with A = m dy, z = A + v h,
+    y the indentation at its start, dy its change and h the part of the segment in contact.
+    """
+    time, position = _samples(time, position)
+    decay, gain = _gains(spring, prony, time, position)
+    weights = prony.weights
+    start = float(spring.force(position[0]))
+    total = weights[0] * spring.force(position)
+    for weight, keep, add in zip(weights[1:], decay.T, gain.T, strict=True):
+        total += weight * np.fromiter(_recursion(keep, add, start), float, len(time))
+    return total
+
+
+def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:
+    """Return the force in N of an indenter that can leave the skin; arguments as in `force`.
+
+    Where Eq. 2.3 would pull, the force is zero and the skin recovers freely: T follows from
+    P = 0 until the indenter catches up with it. The moment at which contact is lost or found again
+    is resolved to one time step.
+    """
+    time, position = _samples(time, position)
+    pulled = force(spring, prony, time, position)
+    if not np.any(pulled < 0):
+        return pulled
+    decay, gain = _gains(spring, prony, time, position)
+    weights = np.array(prony.weights)
+    ramp = _mean_decay(np.multiply.outer(np.diff(time), np.array(prony.v)))
+    elastic = spring.force(position).tolist()
+    memory, surface, out = np.full(len(prony.v), elastic[0]), elastic[0], [elastic[0]]
+    for i, (before, after) in enumerate(pairwise(elastic)):
+        touching = surface == before
+        kept = decay[i] * memory
+        added = gain[i] if touching else ramp[i] * (after - surface)
+        total = weights[0] * after + weights[1:] @ (kept + added)
+        free = total < 0
+        if free:
+            rate = weights[1:] @ ramp[i]
+            after = (rate * surface - weights[1:] @ kept) / (weights[0] + rate)
+            added = ramp[i] * (after - surface)
+        memory, surface = kept + added, after
+        out.append(0.0 if free else float(total))
+    return np.array(out)
+
+
+def constant_velocity(spring: Spring, prony: Prony, position: ArrayLike, speed: float) -> Array:
+    """Return P in N while the indenter moves in at `speed` > 0 mm/s from before first touch.
+
+    The closed form of Eq. 2.3: each exponential gives b s (e^(m y) - e^(-v y / s)) / (m s + v).
+    """
+    if not speed > 0:
+        msg = f"constant_velocity: expected a speed > 0 mm/s, received {speed!r}"
+        raise ValueError(msg)
+    y = spring.depth(position)[..., None]
+    rates = np.array((0.0, *prony.v))
+    growth = np.exp(spring.m * y) - np.exp(-rates * y / speed)
+    return growth @ (spring.b * speed * np.array(prony.weights) / (spring.m * speed + rates))
+
+
+def position_under(spring: Spring, prony: Prony, time: ArrayLike, applied: ArrayLike) -> Array:
+    """Return the position in mm under the force `applied` >= 0 in N: Eq. 2.3 turned around.
+
+    Exact for a force that is linear between samples; a first value above 0 is a step.
+
+    Notes
+    -----
+    T is the integral of J(t - s) dP(s) with the creep function J = J_inf - sum k_j exp(-lam_j t).
+    With the relaxation function H of weights (1, k) / J_inf and rates lam, that is
+    T = (J_inf + 1) P - J_inf (integral of H dP).
+    """
+    applied = np.asarray(applied, float)
+    if np.any(applied < 0):
+        msg = f"position_under: expected forces >= 0 N, received {applied.min():g}"
+        raise ValueError(msg)
+    j_inf, k, lam = prony.creep()
+    share = Prony(tuple(np.concatenate([[1.0], k]) / j_inf), tuple(lam))
+    relaxed = hereditary_integral(share, time, applied)
+    return spring.position(np.maximum((j_inf + 1.0) * applied - j_inf * relaxed, 0.0))
+
+
+def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
+    time, position = np.asarray(time, float), np.asarray(position, float)
+    if time.ndim != 1 or position.shape != time.shape or not len(time):
+        msg = (
+            f"lumped: expected time and position of one shape (n_t,), "
+            f"received {time.shape} and {position.shape}"
+        )
+        raise ValueError(msg)
+    finite = np.isfinite(time).all() and np.isfinite(position).all()
+    if not finite or np.any(np.diff(time) < 0):
+        msg = "lumped: expected finite values and times that never decrease"
+        raise ValueError(msg)
+    return time, position
+
+
+def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[Array, Array]:
+    """Return by how much each exponential decays and what it gains, (n_t - 1, n) each."""
+    step, travel = np.diff(time), np.diff(position)
+    y = spring.depth(position)
+    change = np.diff(y)
+    touching = y[:-1] > 0
+    share = np.divide(change, travel, out=touching.astype(float), where=travel != 0)
+    inside = step * share
+    after = np.where(touching, step - inside, 0.0)
+    rates = np.array(prony.v)
+    within = np.multiply.outer(inside, rates)
+    growth = (spring.m * change)[:, None]
+    gain = (spring.b * np.exp(spring.m * y[:-1]) * change)[:, None]
+    gain = gain * np.exp(np.maximum(growth, -within) - np.multiply.outer(after, rates))
+    gain = gain * _mean_decay(np.abs(growth + within))
+    return np.exp(-np.multiply.outer(step, rates)), gain
+
+
+def _mean_decay(x: Array) -> Array:
+    """Return (1 - e^-x) / x for x >= 0, the mean of e^-s over s from 0 to x."""
+    return np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)
+
+
+def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:
+    """Yield q_0 = start and q_(n+1) = decay_n q_n + gain_n."""
+    pairs = zip(decay.tolist(), gain.tolist(), strict=True)
+    return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)  # type: ignore
