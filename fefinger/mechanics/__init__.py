@@ -12,7 +12,7 @@ from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
 
-LADDER = ("linear",)
+LADDER = ("lumped", "linear")
 
 
 class Mechanics(Protocol):
