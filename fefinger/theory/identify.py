@@ -102,7 +102,9 @@ def joint(
     Raises
     ------
     ValueError
-        A record without a usable ramp and hold, or a fit that does not converge.
+        A record without a usable ramp and hold.
+    RuntimeError
+        A fit that does not converge.
     """
     from scipy.optimize import least_squares
 
@@ -125,7 +127,7 @@ def joint(
                 f"joint: the fit did not converge in {found.nfev} evaluations "
                 f"({found.message}); fit fewer terms than {terms}, or a longer hold"
             )
-            raise ValueError(msg)
+            raise RuntimeError(msg)
         values = found.x
     spring, prony = _unpacked(values)
     covariance = _covariance(found.jac, found.fun, at_least=1.0)
