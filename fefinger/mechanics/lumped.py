@@ -21,7 +21,10 @@ FORCE = 3.0
 """Largest force in N at which the thesis measured (section 2.1)."""
 
 MEANS = "means"
-OF_THE_FINGER = ("width", "thickness", "pad_radius", "skin", "subcutaneous", "prony")
+OF_THE_FINGER = (
+    *("width", "thickness", "pad_radius", "surface"),
+    *("skin", "subcutaneous", "prony"),
+)
 """Fields of a finger that a law measured on a subject cannot follow."""
 
 STEP_SECONDS = 1.2e-5
