@@ -238,8 +238,11 @@ def test_a_refusal_quotes_the_number_that_broke(parts, about, reason):
 
 def test_a_place_beyond_the_pad_is_beyond_its_ability():
     tiny = replace(FINGER, pad_radius=4.0)
-    refusals = hertz.refuse(scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0))))
-    assert any("indenter.at" in refusal.reason for refusal in refusals)
+    beyond = scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0)))
+    unable = [refusal for refusal in hertz.refuse(beyond) if refusal.about == "ability"]
+    assert "indenter.at" in unable[0].reason
+    with pytest.raises(InputError, match="expected a place on the pad"):
+        hertz.respond(beyond)
 
 
 def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
