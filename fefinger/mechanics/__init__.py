@@ -12,7 +12,7 @@ from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
 
-LADDER = ("lumped", "linear")
+LADDER = ("lumped", "hertz", "linear")
 
 
 class Mechanics(Protocol):
