@@ -112,8 +112,8 @@ def plan_summary(plan: "Plan") -> str:
     rows = [
         (
             rung.mechanics,
-            f"{rung.seconds:.3g} s",
-            f"{rung.error:.2g}",
+            "-" if math.isnan(rung.seconds) else f"{rung.seconds:.3g} s",
+            "-" if math.isnan(rung.error) else f"{rung.error:.2g}",
             rung.evidence,
             "; ".join(f"{r.about}: {r.reason}" for r in rung.refusals) or "-",
         )
