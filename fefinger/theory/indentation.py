@@ -1,0 +1,208 @@
+"""Frictionless contact of a round indenter with a body known by its Hankel compliance: exact.
+
+The pressure is written as p(xi) = integral over 0..a of phi(t) cos(xi t) dt, which leaves the
+Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for phi:
+
+    pi/2 phi(x) - integral over 0..a of phi(t) K(x, t) dt = g(x) / C,
+    K(x, t) = integral over 0..inf of (1 - L(xi)) cos(xi x) cos(xi t) d xi,
+
+C = 2 (1 - nu²) / E of the surface, g = depth - x²/R for a paraboloid, with phi(a) = 0, and
+g = depth for a flat punch. phi is kept in even Legendre polynomials, whose pressures are known in
+closed form. Lengths in mm, moduli in kPa, forces in mN. Source: Lebedev and Ufliand, J. Appl. Math.
+Mech. 22, 1958, 442; REFERENCE B6.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import j0, spherical_jn
+
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
+from fefinger.theory.quadrature import panels
+
+
+DECAY = 20.0
+"""The departure 1 - L falls as exp(-2 xi h): at xi h = 20 it is under 1e-14."""
+
+WIDEST = 200.0
+"""Largest contact radius over thickness of the top layer; the equation grows with it."""
+
+ROUNDING = 1e-14
+"""Coefficients of phi this far below the largest are rounding."""
+
+
+class Body(Protocol):
+    """What a contact has to know of a body; `layer.Sheet` and `stack.Stack` offer it."""
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Modulus in kPa and Poisson's ratio at the surface."""
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Smallest and largest length in mm of the body; infinite for a half-space."""
+
+    def compliance(self, xi: ArrayLike) -> Array:
+        """Return L (n,) at wavenumbers xi (n,) in 1/mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A solved contact: contact radius a and depth in mm, `radius` R in mm (inf: a flat punch).
+
+    `phi` (n,) kPa mm are the coefficients of P_0, P_2, P_4, ... of t / a.
+    """
+
+    body: Body
+    contact_radius: float
+    radius: float
+    depth: float
+    phi: Array
+
+    @property
+    def force(self) -> float:
+        """P = 2 pi times the integral of phi, in mN."""
+        return 2 * math.pi * self.contact_radius * float(self.phi[0])
+
+    def pressure(self, r: ArrayLike) -> Array:
+        """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
+        x = np.asarray(r, np.float64) / self.contact_radius
+        y = np.sqrt(np.maximum(1 - x**2, 0.0))
+        half = np.arange(1, len(self.phi))
+        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
+        series = _even(self.phi / at_zero)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = legendre.legval(y, series) / (self.contact_radius * y)
+        edge = 0.0 if math.isfinite(self.radius) else math.inf
+        return np.where(x < 1, value, np.where(x > 1, 0.0, edge))
+
+    def transform(self, xi: ArrayLike) -> Array:
+        """Return the Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
+
+        It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
+        """
+        xi = np.asarray(xi, np.float64)
+        out = np.zeros(xi.shape)
+        for index, value in enumerate(self.phi):
+            out += (-1) ** index * value * spherical_jn(2 * index, xi * self.contact_radius)
+        return self.contact_radius * out
+
+    def displacement(self, r: ArrayLike) -> Array:
+        """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
+        r = np.asarray(r, np.float64)
+        flat = np.atleast_1d(r).ravel()
+        near = np.minimum(flat, self.contact_radius)
+        top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))
+        nodes, weights = legendre.leggauss(2 * len(self.phi) + 8)
+        t = flat[:, None] * np.sin(top[:, None] * (nodes + 1) / 2)
+        own = legendre.legval(t / self.contact_radius, _even(self.phi)) @ weights * top / 2
+        xi, weight = spectrum(self.body, float(flat.max(initial=0.0)) + self.contact_radius)
+        layers = j0(flat[:, None] * xi) @ (weight * self.transform(xi))
+        return (_compliance_of_half_space(self.body) * (own - layers)).reshape(r.shape)
+
+
+def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
+    """Return the contact of a rigid paraboloid r² / 2R (R = `radius` mm) of a given contact radius.
+
+    ValueError for a value at or below zero, or a contact wider than R (small strain) or than 200
+    thicknesses of the top layer.
+    """
+    elastic.require_positive("paraboloid", radius=radius, contact_radius=contact_radius)
+    if contact_radius > radius:
+        msg = (
+            f"paraboloid: expected a contact radius of at most the radius {radius:g} mm (small "
+            f"strain), received {contact_radius:g} mm"
+        )
+        raise ValueError(msg)
+    lift, bowl = _solve(body, contact_radius)
+    depth = float(bowl.sum() / lift.sum()) / radius
+    return _contact(body, contact_radius, radius, depth=depth, phi=depth * lift - bowl / radius)
+
+
+def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
+    """Return the contact of a rigid paraboloid at an approach of `depth` mm, by its root in a."""
+    elastic.require_positive("paraboloid", radius=radius, depth=depth)
+    guess = math.sqrt(radius * depth)
+
+    def excess(log_ratio: float) -> float:
+        found = paraboloid(body, radius, contact_radius=guess * math.exp(log_ratio))
+        return math.log(found.depth / depth)
+
+    low, high = -0.7, min(0.7, math.log(radius / guess))
+    # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
+    while excess(low) > 0 and low > -12:
+        low *= 2
+    if excess(high) < 0:
+        msg = (
+            f"paraboloid: expected a depth whose contact is at most as wide as the radius "
+            f"{radius:g} mm (small strain), received {depth:g} mm"
+        )
+        raise ValueError(msg)
+    ratio = brentq(excess, low, high, xtol=1e-13, rtol=1e-13)
+    return paraboloid(body, radius, contact_radius=guess * math.exp(ratio))
+
+
+def flat_punch(body: Body, contact_radius: float, *, depth: float) -> Contact:
+    """Return the contact of a flat rigid punch of `contact_radius` mm pressed by `depth` mm."""
+    elastic.require_positive("flat_punch", contact_radius=contact_radius, depth=depth)
+    lift, _ = _solve(body, contact_radius)
+    return _contact(body, contact_radius, math.inf, depth=depth, phi=depth * lift)
+
+
+def spectrum(body: Body, reach: float) -> tuple[Array, Array]:
+    """Return nodes xi (n,) and weights times 1 - L(xi) (n,) that integrate cos(xi y), y <= reach.
+
+    Gauss-Legendre panels graded from far below the thickness of the body to where 1 - L ends.
+    """
+    fine, coarse = body.scales
+    if fine == math.inf:
+        return np.zeros(0), np.zeros(0)
+    xi, weights = panels(1e-4 / coarse, DECAY / fine, reach=reach)
+    return xi, weights * (1 - body.compliance(xi))
+
+
+def _even(coefficients: Array) -> Array:
+    """Return the Legendre series whose even coefficients are given."""
+    series = np.zeros(2 * len(coefficients) - 1)
+    series[::2] = coefficients
+    return series
+
+
+def _contact(body: Body, a: float, radius: float, *, depth: float, phi: Array) -> Contact:
+    """Return the contact without the trailing coefficients that are rounding."""
+    kept = int(np.flatnonzero(np.abs(phi) > ROUNDING * np.abs(phi).max())[-1]) + 1
+    return Contact(body, a, radius, depth, phi[:kept])
+
+
+def _compliance_of_half_space(body: Body) -> float:
+    """C = 2 (1 - nu²) / E of the surface in 1/kPa."""
+    return 2 / elastic.plane_modulus(*body.surface)
+
+
+def _solve(body: Body, a: float) -> tuple[Array, Array]:
+    """Return phi (n,) for g = 1 and for g = x², in even Legendre coefficients."""
+    wide = a / body.scales[0]
+    if wide > WIDEST:
+        msg = (
+            f"indentation: expected a contact radius of at most {WIDEST:g} thicknesses of the top "
+            f"layer, received {wide:.3g}"
+        )
+        raise ValueError(msg)
+    count = 24 + math.ceil(6 * wide)
+    nodes, weights = legendre.leggauss(2 * count)
+    x, weight = a * nodes[count:], a * weights[count:]
+    xi, departure = spectrum(body, 2 * a)
+    wave = np.cos(x[:, None] * xi)
+    matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
+    right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
+    values = np.linalg.solve(matrix, right)
+    basis = legendre.legvander(nodes[count:], 2 * count - 1)[:, ::2]
+    scale = (2 * (2 * np.arange(count)) + 1) * 1.0
+    found = scale[:, None] * (basis.T * weights[count:]) @ values
+    return found[:, 0], found[:, 1]

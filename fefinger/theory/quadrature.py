@@ -1,0 +1,28 @@
+"""Gauss-Legendre panels for the wavenumber integrals of layered bodies."""
+
+import itertools
+import math
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from fefinger.theory.elastic import Array
+
+
+_NODES, _WEIGHTS = legendre.leggauss(16)
+
+
+def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
+    """Return nodes and weights (n,) on 0..high: one panel to `low`, then octaves.
+
+    No panel is wider than 8 / reach, so that 16 nodes integrate cos(xi reach) to rounding.
+    """
+    octaves = max(1, math.ceil(math.log2(high / low)))
+    edges = [0.0, *np.geomspace(low, high, octaves + 1)]
+    cuts = [np.zeros(1)]
+    for start, end in itertools.pairwise(edges):
+        pieces = max(1, math.ceil((end - start) * reach / 8))
+        cuts.append(np.linspace(start, end, pieces + 1)[1:])
+    cut = np.concatenate(cuts)
+    half = np.diff(cut)[:, None] / 2
+    return (cut[:-1, None] + half * (_NODES + 1)).ravel(), (half * _WEIGHTS).ravel()
