@@ -23,8 +23,8 @@ from fefinger.theory.stack import Layer, Stack
 SHALLOWEST = 0.02
 """Smallest depth over the largest contact radius; the integral grows as its inverse."""
 
-_DECAY = 37.0
-"""Exp(-37) is the rounding of a double."""
+_DECAY = 34.0
+"""What is left out, exp(-34), is 2e-15 of the whole."""
 
 
 @dataclass(frozen=True, eq=False)

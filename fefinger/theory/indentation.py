@@ -20,11 +20,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import j0, spherical_jn
+from scipy.special import j0
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
-from fefinger.theory.quadrature import panels
+from fefinger.theory.quadrature import even_rule, panels
 
 
 DECAY = 20.0
@@ -88,10 +88,12 @@ class Contact:
         It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
         """
         xi = np.asarray(xi, np.float64)
-        out = np.zeros(xi.shape)
-        for index, value in enumerate(self.phi):
-            out += (-1) ** index * value * spherical_jn(2 * index, xi * self.contact_radius)
-        return self.contact_radius * out
+        a, flat = self.contact_radius, xi.reshape(-1)
+        # phi itself turns at most as a wave of its degree.
+        fastest = max(float(flat.max(initial=0.0)), 2 * len(self.phi) / a)
+        t, weights = panels(a / 2, a, reach=fastest)
+        density = weights * legendre.legval(t / a, _even(self.phi))
+        return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
 
     def displacement(self, r: ArrayLike) -> Array:
         """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
@@ -194,15 +196,15 @@ def _solve(body: Body, a: float) -> tuple[Array, Array]:
             f"layer, received {wide:.3g}"
         )
         raise ValueError(msg)
-    count = 24 + math.ceil(6 * wide)
-    nodes, weights = legendre.leggauss(2 * count)
-    x, weight = a * nodes[count:], a * weights[count:]
+    count = 24 + 8 * math.ceil(6 * wide / 8)
+    nodes, weights = even_rule(count)
+    x, weight = a * nodes, a * weights
     xi, departure = spectrum(body, 2 * a)
     wave = np.cos(x[:, None] * xi)
     matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
     right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
     values = np.linalg.solve(matrix, right)
-    basis = legendre.legvander(nodes[count:], 2 * count - 1)[:, ::2]
-    scale = (2 * (2 * np.arange(count)) + 1) * 1.0
-    found = scale[:, None] * (basis.T * weights[count:]) @ values
+    basis = legendre.legvander(nodes, 2 * count - 1)[:, ::2]
+    norm = 4.0 * np.arange(count) + 1
+    found = norm[:, None] * (basis.T * weights) @ values
     return found[:, 0], found[:, 1]
