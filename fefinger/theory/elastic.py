@@ -21,6 +21,14 @@ def require_positive(owner: str, **values: float) -> None:
             raise ValueError(msg)
 
 
+def require_not_negative(owner: str, **values: float) -> None:
+    """Raise ValueError unless every value is finite and zero or above."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value >= 0):
+            msg = f"{owner}: expected {name} of 0 or above, received {value!r}"
+            raise ValueError(msg)
+
+
 def require_elastic(owner: str, modulus: float, poisson: float) -> None:
     """Raise ValueError unless the modulus is above zero and Poisson's ratio in 0 to 0.5."""
     require_positive(owner, modulus=modulus)

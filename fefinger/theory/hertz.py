@@ -23,7 +23,7 @@ class Hertz:
     radius
         R in mm.
     depth
-        Approach in mm, at most R: beyond, the contact is wider than the sphere that it stands for.
+        Approach in mm, 0 (touch, no field) to R, where the contact is as wide as the sphere.
         `theory/sphere.py` has what the true sphere changes: 0.4 % of the force at a/R = 0.2.
     modulus, poisson
         E in kPa and nu in 0 to 0.5.
@@ -41,7 +41,8 @@ class Hertz:
 
     def __post_init__(self) -> None:
         """Check the ranges."""
-        elastic.require_positive("Hertz", radius=self.radius, depth=self.depth)
+        elastic.require_positive("Hertz", radius=self.radius)
+        elastic.require_not_negative("Hertz", depth=self.depth)
         elastic.require_elastic("Hertz", self.modulus, self.poisson)
         if self.depth > self.radius:
             msg = (
@@ -86,7 +87,7 @@ class Hertz:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at the distance r (...,) mm from the axis, zero outside."""
-        inside = 1 - (np.asarray(r, dtype=np.float64) / self.contact_radius) ** 2
+        inside = 1 - (np.asarray(r, dtype=np.float64) / self._size) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, r: ArrayLike, z: ArrayLike) -> Array:
@@ -96,7 +97,7 @@ class Hertz:
         it is regular on the axis and on the surface. ValueError for r < 0 or z < 0.
         """
         r, z = elastic.points("Hertz.stress", r, z)
-        a, nu = self.contact_radius, self.poisson
+        a, nu = self._size, self.poisson
         u, t = self._ellipsoid(r, z)
         root = np.sqrt(u)
         wide = a**2 + u
@@ -119,7 +120,7 @@ class Hertz:
     def displacement(self, r: ArrayLike, z: ArrayLike) -> Array:
         """Return u_r, u_z (2, ...) in mm under the contact pressure, zero at infinity."""
         r, z = elastic.points("Hertz.displacement", r, z)
-        a = self.contact_radius
+        a = self._size
         hoop = elastic.strain(self.stress(r, z), self.modulus, self.poisson)[1]
         u, t = self._ellipsoid(r, z)
         root = np.sqrt(u)
@@ -133,9 +134,14 @@ class Hertz:
         inward = (2 * (1 - self.poisson) * psi - slope) / (4 * np.pi * shear)
         return np.array([r * hoop, inward])
 
+    @property
+    def _size(self) -> float:
+        """Length that the fields are scaled by; at first touch they are zero for any."""
+        return self.contact_radius or 1.0
+
     def _ellipsoid(self, r: Array, z: Array) -> tuple[Array, Array]:
         """Positive root u of r² / (a² + u) + z² / u = 1, and t = z / sqrt(u), also at z = 0."""
-        a = self.contact_radius
+        a = self._size
         half = (r**2 + z**2 - a**2) / 2
         root = np.hypot(half, a * z)
         inside = half < 0

@@ -74,13 +74,19 @@ class Contact:
         """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
         x = np.asarray(r, np.float64) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
-        half = np.arange(1, len(self.phi))
-        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
-        series = _even(self.phi / at_zero)
+        series = self._over_edge()
         with np.errstate(divide="ignore", invalid="ignore"):
             value = legendre.legval(y, series) / (self.contact_radius * y)
         edge = 0.0 if math.isfinite(self.radius) else math.inf
         return np.where(x < 1, value, np.where(x > 1, 0.0, edge))
+
+    def load(self, r: ArrayLike) -> Array:
+        """Return the force in mN that is carried within r (...,) mm of the axis."""
+        x = np.asarray(r, np.float64) / self.contact_radius
+        y = np.sqrt(np.maximum(1 - x**2, 0.0))
+        inner = legendre.legint(self._over_edge(), lbnd=0)
+        whole = legendre.legval(1.0, inner)
+        return 2 * np.pi * self.contact_radius * (whole - legendre.legval(y, inner))
 
     def transform(self, xi: ArrayLike) -> Array:
         """Return the Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
@@ -94,6 +100,12 @@ class Contact:
         t, weights = panels(a / 2, a, reach=fastest)
         density = weights * legendre.legval(t / a, _even(self.phi))
         return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
+
+    def _over_edge(self) -> Array:
+        """Return the Legendre series of a y p in y = sqrt(1 - r² / a²)."""
+        half = np.arange(1, len(self.phi))
+        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
+        return _even(self.phi / at_zero)
 
     def displacement(self, r: ArrayLike) -> Array:
         """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
@@ -130,24 +142,40 @@ def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
 def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
     """Return the contact of a rigid paraboloid at an approach of `depth` mm, by its root in a."""
     elastic.require_positive("paraboloid", radius=radius, depth=depth)
-    guess = math.sqrt(radius * depth)
+    guess = min(radius, math.sqrt(radius * depth))
+    return _reached(body, radius, "depth", wanted=depth, guess=guess)
 
-    def excess(log_ratio: float) -> float:
-        found = paraboloid(body, radius, contact_radius=guess * math.exp(log_ratio))
-        return math.log(found.depth / depth)
 
-    low, high = -0.7, min(0.7, math.log(radius / guess))
+def paraboloid_under(body: Body, radius: float, *, force: float) -> Contact:
+    """Return the contact of a rigid paraboloid under `force` mN, by its root in a."""
+    elastic.require_positive("paraboloid", radius=radius, force=force)
+    stiff = elastic.plane_modulus(*body.surface)
+    guess = min(radius, float(np.cbrt(0.75 * force * radius / stiff)))
+    return _reached(body, radius, "force", wanted=force, guess=guess)
+
+
+def _reached(body: Body, radius: float, quantity: str, *, wanted: float, guess: float) -> Contact:
+    """Return the contact with the wanted depth or force, which grow with the contact radius."""
+    widest = radius * (1 - 1e-12)
+
+    def excess(log_a: float) -> float:
+        found = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
+        return math.log(getattr(found, quantity) / wanted)
+
+    low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
     # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
-    while excess(low) > 0 and low > -12:
-        low *= 2
-    if excess(high) < 0:
-        msg = (
-            f"paraboloid: expected a depth whose contact is at most as wide as the radius "
-            f"{radius:g} mm (small strain), received {depth:g} mm"
-        )
-        raise ValueError(msg)
-    ratio = brentq(excess, low, high, xtol=1e-13, rtol=1e-13)
-    return paraboloid(body, radius, contact_radius=guess * math.exp(ratio))
+    while excess(low) > 0:
+        low -= 0.7
+    while excess(high) < 0:
+        if high >= math.log(widest):
+            msg = (
+                f"paraboloid: expected a {quantity} whose contact is at most as wide as the radius "
+                f"{radius:g} mm (small strain), received {wanted:g}"
+            )
+            raise ValueError(msg)
+        high += 0.7
+    a = math.exp(brentq(excess, low, high, xtol=1e-13, rtol=1e-13))
+    return paraboloid(body, radius, contact_radius=min(a, widest))
 
 
 def flat_punch(body: Body, contact_radius: float, *, depth: float) -> Contact:

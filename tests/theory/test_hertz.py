@@ -205,11 +205,21 @@ def test_the_far_field_is_that_of_a_point_force():
     assert h.displacement(r, z)[1] == pytest.approx(drawn, rel=1e-4)
 
 
+def test_first_touch_presses_and_strains_nothing():
+    touch = Hertz(10.0, 0.0, modulus=34.0, poisson=0.45)
+    r, z = np.array([0.0, 1.0, 0.5]), np.array([0.0, 0.0, 2.0])
+    assert touch.force == touch.contact_radius == touch.peak_pressure == 0
+    assert not touch.pressure(r).any()
+    assert not touch.stress(r, z).any()
+    assert not touch.displacement(r, z).any()
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
         ({"radius": 0.0}, "radius above 0"),
-        ({"depth": float("nan")}, "depth above 0"),
+        ({"depth": float("nan")}, "depth of 0 or above"),
+        ({"depth": -0.1}, "depth of 0 or above"),
         ({"depth": 11.0}, "at most the radius 10 mm"),
         ({"modulus": -1.0}, "modulus above 0"),
         ({"poisson": 0.51}, "0 to 0.5"),

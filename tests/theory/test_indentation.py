@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at
+from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at, paraboloid_under
 from fefinger.theory.layer import Sheet
 from fefinger.theory.loads import circle_displacement
 from fefinger.theory.punch import FlatPunch
@@ -74,6 +74,11 @@ def test_force_and_transform_are_those_of_the_pressure(body, kind):
     r = 2.0 * np.sin(s)
     ring = found.pressure(r) * r * 2.0 * np.cos(s) * np.pi / 4 * weights
     assert 2 * np.pi * ring.sum() == pytest.approx(found.force, rel=1e-11)
+    part = found.load(np.array([0.0, 1.2, 2.0, 5.0]))
+    assert part[[0, 2, 3]] == pytest.approx([0, found.force, found.force], abs=1e-11 * found.force)
+    inner = 0.6 * (nodes + 1)
+    within = 2 * np.pi * 0.6 * weights @ (inner * found.pressure(inner))
+    assert part[1] == pytest.approx(within, rel=1e-11)
     for xi in (0.1, 1.0, 5.0, 20.0):
         expected = j0(xi * r) @ ring
         assert found.transform(xi) == pytest.approx(expected, abs=1e-11 * ring.sum())
@@ -90,8 +95,11 @@ def test_the_force_is_the_derivative_of_the_energy(body):
 
 @BODIES
 @pytest.mark.parametrize("depth", [1e-4, 0.02, 0.5])
-def test_depth_is_inverted(body, depth):
-    assert paraboloid_at(body, 10.0, depth=depth).depth == pytest.approx(depth, rel=1e-11)
+def test_depth_and_force_are_inverted(body, depth):
+    found = paraboloid_at(body, 10.0, depth=depth)
+    assert found.depth == pytest.approx(depth, rel=1e-11)
+    again = paraboloid_under(body, 10.0, force=found.force)
+    assert again.depth == pytest.approx(depth, rel=1e-10)
 
 
 def influence(body, edges, places):
