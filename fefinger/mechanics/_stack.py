@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fefinger.theory.indentation import paraboloid_at, paraboloid_under
 from fefinger.theory.stack import Stack
-from fefinger.theory.table import Table, tabulate
+from fefinger.theory.table import LEVELS, Table, tabulate
 
 
 Array = NDArray[np.float64]
@@ -24,10 +24,10 @@ class Layered:
     table: Table
 
     @classmethod
-    def to_depth(cls, stack: Stack, radius: float, depth: float) -> Self:
+    def to_depth(cls, stack: Stack, radius: float, depth: float, *, levels: int = LEVELS) -> Self:
         """Return the contacts down to `depth` mm; ValueError where they are wider than `radius`."""
         widest = paraboloid_at(stack, radius, depth=depth).contact_radius
-        return cls(tabulate(stack, radius, widest=min(MARGIN * widest, radius)))
+        return cls(tabulate(stack, radius, widest=min(MARGIN * widest, radius), levels=levels))
 
     @classmethod
     def to_force(cls, stack: Stack, radius: float, force: float) -> Self:

@@ -14,6 +14,7 @@ Mech. 22, 1958, 442; REFERENCE B6.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -38,7 +39,10 @@ ROUNDING = 1e-14
 
 
 class Body(Protocol):
-    """What a contact has to know of a body; `layer.Sheet` and `stack.Stack` offer it."""
+    """What a contact has to know of a body, which is hashable: `layer.Sheet`, `stack.Stack`."""
+
+    def __hash__(self) -> int:
+        """Return a hash of the values."""
 
     @property
     def surface(self) -> tuple[float, float]:
@@ -188,13 +192,25 @@ def flat_punch(body: Body, contact_radius: float, *, depth: float) -> Contact:
 def spectrum(body: Body, reach: float) -> tuple[Array, Array]:
     """Return nodes xi (n,) and weights times 1 - L(xi) (n,) that integrate cos(xi y), y <= reach.
 
-    Gauss-Legendre panels graded from far below the thickness of the body to where 1 - L ends.
+    Gauss-Legendre panels graded from far below the thickness of the body to where 1 - L ends. The
+    last ones are kept, for a reach rounded up, because the contacts of one body share them.
     """
-    fine, coarse = body.scales
+    fine = body.scales[0]
     if fine == math.inf:
         return np.zeros(0), np.zeros(0)
+    return _spectrum(body, math.ceil(2 * math.log2(max(reach, fine) / fine)))
+
+
+@lru_cache(maxsize=64)
+def _spectrum(body: Body, half_octave: int) -> tuple[Array, Array]:
+    """Return the spectrum for a reach of 2^(half_octave / 2) times the smallest scale."""
+    fine, coarse = body.scales
+    reach = fine * 2 ** (half_octave / 2)
     xi, weights = panels(1e-4 / coarse, DECAY / fine, reach=reach)
-    return xi, weights * (1 - body.compliance(xi))
+    departure = weights * (1 - body.compliance(xi))
+    for kept in (xi, departure):
+        kept.flags.writeable = False
+    return xi, departure
 
 
 def _even(coefficients: Array) -> Array:

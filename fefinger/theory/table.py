@@ -6,7 +6,7 @@ the first touch on. Lengths in mm, moduli and stresses in kPa, forces in mN.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -124,8 +124,11 @@ class Table:
         return depth
 
 
+@lru_cache(maxsize=16)
 def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> Table:
     """Return the table of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
+
+    The last ones are kept: scenes of one finger share them.
 
     ValueError for what `indentation.paraboloid` refuses at `widest`.
     """
