@@ -64,9 +64,10 @@ def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLi
     octave = np.floor(np.log2(z))
     for level in np.unique(octave):
         members = np.flatnonzero(octave == level)
+        shallow = float(z[members].min())
         xi, weights = panels(
-            1e-4 / min(stack.scales[1], 2.0**level),
-            _DECAY / 2.0**level,
+            1e-4 / min(stack.scales[1], shallow),
+            _DECAY / shallow,
             reach=float(r[members].max()) + widest,
         )
         loads = weights * np.array([contact.transform(xi) for contact in contacts])

@@ -99,8 +99,8 @@ class Contact:
         """
         xi = np.asarray(xi, np.float64)
         a, flat = self.contact_radius, xi.reshape(-1)
-        # phi itself turns at most as a wave of its degree.
-        fastest = max(float(flat.max(initial=0.0)), 2 * len(self.phi) / a)
+        # phi itself turns at most as a wave of its degree; its last coefficients are rounding.
+        fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
         t, weights = panels(a / 2, a, reach=fastest)
         density = weights * legendre.legval(t / a, _even(self.phi))
         return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
