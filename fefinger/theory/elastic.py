@@ -37,6 +37,16 @@ def require_elastic(owner: str, modulus: float, poisson: float) -> None:
         raise ValueError(msg)
 
 
+def require_small(owner: str, name: str, value: float, *, limit: float, of: str) -> None:
+    """Raise ValueError where the length `value` mm is above the `limit` mm of linear theory."""
+    if value > limit:
+        msg = (
+            f"{owner}: expected {name} of at most {of} {limit:g} mm (small strain), received "
+            f"{value:g} mm"
+        )
+        raise ValueError(msg)
+
+
 def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
     """Return r and z broadcast together, or raise ValueError for a point outside the body."""
     r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))

@@ -62,12 +62,9 @@ class Elliptic:
                 f"{self.long_radius:g} / {self.short_radius:g} mm"
             )
             raise ValueError(msg)
-        if self.depth > self.short_radius:
-            msg = (
-                f"Elliptic: expected a depth of at most the short radius {self.short_radius:g} mm "
-                f"(small strain), received {self.depth:g} mm"
-            )
-            raise ValueError(msg)
+        elastic.require_small(
+            "Elliptic", "a depth", self.depth, limit=self.short_radius, of="the short radius"
+        )
 
     @classmethod
     def under_force(

@@ -44,12 +44,7 @@ class Hertz:
         elastic.require_positive("Hertz", radius=self.radius)
         elastic.require_not_negative("Hertz", depth=self.depth)
         elastic.require_elastic("Hertz", self.modulus, self.poisson)
-        if self.depth > self.radius:
-            msg = (
-                f"Hertz: expected a depth of at most the radius {self.radius:g} mm (small strain), "
-                f"received {self.depth:g} mm"
-            )
-            raise ValueError(msg)
+        elastic.require_small("Hertz", "a depth", self.depth, limit=self.radius, of="the radius")
 
     @classmethod
     def under_force(cls, radius: float, force: float, *, modulus: float, poisson: float) -> "Hertz":

@@ -132,12 +132,9 @@ def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
     thicknesses of the top layer.
     """
     elastic.require_positive("paraboloid", radius=radius, contact_radius=contact_radius)
-    if contact_radius > radius:
-        msg = (
-            f"paraboloid: expected a contact radius of at most the radius {radius:g} mm (small "
-            f"strain), received {contact_radius:g} mm"
-        )
-        raise ValueError(msg)
+    elastic.require_small(
+        "paraboloid", "a contact radius", contact_radius, limit=radius, of="the radius"
+    )
     lift, bowl = _solve(body, contact_radius)
     depth = float(bowl.sum() / lift.sum()) / radius
     return _contact(body, contact_radius, radius, depth=depth, phi=depth * lift - bowl / radius)

@@ -84,12 +84,9 @@ class FlatPunch:
         """Check the ranges."""
         elastic.require_positive("FlatPunch", contact_radius=self.contact_radius, depth=self.depth)
         elastic.require_elastic("FlatPunch", self.modulus, self.poisson)
-        if self.depth > self.contact_radius:
-            msg = (
-                f"FlatPunch: expected a depth of at most the contact radius "
-                f"{self.contact_radius:g} mm (small strain), received {self.depth:g} mm"
-            )
-            raise ValueError(msg)
+        elastic.require_small(
+            "FlatPunch", "a depth", self.depth, limit=self.contact_radius, of="the contact radius"
+        )
 
     @property
     def force(self) -> float:
@@ -129,12 +126,9 @@ class Cylinder:
         """Check the ranges."""
         elastic.require_positive("Cylinder", radius=self.radius, line_force=self.line_force)
         elastic.require_elastic("Cylinder", self.modulus, self.poisson)
-        if self.half_width > self.radius:
-            msg = (
-                f"Cylinder: expected a half width of at most the radius {self.radius:g} mm (small "
-                f"strain), received a force that makes it {self.half_width:.3g} mm"
-            )
-            raise ValueError(msg)
+        elastic.require_small(
+            "Cylinder", "a half width", self.half_width, limit=self.radius, of="the radius"
+        )
 
     @property
     def half_width(self) -> float:

@@ -11,7 +11,7 @@ from fefinger.theory.elastic import Array
 
 
 PHASE = 14.0
-"""Radians of a cosine in a panel: its Legendre coefficient of degree 32, past 16 nodes, is 2e-19."""
+"""Radians of a cosine in a panel: its Legendre coefficient of degree 32 is 1e-19."""
 
 _NODES, _WEIGHTS = legendre.leggauss(16)
 
