@@ -17,6 +17,7 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
+from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
@@ -109,9 +110,17 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
     if not depth_control:
         value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
     deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
-    reach = REACH * deepest
+    reach, known = REACH * deepest, 0
     for _ in range(ATTEMPTS):
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
+        if len(candidates.vertices) == known:
+            message = (
+                f"indenter: expected contact inside its outline, but it reaches the rim, beyond "
+                f"which the indenter turns away, with {known} vertices of the pad under it; press "
+                "less, or take a larger indenter or a finer mesh (finger.resolution)"
+            )
+            raise InputError(message)
+        known = len(candidates.vertices)
         with stages.stage("unit loads") as report:
             reduced = reduce(finger, candidates, probe, report)
         prony = scene.finger.prony
@@ -271,9 +280,5 @@ def _pad(finger: Body, contact: _Contact) -> tuple[Pad, NDArray[np.int64]]:
 
 
 def _notes(scene: Scene) -> tuple[str, ...]:
-    total = sum(scene.finger.prony.c)
     cut = "held" if scene.finger.cut == "fixed" else "free"
-    notes: tuple[str, ...] = (f"The proximal cut of the tissue is {cut}.",)
-    if abs(total - 1) > 1e-12:
-        notes = (*notes, f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).")
-    return notes
+    return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony))
