@@ -8,6 +8,7 @@ import numpy as np
 
 from fefinger.checks import InputError
 from fefinger.mechanics import _axisymmetric, hertz
+from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._stack import Layered
 from fefinger.mechanics._touch import REFERENCE_DEPTH
 from fefinger.records import Progress, Refusal, Response
@@ -62,9 +63,16 @@ def contact(scene: Scene) -> Layered:
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return what it is not able to answer: fields on a mesh, and places beyond the pad."""
-    unable = [item for item in hertz.refuse(scene) if item.about == "ability"]
-    return tuple(Refusal(name, item.about, item.reason) for item in unable)
+    """Return what it is not able to answer: fields, places off the pad, organs in the bone."""
+    unable = [item.reason for item in hertz.refuse(scene) if item.about == "ability"]
+    bone, deepest = stack(scene.finger).thickness, max(dict(scene.ask.depths).values(), default=0)
+    if deepest >= bone:
+        unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
+    return tuple(Refusal(name, "ability", reason) for reason in unable)
+
+
+def coarser(scene: Scene) -> None:
+    """Return None: there is no mesh that the answer could depend on."""
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
@@ -80,9 +88,9 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     plate = Layered.to_depth(
         stack(scene.finger), scene.finger.pad_radius, REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
-    notes: tuple[str, ...] = NOTES
+    notes = (*NOTES, *normalized(scene.finger.prony))
     if isinstance(scene.indenter, Ellipsoid):
-        notes = (*notes, "The elliptic contact is a circular one of the equivalent radius.")
+        notes = (*notes, hertz.ELLIPTIC)
     widest = float(body.radius(np.array(body.table.deepest)))
     numbers = {
         "relative_radius_mm": body.table.radius,

@@ -137,5 +137,7 @@ def test_an_ellipsoid_is_answered_by_its_equivalent_circle():
 def test_what_it_cannot_do_is_refused():
     assert {item.about for item in layered.refuse(scene(ask=ff.Ask()))} == {"ability"}
     assert layered.refuse(scene()) == ()
+    buried = layered.refuse(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8})))
+    assert "4.8 mm is not above the bone at 4.7 mm" in buried[0].reason
     with pytest.raises(InputError, match="contact is at most as wide as the radius"):
         layered.respond(scene(indenter=ff.Sphere(0.5), motion=ff.RampHold(20, 1.5, hold=0.1)))
