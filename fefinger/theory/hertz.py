@@ -8,17 +8,30 @@ Sources: Hertz 1881, Huber 1904; Johnson, Contact Mechanics, 1985, chapters 3 an
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-
-Array = NDArray[np.float64]
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
 
 
 @dataclass(frozen=True)
 class Hertz:
-    """A rigid paraboloid r² / 2R pressed by `depth` mm into a half-space.
+    """A rigid paraboloid r² / 2R pressed by `depth` mm into a half-space, without friction.
 
-    radius R in mm, modulus E in kPa, poisson nu. Valid for a small against R, without friction.
+    Parameters
+    ----------
+    radius
+        R in mm.
+    depth
+        Approach in mm, 0 (touch, no field) to R, where the contact is as wide as the sphere.
+        `theory/sphere.py` has what the true sphere changes: 0.4 % of the force at a/R = 0.2.
+    modulus, poisson
+        E in kPa and nu in 0 to 0.5.
+
+    Raises
+    ------
+    ValueError
+        A value outside its range.
     """
 
     radius: float
@@ -26,20 +39,41 @@ class Hertz:
     modulus: float
     poisson: float
 
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        elastic.require_positive("Hertz", radius=self.radius)
+        elastic.require_not_negative("Hertz", depth=self.depth)
+        elastic.require_elastic("Hertz", self.modulus, self.poisson)
+        elastic.require_small("Hertz", "a depth", self.depth, limit=self.radius, of="the radius")
+
+    @classmethod
+    def under_force(cls, radius: float, force: float, *, modulus: float, poisson: float) -> "Hertz":
+        """Return the contact that carries `force` mN: depth³ = 9 P² / (16 R E*²)."""
+        elastic.require_positive("Hertz", radius=radius, force=force)
+        elastic.require_elastic("Hertz", modulus, poisson)
+        stiff = elastic.plane_modulus(modulus, poisson)
+        depth = float(np.cbrt(9 * force**2 / (16 * radius * stiff**2)))
+        return cls(radius, depth, modulus=modulus, poisson=poisson)
+
     @property
     def contact_radius(self) -> float:
-        """A = sqrt(R depth) in mm."""
+        """Contact radius a = sqrt(R depth) in mm."""
         return float(np.sqrt(self.radius * self.depth))
 
     @property
     def plane_modulus(self) -> float:
         """E* = E / (1 - nu²) in kPa."""
-        return self.modulus / (1 - self.poisson**2)
+        return elastic.plane_modulus(self.modulus, self.poisson)
 
     @property
     def force(self) -> float:
         """P = 4/3 E* sqrt(R) depth^(3/2) in mN."""
         return 4 / 3 * self.plane_modulus * self.radius**0.5 * self.depth**1.5
+
+    @property
+    def stiffness(self) -> float:
+        """Slope dP / d(depth) = 2 E* a in mN/mm."""
+        return 2 * self.plane_modulus * self.contact_radius
 
     @property
     def peak_pressure(self) -> float:
@@ -48,53 +82,67 @@ class Hertz:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at the distance r (...,) mm from the axis, zero outside."""
-        inside = 1 - (np.asarray(r, dtype=np.float64) / self.contact_radius) ** 2
+        inside = 1 - (np.asarray(r, dtype=np.float64) / self._size) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, r: ArrayLike, z: ArrayLike) -> Array:
-        """Return sigma_r, sigma_theta, sigma_z, tau_rz (4, ...) in kPa, tension positive; z > 0.
+        """Return sigma_r, sigma_theta, sigma_z, tau_rz (4, ...) in kPa, tension positive.
 
-        Huber's field, in the variables of Johnson 3.4; on the axis by its limit.
+        Huber's field in the variables of Johnson 3.4, with 1 - t² = r² / (a² + u) put in so that
+        it is regular on the axis and on the surface. ValueError for r < 0 or z < 0.
         """
-        r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
-        a, p0, nu = self.contact_radius, self.peak_pressure, self.poisson
-        u = self._ellipsoid(r, z)
+        r, z = elastic.points("Hertz.stress", r, z)
+        a, nu = self._size, self.poisson
+        u, t = self._ellipsoid(r, z)
         root = np.sqrt(u)
-        t = z / root
-        phi = np.arctan(a / root)
-        common = t**3 * a**2 * u / (u**2 + a**2 * z**2)
-        far = r > 1e-6 * a
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ring = (1 - 2 * nu) / 3 * (a / r) ** 2 * (1 - t**3)
-        bulge = (1 - nu) * u / (a**2 + u)
-        swell = (1 + nu) * root / a * phi
-        sigma_z = -p0 * common
-        sigma_r = p0 * (ring + common + t * (bulge + swell - 2))
-        sigma_t = -p0 * (ring + t * (2 * nu + bulge - swell))
-        axis = p0 * (0.5 / (1 + (z / a) ** 2) - (1 + nu) * (1 - z / a * np.arctan2(a, z)))
-        shear = -p0 * r * z**2 * a**2 * root / ((u**2 + a**2 * z**2) * (a**2 + u))
-        return np.array(
-            [np.where(far, sigma_r, axis), np.where(far, sigma_t, axis), sigma_z, shear]
-        )
+        wide = a**2 + u
+        narrow = u + (a * t) ** 2
+        # Zero only at the edge on the surface, where both quotients vanish.
+        narrow = np.where(narrow > 0, narrow, 1.0)
+        common = t**3 * a**2 / narrow
+        ring = (1 - 2 * nu) / 3 * a**2 / wide * (1 + t + t**2) / (1 + t)
+        bulge = (1 - nu) * u / wide
+        swell = (1 + nu) * root / a * np.arctan2(a, root)
+        radial = ring + common + t * (bulge + swell - 2)
+        hoop = -(ring + t * (2 * nu + bulge - swell))
+        shear = -r * (a * t) ** 2 * root / (narrow * wide)
+        return self.peak_pressure * np.array([radial, hoop, -common, shear])
+
+    def strain(self, r: ArrayLike, z: ArrayLike) -> Array:
+        """Return the strains r, theta, z and rz (4, ...), rz the tensor component."""
+        return elastic.strain(self.stress(r, z), self.modulus, self.poisson)
 
     def displacement(self, r: ArrayLike, z: ArrayLike) -> Array:
-        """Return u_r, u_z (2, ...) in mm under the contact pressure; z > 0, zero at infinity."""
-        r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
-        a, p0 = self.contact_radius, self.peak_pressure
-        sigma_r, sigma_t, sigma_z, _ = self.stress(r, z)
-        outward = r * (sigma_t - self.poisson * (sigma_r + sigma_z)) / self.modulus
-        root = np.sqrt(self._ellipsoid(r, z))
-        phi = np.arctan(a / root)
-        i0 = 2 * phi / a
-        i1 = (phi - a * root / (a**2 + root**2)) / a**3
-        i2 = 2 / (a**2 * root) - 2 * phi / a**3
-        psi = np.pi * p0 * a**2 / 2 * (i0 - r**2 * i1 - z**2 * i2)
-        slope = -np.pi * p0 * a**2 * z * i2
-        shear = self.modulus / (2 * (1 + self.poisson))
-        inward = (2 * (1 - self.poisson) * psi - z * slope) / (4 * np.pi * shear)
-        return np.array([outward, inward])
+        """Return u_r, u_z (2, ...) in mm under the contact pressure, zero at infinity."""
+        r, z = elastic.points("Hertz.displacement", r, z)
+        a = self._size
+        hoop = elastic.strain(self.stress(r, z), self.modulus, self.poisson)[1]
+        u, t = self._ellipsoid(r, z)
+        root = np.sqrt(u)
+        phi = np.arctan2(a, root)
+        bend = (phi - a * root / (a**2 + u)) / a
+        lift = 2 * t**2 * root * (1 - root * phi / a)
+        scale = np.pi * self.peak_pressure / 2
+        psi = scale * (2 * a * phi - r**2 * bend - lift)
+        slope = -2 * scale * lift
+        shear = elastic.shear_modulus(self.modulus, self.poisson)
+        inward = (2 * (1 - self.poisson) * psi - slope) / (4 * np.pi * shear)
+        return np.array([r * hoop, inward])
 
-    def _ellipsoid(self, r: Array, z: Array) -> Array:
-        """Positive root u of r² / (a² + u) + z² / u = 1."""
-        half = (r**2 + z**2 - self.contact_radius**2) / 2
-        return half + np.sqrt(half**2 + (self.contact_radius * z) ** 2)
+    @property
+    def _size(self) -> float:
+        """Length that the fields are scaled by; at first touch they are zero for any."""
+        return self.contact_radius or 1.0
+
+    def _ellipsoid(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """Positive root u of r² / (a² + u) + z² / u = 1, and t = z / sqrt(u), also at z = 0."""
+        a = self._size
+        half = (r**2 + z**2 - a**2) / 2
+        root = np.hypot(half, a * z)
+        inside = half < 0
+        # Each form where it does not cancel.
+        far = np.where(inside, 1.0, half + root)
+        near = np.where(inside, root - half, 1.0)
+        u = np.where(inside, (a * z) ** 2 / near, far)
+        t = np.where(inside, np.sqrt(near) / a, z / np.sqrt(np.where(u > 0, u, 1.0)))
+        return u, np.minimum(t, 1.0)

@@ -1,0 +1,101 @@
+"""Contact of relaxing skin and subcutaneous tissue over rigid bone, flat and exact: seconds.
+
+`theory/stack.py` and `theory/indentation.py` are the equations, `theory/table.py` the contacts
+solved once per scene, `theory/ting.py` makes them right on unloading and touching again.
+"""
+
+import numpy as np
+
+from fefinger.checks import InputError
+from fefinger.mechanics import _axisymmetric, hertz
+from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._stack import Layered
+from fefinger.mechanics._touch import REFERENCE_DEPTH
+from fefinger.records import Progress, Refusal, Response
+from fefinger.scene import Ellipsoid, Finger, Scene
+from fefinger.theory.stack import Layer, Stack
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+name = "layered"
+
+PLATE_LEVELS = 8
+
+NOTES = (
+    "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
+    "the tip and the nail are left out, and the bone is flat.",
+    "The pad is a sphere of one effective radius; its pressure is symmetric about the first touch.",
+    "Small strain, a contact small against the radii, no friction, a rigid object.",
+    "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
+    "convolved with the creep function.",
+    "Quasi-static: no inertia and no waves.",
+)
+
+
+def stack(finger: Finger) -> Stack:
+    """Return the layers of the finger under the pad, over rigid bone."""
+    from fefinger.mesh.shapes import PULP
+
+    skin, rest = finger.skin, finger.subcutaneous
+    thick = float(skin.thickness or 0.0)
+    below = PULP * finger.thickness - thick
+    return Stack(
+        (Layer(thick, skin.modulus, skin.poisson), Layer(below, rest.modulus, rest.poisson))
+    )
+
+
+def contact(scene: Scene) -> Layered:
+    """Return the elastic contacts of the relaxed finger that the motion passes through.
+
+    Raises
+    ------
+    InputError
+        If the contact becomes wider than its relative radius.
+    """
+    radius, peak = hertz.half_space(scene).relative_radius, scene.motion.peak
+    try:
+        if scene.motion.control == "depth":
+            return Layered.to_depth(stack(scene.finger), radius, peak)
+        return Layered.to_force(stack(scene.finger), radius, peak / NEWTON_PER_MILLINEWTON)
+    except ValueError as error:
+        msg = f"motion: {error}; press less"
+        raise InputError(msg) from error
+
+
+def refuse(scene: Scene) -> tuple[Refusal, ...]:
+    """Return what it is not able to answer: fields, places off the pad, organs in the bone."""
+    unable = [item.reason for item in hertz.refuse(scene) if item.about == "ability"]
+    bone, deepest = stack(scene.finger).thickness, max(dict(scene.ask.depths).values(), default=0)
+    if deepest >= bone:
+        unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
+    return tuple(Refusal(name, "ability", reason) for reason in unable)
+
+
+def coarser(scene: Scene) -> None:
+    """Return None: there is no mesh that the answer could depend on."""
+
+
+def respond(scene: Scene, progress: Progress | None = None) -> Response:
+    """Answer the scene with the exact contact of the stack and the field below it.
+
+    Raises
+    ------
+    InputError
+        If the indenter is placed beyond the pad, or the contact becomes wider than its radius.
+    """
+    body = contact(scene)
+    # The plate is asked for one depth, at the end of its table, where few contacts are exact.
+    plate = Layered.to_depth(
+        stack(scene.finger), scene.finger.pad_radius, REFERENCE_DEPTH, levels=PLATE_LEVELS
+    )
+    notes = (*NOTES, *normalized(scene.finger.prony))
+    if isinstance(scene.indenter, Ellipsoid):
+        notes = (*notes, hertz.ELLIPTIC)
+    widest = float(body.radius(np.array(body.table.deepest)))
+    numbers = {
+        "relative_radius_mm": body.table.radius,
+        "contact_radius_over_thickness": widest / body.table.stack.thickness,
+    }
+    return _axisymmetric.press(
+        scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
+    )

@@ -1,0 +1,105 @@
+"""Displacement, strain and stress below a round contact on a stack, by Hankel inversion.
+
+The kernels of `theory/stack.py` decay as exp(-xi z) and the transform of a contact's pressure is
+known in closed form (`theory/indentation.py`), so each component is one smooth integral over the
+wavenumber. It is linear in the pressure: many contacts on one stack share the kernels and the
+Bessel functions. Lengths in mm, moduli and stresses in kPa; z points into the body.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import j0, j1
+
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
+from fefinger.theory.indentation import Contact
+from fefinger.theory.quadrature import panels
+from fefinger.theory.stack import Layer, Stack
+
+
+SHALLOWEST = 0.02
+"""Smallest depth over the largest contact radius; the integral grows as its inverse."""
+
+_DECAY = 34.0
+"""What is left out, exp(-34), is 2e-15 of the whole."""
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """The field of n_c contacts at n_p points.
+
+    displacement (n_c, 2, n_p) u_r and u_z in mm; strain (n_c, 4, n_p) and stress (n_c, 4, n_p) in
+    kPa with the components r, theta, z and rz (tensor), positive in tension.
+    """
+
+    displacement: Array
+    strain: Array
+    stress: Array
+
+
+def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLike) -> Field:
+    """Return the field below `contacts` on one `stack` at the points r (n_p,), z (n_p,) in mm.
+
+    ValueError for a contact on another body, r < 0, or z outside 0.02 a to the base.
+    """
+    r, z = elastic.points("below", r, z)
+    r, z = np.atleast_1d(r), np.atleast_1d(z)
+    if not contacts or any(contact.body != stack for contact in contacts):
+        msg = "below: expected at least one contact, and only contacts with this stack"
+        raise ValueError(msg)
+    widest = max(contact.contact_radius for contact in contacts)
+    if np.any(z < SHALLOWEST * widest):
+        msg = (
+            f"below: expected points at least {SHALLOWEST} contact radii = "
+            f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; the surface itself has "
+            f"the pressure of the contact"
+        )
+        raise ValueError(msg)
+    displacement = np.empty((len(contacts), 2, len(z)))
+    strain = np.empty((len(contacts), 4, len(z)))
+    stress = np.empty((len(contacts), 4, len(z)))
+    octave = np.floor(np.log2(z))
+    for level in np.unique(octave):
+        members = np.flatnonzero(octave == level)
+        shallow = float(z[members].min())
+        xi, weights = panels(
+            1e-4 / min(stack.scales[1], shallow),
+            _DECAY / shallow,
+            reach=float(r[members].max()) + widest,
+        )
+        loads = weights * np.array([contact.transform(xi) for contact in contacts])
+        depths, place = np.unique(z[members], return_inverse=True)
+        kernels = stack.depths(xi, depths)
+        for index, depth in enumerate(depths):
+            here = members[place == index]
+            layer = stack.layers[stack.locate(float(depth))[0]]
+            parts = _integrate(loads, layer, kernels[index], xi=xi, r=r[here])
+            displacement[:, :, here], strain[:, :, here], stress[:, :, here] = parts
+    return Field(displacement, strain, stress)
+
+
+def _integrate(
+    loads: Array, layer: Layer, kernels: Array, *, xi: Array, r: Array
+) -> tuple[Array, Array, Array]:
+    """Return displacement, strain and stress (n_c, 2 or 4, n_p) at one depth.
+
+    loads (n_c, n) are the transforms times the weights, kernels (4, n) those of the stack.
+    """
+    wave = np.multiply.outer(xi, r)
+    even, odd = j0(wave), j1(wave)
+    slide, sink, axial, shear = kernels
+    nu, twice = layer.poisson, 2 * layer.shear
+    stretch = ((1 - 2 * nu) * axial / twice - nu * slide) / (1 - nu)
+    u_z, spread, strain_z, stress_z = (
+        (loads * part) @ even for part in (sink, xi * slide, xi * stretch, xi * axial)
+    )
+    u_r, stress_rz = ((loads * part) @ odd for part in (slide, xi * shear))
+    hoop = np.where(r > 0, u_r / np.where(r > 0, r, 1.0), spread / 2)
+    strain = np.stack([spread - hoop, hoop, strain_z, stress_rz / twice], axis=1)
+    # From sigma_z and strain differences, which stay finite in an incompressible layer.
+    across = [stress_z + twice * (strain[:, i] - strain_z) for i in (0, 1)]
+    stress = np.stack([*across, stress_z, stress_rz], axis=1)
+    return np.stack([u_r, u_z], axis=1), strain, stress

@@ -1,0 +1,81 @@
+"""Hooke's law and the checks of input that the closed forms share.
+
+Axially symmetric stress and strain are arrays (4, ...): radial, hoop, axial and rz components,
+positive in tension; the rz strain is the tensor component, half of the engineering shear.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+Array = NDArray[np.float64]
+
+
+def require_positive(owner: str, **values: float) -> None:
+    """Raise ValueError unless every value is finite and above zero."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            msg = f"{owner}: expected {name} above 0, received {value!r}"
+            raise ValueError(msg)
+
+
+def require_not_negative(owner: str, **values: float) -> None:
+    """Raise ValueError unless every value is finite and zero or above."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value >= 0):
+            msg = f"{owner}: expected {name} of 0 or above, received {value!r}"
+            raise ValueError(msg)
+
+
+def require_elastic(owner: str, modulus: float, poisson: float) -> None:
+    """Raise ValueError unless the modulus is above zero and Poisson's ratio in 0 to 0.5."""
+    require_positive(owner, modulus=modulus)
+    if not 0 <= poisson <= 0.5:
+        msg = f"{owner}: expected a Poisson's ratio in 0 to 0.5, received {poisson!r}"
+        raise ValueError(msg)
+
+
+def require_small(owner: str, name: str, value: float, *, limit: float, of: str) -> None:
+    """Raise ValueError where the length `value` mm is above the `limit` mm of linear theory."""
+    if value > limit:
+        msg = (
+            f"{owner}: expected {name} of at most {of} {limit:g} mm (small strain), received "
+            f"{value:g} mm"
+        )
+        raise ValueError(msg)
+
+
+def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
+    """Return r and z broadcast together, or raise ValueError for a point outside the body."""
+    r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
+    if not (np.all(r >= 0) and np.all(z >= 0)):
+        msg = f"{owner}: expected points with r >= 0 and z >= 0 mm (z points into the body)"
+        raise ValueError(msg)
+    return r, z
+
+
+def plane_modulus(modulus: float, poisson: float) -> float:
+    """Return E* = E / (1 - nu²), the contact modulus below a rigid indenter."""
+    return modulus / (1 - poisson**2)
+
+
+def shear_modulus(modulus: float, poisson: float) -> float:
+    """Return G = E / 2(1 + nu)."""
+    return modulus / (2 * (1 + poisson))
+
+
+def strain(stress: Array, modulus: float, poisson: float) -> Array:
+    """Return the strain (4, ...) of the axially symmetric `stress` (4, ...) by Hooke's law."""
+    radial, hoop, axial, shear = stress
+    trace = poisson * (radial + hoop + axial)
+    grow = 1 + poisson
+    normal = [grow * part - trace for part in (radial, hoop, axial)]
+    return np.array([*normal, grow * shear]) / modulus
+
+
+def energy_density(stress: Array, modulus: float, poisson: float) -> Array:
+    """Return the elastic energy per volume in kPa of an axially symmetric `stress` (4, ...)."""
+    weights = np.array([1.0, 1.0, 1.0, 2.0]) / 2
+    return np.einsum("i,i...,i...", weights, stress, strain(stress, modulus, poisson))

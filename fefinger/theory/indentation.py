@@ -1,0 +1,251 @@
+"""Frictionless contact of a round indenter with a body known by its Hankel compliance: exact.
+
+The pressure is written as p(xi) = integral over 0..a of phi(t) cos(xi t) dt, which leaves the
+Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for phi:
+
+    pi/2 phi(x) - integral over 0..a of phi(t) K(x, t) dt = g(x) / C,
+    K(x, t) = integral over 0..inf of (1 - L(xi)) cos(xi x) cos(xi t) d xi,
+
+C = 2 (1 - nu²) / E of the surface, g = depth - x²/R for a paraboloid, with phi(a) = 0, and
+g = depth for a flat punch. phi is kept in even Legendre polynomials, whose pressures are known in
+closed form. Lengths in mm, moduli in kPa, forces in mN. Source: Lebedev and Ufliand, J. Appl. Math.
+Mech. 22, 1958, 442; REFERENCE B6.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import j0
+
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
+from fefinger.theory.quadrature import even_rule, panels
+
+
+DECAY = 20.0
+"""The departure 1 - L falls as exp(-2 xi h): at xi h = 20 it is under 1e-14."""
+
+WIDEST = 200.0
+"""Largest contact radius over thickness of the top layer; the equation grows with it."""
+
+ROUNDING = 1e-14
+"""Coefficients of phi this far below the largest are rounding."""
+
+
+class Body(Protocol):
+    """What a contact has to know of a body, which is hashable: `layer.Sheet`, `stack.Stack`."""
+
+    def __hash__(self) -> int:
+        """Return a hash of the values."""
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Modulus in kPa and Poisson's ratio at the surface."""
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Smallest and largest length in mm of the body; infinite for a half-space."""
+
+    def compliance(self, xi: ArrayLike) -> Array:
+        """Return L (n,) at wavenumbers xi (n,) in 1/mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A solved contact: contact radius a and depth in mm, `radius` R in mm (inf: a flat punch).
+
+    `phi` (n,) kPa mm are the coefficients of P_0, P_2, P_4, ... of t / a.
+    """
+
+    body: Body
+    contact_radius: float
+    radius: float
+    depth: float
+    phi: Array
+
+    @property
+    def force(self) -> float:
+        """P = 2 pi times the integral of phi, in mN."""
+        return 2 * math.pi * self.contact_radius * float(self.phi[0])
+
+    def pressure(self, r: ArrayLike) -> Array:
+        """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
+        x = np.asarray(r, np.float64) / self.contact_radius
+        y = np.sqrt(np.maximum(1 - x**2, 0.0))
+        series = self._over_edge()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = legendre.legval(y, series) / (self.contact_radius * y)
+        edge = 0.0 if math.isfinite(self.radius) else math.inf
+        return np.where(x < 1, value, np.where(x > 1, 0.0, edge))
+
+    def load(self, r: ArrayLike) -> Array:
+        """Return the force in mN that is carried within r (...,) mm of the axis."""
+        x = np.asarray(r, np.float64) / self.contact_radius
+        y = np.sqrt(np.maximum(1 - x**2, 0.0))
+        inner = legendre.legint(self._over_edge(), lbnd=0)
+        whole = legendre.legval(1.0, inner)
+        return 2 * np.pi * self.contact_radius * (whole - legendre.legval(y, inner))
+
+    def transform(self, xi: ArrayLike) -> Array:
+        """Return the Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
+
+        It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
+        """
+        xi = np.asarray(xi, np.float64)
+        a, flat = self.contact_radius, xi.reshape(-1)
+        # phi itself turns at most as a wave of its degree; its last coefficients are rounding.
+        fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
+        t, weights = panels(a / 2, a, reach=fastest)
+        density = weights * legendre.legval(t / a, _even(self.phi))
+        return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
+
+    def _over_edge(self) -> Array:
+        """Return the Legendre series of a y p in y = sqrt(1 - r² / a²)."""
+        half = np.arange(1, len(self.phi))
+        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
+        return _even(self.phi / at_zero)
+
+    def displacement(self, r: ArrayLike) -> Array:
+        """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
+        r = np.asarray(r, np.float64)
+        flat = np.atleast_1d(r).ravel()
+        near = np.minimum(flat, self.contact_radius)
+        top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))
+        nodes, weights = legendre.leggauss(2 * len(self.phi) + 8)
+        t = flat[:, None] * np.sin(top[:, None] * (nodes + 1) / 2)
+        own = legendre.legval(t / self.contact_radius, _even(self.phi)) @ weights * top / 2
+        xi, weight = spectrum(self.body, float(flat.max(initial=0.0)) + self.contact_radius)
+        layers = j0(flat[:, None] * xi) @ (weight * self.transform(xi))
+        return (_compliance_of_half_space(self.body) * (own - layers)).reshape(r.shape)
+
+
+def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
+    """Return the contact of a rigid paraboloid r² / 2R (R = `radius` mm) of a given contact radius.
+
+    ValueError for a value at or below zero, or a contact wider than R (small strain) or than 200
+    thicknesses of the top layer.
+    """
+    elastic.require_positive("paraboloid", radius=radius, contact_radius=contact_radius)
+    elastic.require_small(
+        "paraboloid", "a contact radius", contact_radius, limit=radius, of="the radius"
+    )
+    lift, bowl = _solve(body, contact_radius)
+    depth = float(bowl.sum() / lift.sum()) / radius
+    return _contact(body, contact_radius, radius, depth=depth, phi=depth * lift - bowl / radius)
+
+
+def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
+    """Return the contact of a rigid paraboloid at an approach of `depth` mm, by its root in a."""
+    elastic.require_positive("paraboloid", radius=radius, depth=depth)
+    guess = min(radius, math.sqrt(radius * depth))
+    return _reached(body, radius, "depth", wanted=depth, guess=guess)
+
+
+def paraboloid_under(body: Body, radius: float, *, force: float) -> Contact:
+    """Return the contact of a rigid paraboloid under `force` mN, by its root in a."""
+    elastic.require_positive("paraboloid", radius=radius, force=force)
+    stiff = elastic.plane_modulus(*body.surface)
+    guess = min(radius, float(np.cbrt(0.75 * force * radius / stiff)))
+    return _reached(body, radius, "force", wanted=force, guess=guess)
+
+
+def _reached(body: Body, radius: float, quantity: str, *, wanted: float, guess: float) -> Contact:
+    """Return the contact with the wanted depth or force, which grow with the contact radius."""
+    widest = radius * (1 - 1e-12)
+
+    def excess(log_a: float) -> float:
+        found = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
+        return math.log(getattr(found, quantity) / wanted)
+
+    low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
+    # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
+    while excess(low) > 0:
+        low -= 0.7
+    while excess(high) < 0:
+        if high >= math.log(widest):
+            msg = (
+                f"paraboloid: expected a {quantity} whose contact is at most as wide as the radius "
+                f"{radius:g} mm (small strain), received {wanted:g}"
+            )
+            raise ValueError(msg)
+        high += 0.7
+    a = math.exp(brentq(excess, low, high, xtol=1e-13, rtol=1e-13))
+    return paraboloid(body, radius, contact_radius=min(a, widest))
+
+
+def flat_punch(body: Body, contact_radius: float, *, depth: float) -> Contact:
+    """Return the contact of a flat rigid punch of `contact_radius` mm pressed by `depth` mm."""
+    elastic.require_positive("flat_punch", contact_radius=contact_radius, depth=depth)
+    lift, _ = _solve(body, contact_radius)
+    return _contact(body, contact_radius, math.inf, depth=depth, phi=depth * lift)
+
+
+def spectrum(body: Body, reach: float) -> tuple[Array, Array]:
+    """Return nodes xi (n,) and weights times 1 - L(xi) (n,) that integrate cos(xi y), y <= reach.
+
+    Gauss-Legendre panels graded from far below the thickness of the body to where 1 - L ends. The
+    last ones are kept, for a reach rounded up, because the contacts of one body share them.
+    """
+    fine = body.scales[0]
+    if fine == math.inf:
+        return np.zeros(0), np.zeros(0)
+    return _spectrum(body, math.ceil(2 * math.log2(max(reach, fine) / fine)))
+
+
+@lru_cache(maxsize=64)
+def _spectrum(body: Body, half_octave: int) -> tuple[Array, Array]:
+    """Return the spectrum for a reach of 2^(half_octave / 2) times the smallest scale."""
+    fine, coarse = body.scales
+    reach = fine * 2 ** (half_octave / 2)
+    xi, weights = panels(1e-4 / coarse, DECAY / fine, reach=reach)
+    departure = weights * (1 - body.compliance(xi))
+    for kept in (xi, departure):
+        kept.flags.writeable = False
+    return xi, departure
+
+
+def _even(coefficients: Array) -> Array:
+    """Return the Legendre series whose even coefficients are given."""
+    series = np.zeros(2 * len(coefficients) - 1)
+    series[::2] = coefficients
+    return series
+
+
+def _contact(body: Body, a: float, radius: float, *, depth: float, phi: Array) -> Contact:
+    """Return the contact without the trailing coefficients that are rounding."""
+    kept = int(np.flatnonzero(np.abs(phi) > ROUNDING * np.abs(phi).max())[-1]) + 1
+    return Contact(body, a, radius, depth, phi[:kept])
+
+
+def _compliance_of_half_space(body: Body) -> float:
+    """C = 2 (1 - nu²) / E of the surface in 1/kPa."""
+    return 2 / elastic.plane_modulus(*body.surface)
+
+
+def _solve(body: Body, a: float) -> tuple[Array, Array]:
+    """Return phi (n,) for g = 1 and for g = x², in even Legendre coefficients."""
+    wide = a / body.scales[0]
+    if wide > WIDEST:
+        msg = (
+            f"indentation: expected a contact radius of at most {WIDEST:g} thicknesses of the top "
+            f"layer, received {wide:.3g}"
+        )
+        raise ValueError(msg)
+    count = 24 + 8 * math.ceil(6 * wide / 8)
+    nodes, weights = even_rule(count)
+    x, weight = a * nodes, a * weights
+    xi, departure = spectrum(body, 2 * a)
+    wave = np.cos(x[:, None] * xi)
+    matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
+    right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
+    values = np.linalg.solve(matrix, right)
+    basis = legendre.legvander(nodes, 2 * count - 1)[:, ::2]
+    norm = 4.0 * np.arange(count) + 1
+    found = norm[:, None] * (basis.T * weights) @ values
+    return found[:, 0], found[:, 1]

@@ -1,0 +1,39 @@
+"""Gauss-Legendre rules for the integrals of layered bodies."""
+
+import itertools
+import math
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from fefinger.theory.elastic import Array
+
+
+PHASE = 14.0
+"""Radians of a cosine in a panel: its Legendre coefficient of degree 32 is 1e-19."""
+
+_NODES, _WEIGHTS = legendre.leggauss(16)
+
+
+@cache
+def even_rule(count: int) -> tuple[Array, Array]:
+    """Return nodes and weights (count,) on 0..1, exact for even polynomials of degree < 4 count."""
+    nodes, weights = legendre.leggauss(2 * count)
+    return nodes[count:], weights[count:]
+
+
+def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
+    """Return nodes and weights (n,) on 0..high: one panel to `low`, then octaves.
+
+    No panel is wider than PHASE / reach.
+    """
+    octaves = max(1, math.ceil(math.log2(high / low)))
+    edges = [0.0, *np.geomspace(low, high, octaves + 1)]
+    cuts = [np.zeros(1)]
+    for start, end in itertools.pairwise(edges):
+        pieces = max(1, math.ceil((end - start) * reach / PHASE))
+        cuts.append(np.linspace(start, end, pieces + 1)[1:])
+    cut = np.concatenate(cuts)
+    half = np.diff(cut)[:, None] / 2
+    return (cut[:-1, None] + half * (_NODES + 1)).ravel(), (half * _WEIGHTS).ravel()

@@ -1,0 +1,231 @@
+"""Elastic layers bonded to each other, on rigid bone or on a half-space: the exact Hankel kernels.
+
+Each wavenumber obeys an ordinary differential equation for the amplitudes of u_r, u_z, sigma_z and
+tau_rz over the depth. Every layer is solved in waves that decay away from its two faces, and the
+layers are joined from the bottom up by what comes back from below (a Riccati recursion in
+reflections), so no exponential grows and thick or thin layers of any contrast are as accurate as
+one. Contact: `theory/indentation.py`; field below it: `theory/below.py`.
+
+Lengths in mm, moduli and stresses in kPa; z points into the body, wavenumbers xi in 1/mm. Source:
+the equations in REFERENCE B7; Thomson 1950, Haskell 1953 for layers in series.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
+from fefinger.theory.quadrature import panels
+
+
+Base = Literal["bonded", "sliding"]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer: thickness in mm (math.inf: a half-space, last), E in kPa, nu 0 to 0.5."""
+
+    thickness: float
+    modulus: float
+    poisson: float
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        if self.thickness != math.inf:
+            elastic.require_positive("Layer", thickness=self.thickness)
+        elastic.require_elastic("Layer", self.modulus, self.poisson)
+
+    @property
+    def shear(self) -> float:
+        """Shear modulus in kPa."""
+        return elastic.shear_modulus(self.modulus, self.poisson)
+
+
+class _Waves(NamedTuple):
+    """Amplitudes (n, 2) of the waves that decay downward and upward in one layer."""
+
+    down: Array
+    up: Array
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Layers from the skin down, bonded to each other.
+
+    Parameters
+    ----------
+    layers
+        At least one, the top one first. Only the last may be infinitely thick.
+    base
+        What a last layer of finite thickness rests on: "bonded" to a rigid base (bone), or
+        "sliding" on it without friction and without lifting off.
+
+    Raises
+    ------
+    ValueError
+        No layer, an infinite layer above another, or an unknown base.
+    """
+
+    layers: tuple[Layer, ...]
+    base: Base = "bonded"
+
+    def __post_init__(self) -> None:
+        """Check the order of the layers and the base."""
+        object.__setattr__(self, "layers", tuple(self.layers))
+        if not self.layers:
+            msg = "Stack: expected at least one layer, received none"
+            raise ValueError(msg)
+        if any(layer.thickness == math.inf for layer in self.layers[:-1]):
+            msg = "Stack: expected only the last layer to be infinitely thick"
+            raise ValueError(msg)
+        if self.base not in ("bonded", "sliding"):
+            msg = f"Stack: expected the base 'bonded' or 'sliding', received {self.base!r}"
+            raise ValueError(msg)
+
+    @property
+    def thickness(self) -> float:
+        """Depth of the rigid base in mm; math.inf on a half-space."""
+        return sum(layer.thickness for layer in self.layers)
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Modulus in kPa and Poisson's ratio of the top layer."""
+        return self.layers[0].modulus, self.layers[0].poisson
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Smallest and largest length in mm over which the compliance departs from the top layer's.
+
+        Both infinite for a half-space.
+        """
+        finite = [layer.thickness for layer in self.layers if layer.thickness < math.inf]
+        return (finite[0], sum(finite)) if finite else (math.inf, math.inf)
+
+    def compliance(self, xi: ArrayLike) -> Array:
+        """Return L (n,) at wavenumbers xi (n,) > 0: u_z of the surface over that of a half-space.
+
+        The half-space is of the top layer: u_z = 2 (1 - nu²) / E * L(xi) / xi per unit pressure.
+        """
+        kernels = self.kernels(xi, 0.0)
+        modulus, poisson = self.surface
+        return kernels[1] * modulus / (2 * (1 - poisson**2))
+
+    def kernels(self, xi: ArrayLike, z: float) -> Array:
+        """Return the amplitudes (4, n) at the depth z mm per unit pressure at wavenumbers xi (n,).
+
+        They are xi u_r and xi u_z in 1/kPa, and sigma_z and tau_rz (dimensionless), of J1, J0, J0
+        and J1 of xi r: u_z(r) = integral of kernel * p(xi) J0(xi r) d xi with p(xi) the Hankel
+        transform of the pressure. On an interface they are those of the upper layer (all four
+        are continuous). ValueError for xi <= 0 or z outside the stack.
+        """
+        return self.depths(xi, [z])[0]
+
+    def depths(self, xi: ArrayLike, z: ArrayLike) -> Array:
+        """Return the `kernels` (n_z, 4, n) at several depths z (n_z,) mm for one recursion."""
+        xi, z = np.atleast_1d(np.asarray(xi, np.float64)), np.asarray(z, np.float64)
+        if not (np.all(xi > 0) and np.all(np.isfinite(xi))):
+            msg = "Stack: expected wavenumbers above 0 1/mm"
+            raise ValueError(msg)
+        if not (np.all(z >= 0) and np.all(z <= self.thickness)):
+            msg = f"Stack: expected depths in 0 to {self.thickness:g} mm"
+            raise ValueError(msg)
+        waves = self._waves(xi)
+        out = np.empty((len(z), 4, len(xi)))
+        for i, depth in enumerate(z):
+            index, local = self.locate(float(depth))
+            layer = self.layers[index]
+            state = self._down(layer, xi * local) @ waves[index].down[..., None]
+            if layer.thickness < math.inf:
+                rise = self._up(layer, xi * (local - layer.thickness))
+                state += rise @ waves[index].up[..., None]
+            out[i] = state[..., 0].T
+        out[:, :2] /= 2 * self.layers[0].shear
+        return out
+
+    def bar_profile(self, x: ArrayLike, *, width: float) -> Array:
+        """Return u_z(x) / u_z(0) of the surface beside a long bar of uniform pressure.
+
+        x (...,) and the bar's `width` in mm; plane strain, whose kernel is the same under a cosine.
+        ValueError on a half-space, where a line load has no absolute displacement.
+        """
+        elastic.require_positive("Stack.bar_profile", width=width)
+        if self.thickness == math.inf:
+            msg = "Stack.bar_profile: expected a rigid base, received a half-space below"
+            raise ValueError(msg)
+        x = np.asarray(x, np.float64)
+        reach = float(np.abs(x).max(initial=0.0)) + width
+        # The integrand ends as 1/xi² of the bar: what is left out is 2e-5 of the whole.
+        xi, weights = panels(1e-3 / self.thickness, 200 / width, reach=reach)
+        source = weights * self.compliance(xi) / xi * np.sinc(xi * width / (2 * np.pi))
+        return np.cos(np.multiply.outer(x, xi)) @ source / source.sum()
+
+    def locate(self, z: float) -> tuple[int, float]:
+        """Return the index of the layer at the depth z mm and the depth below its top."""
+        for index, layer in enumerate(self.layers[:-1]):
+            if z <= layer.thickness:
+                return index, z
+            z -= layer.thickness
+        return len(self.layers) - 1, min(z, self.layers[-1].thickness)
+
+    def _waves(self, xi: Array) -> list[_Waves]:
+        """Return the waves of each layer, top first, under unit pressure on the surface."""
+        carried, steps = self._join(xi)
+        load = np.zeros((len(xi), 2, 1))
+        load[:, 0] = -1.0
+        down = np.asarray(np.linalg.solve(carried[:, 2:], load), np.float64)
+        waves = []
+        for step in reversed(steps):
+            both = step @ down
+            waves.append(_Waves(down[..., 0], both[:, :2, 0]))
+            down = np.asarray(both[:, 2:], np.float64)
+        if len(waves) < len(self.layers):
+            waves.append(_Waves(down[..., 0], np.zeros((len(xi), 2))))
+        return waves
+
+    def _join(self, xi: Array) -> tuple[Array, list[Array]]:
+        """Return the states (n, 4, 2) that the surface can have, and each layer's step, bottom up.
+
+        A step (n, 4, 2) takes the downward waves of a layer to the upward ones and to the downward
+        ones of the layer below.
+        """
+        rest = list(self.layers)
+        if rest[-1].thickness == math.inf:
+            below = self._down(rest.pop(), np.zeros_like(xi))
+        else:
+            free = (2, 3) if self.base == "bonded" else (0, 2)
+            below = np.zeros((len(xi), 4, 2))
+            below[:, free, (0, 1)] = 1.0
+        steps = []
+        zero = np.zeros_like(xi)
+        for layer in reversed(rest):
+            matrix = np.concatenate([self._up(layer, zero), -below], axis=2)
+            step = np.linalg.solve(matrix, -self._down(layer, xi * layer.thickness))
+            below = self._down(layer, zero) + self._up(layer, -xi * layer.thickness) @ step[:, :2]
+            steps.append(step)
+        return below, steps
+
+    def _down(self, layer: Layer, s: Array) -> Array:
+        """Return the two states (n, 4, 2) that decay with s = xi z, stress over 2 G of the top."""
+        return self._decaying(layer, s, side=1.0)
+
+    def _up(self, layer: Layer, s: Array) -> Array:
+        """Return the two states (n, 4, 2) that decay upward from the bottom, at s = xi z <= 0."""
+        return self._decaying(layer, -s, side=-1.0)
+
+    def _decaying(self, layer: Layer, s: Array, *, side: float) -> Array:
+        """Solve the equation by (alpha + beta s) exp(-s); side -1 mirrors u_z and tau."""
+        nu, stiff = layer.poisson, layer.shear / self.layers[0].shear
+        one = np.ones_like(s)
+        first = [one, side * one, -stiff * one, -side * stiff * one]
+        second = [
+            s,
+            side * (3 - 4 * nu + s),
+            -stiff * (2 - 2 * nu + s),
+            -side * stiff * (1 - 2 * nu + s),
+        ]
+        decay: Array = np.exp(-s)
+        return decay[:, None, None] * np.moveaxis(np.array([first, second]), (0, 1, 2), (2, 1, 0))

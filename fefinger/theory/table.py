@@ -1,0 +1,139 @@
+"""Contact of a sphere and a stack at any depth, from contacts solved once: splines in sqrt(depth).
+
+What is interpolated is the departure from Hertz, which starts at one, so the table is right from
+the first touch on. Lengths in mm, moduli and stresses in kPa, forces in mN.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from fefinger.theory import elastic
+from fefinger.theory.below import below
+from fefinger.theory.elastic import Array
+from fefinger.theory.indentation import Contact, paraboloid
+from fefinger.theory.stack import Stack
+
+
+LEVELS = 40
+"""Contacts per table; the force of a finger over bone is then within 1e-6, its strain 1e-4."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Contacts (n,) of a rigid paraboloid of `radius` mm with `stack`, of growing contact radius.
+
+    Made by `tabulate`.
+    """
+
+    stack: Stack
+    radius: float
+    contacts: tuple[Contact, ...]
+
+    @property
+    def deepest(self) -> float:
+        """Largest depth in mm that the table knows."""
+        return self.contacts[-1].depth
+
+    def contact_radius(self, depth: ArrayLike) -> Array:
+        """Return a (...,) in mm at the approach `depth` (...,) mm, 0 to `deepest`."""
+        depth = self._within(depth)
+        return np.sqrt(self.radius * depth) * self._departure(np.sqrt(depth))[..., 0]
+
+    def force(self, depth: ArrayLike) -> Array:
+        """Return P (...,) in mN at the approach `depth` (...,) mm, 0 to `deepest`."""
+        depth = self._within(depth)
+        stiff = elastic.plane_modulus(*self.stack.surface)
+        hertz = 4 / 3 * stiff * math.sqrt(self.radius) * depth**1.5
+        return hertz * self._departure(np.sqrt(depth))[..., 1]
+
+    def depth(self, force: ArrayLike) -> Array:
+        """Return the approach (...,) in mm that carries `force` (...,) mN, by bisection.
+
+        ValueError for a force below zero or beyond that of the deepest contact.
+        """
+        force = np.asarray(force, np.float64)
+        most = self.contacts[-1].force
+        if not np.all((force >= 0) & (force <= most * (1 + 1e-12))):
+            msg = f"Table: expected a force in 0 to {most:.6g} mN, received {force.max():.6g} mN"
+            raise ValueError(msg)
+        low, high = np.zeros_like(force), np.full_like(force, self.deepest)
+        # 60 halvings reach rounding, whatever the curve.
+        for _ in range(60):
+            middle = (low + high) / 2
+            over = self.force(middle) > force
+            low, high = np.where(over, low, middle), np.where(over, middle, high)
+        return (low + high) / 2
+
+    def at(self, depth: float) -> Contact:
+        """Return the contact at an approach of `depth` mm, above 0 to `deepest`."""
+        elastic.require_positive("Table.at", depth=depth)
+        a = float(self.contact_radius(depth))
+        return Contact(self.stack, a, self.radius, depth, a**2 * self._shape(a))
+
+    def strain(self, depth: ArrayLike, r: ArrayLike, *, z: ArrayLike) -> Array:
+        """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
+
+        r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for points
+        that `below` refuses under the widest contact.
+        """
+        depth = np.atleast_1d(self._within(depth))
+        solved = below(self.stack, self.contacts, r, z=z).strain
+        wide = np.array([contact.contact_radius for contact in self.contacts])
+        force = np.array([contact.force for contact in self.contacts])
+        # Per unit force the strain tends to that of a point, level in a.
+        per_force = CubicSpline(
+            wide, solved / force[:, None, None], bc_type=("clamped", "not-a-knot")
+        )
+        here = np.maximum(self.contact_radius(depth), wide[0])
+        return np.asarray(per_force(here) * self.force(depth)[:, None, None])
+
+    @cached_property
+    def _departure(self) -> CubicSpline:
+        """A / sqrt(R depth) and P / P_Hertz against sqrt(depth)."""
+        stiff = elastic.plane_modulus(*self.stack.surface)
+        depth = np.array([contact.depth for contact in self.contacts])
+        wide = np.array([contact.contact_radius for contact in self.contacts])
+        force = np.array([contact.force for contact in self.contacts])
+        hertz = 4 / 3 * stiff * math.sqrt(self.radius) * depth**1.5
+        ratios = np.stack([wide / np.sqrt(self.radius * depth), force / hertz], axis=1)
+        rows = np.concatenate([np.ones((1, 2)), ratios])
+        return CubicSpline(np.sqrt([0.0, *depth]), rows)
+
+    @cached_property
+    def _shape(self) -> CubicSpline:
+        """The coefficients of phi / a² against a; at 0 those of Hertz."""
+        count = max(len(contact.phi) for contact in self.contacts)
+        rows = np.zeros((len(self.contacts) + 1, count))
+        flat = elastic.plane_modulus(*self.stack.surface) / (math.pi * self.radius)
+        rows[0, :2] = 2 / 3 * flat, -2 / 3 * flat
+        for row, contact in zip(rows[1:], self.contacts, strict=True):
+            row[: len(contact.phi)] = contact.phi / contact.contact_radius**2
+        wide = [0.0, *(contact.contact_radius for contact in self.contacts)]
+        return CubicSpline(wide, rows)
+
+    def _within(self, depth: ArrayLike) -> Array:
+        depth = np.asarray(depth, np.float64)
+        if not np.all((depth >= 0) & (depth <= self.deepest * (1 + 1e-12))):
+            msg = f"Table: expected depths in 0 to {self.deepest:.6g} mm"
+            raise ValueError(msg)
+        return depth
+
+
+@lru_cache(maxsize=16)
+def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> Table:
+    """Return the table of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
+
+    The last ones are kept: scenes of one finger share them.
+
+    ValueError for what `indentation.paraboloid` refuses at `widest`.
+    """
+    elastic.require_positive("tabulate", radius=radius, widest=widest)
+    # Squares: the departure from Hertz begins at the thickness of the top layer, however thin.
+    wide = widest * (np.arange(1, levels + 1) / levels) ** 2
+    solved = [paraboloid(stack, radius, contact_radius=float(a)) for a in wide]
+    return Table(stack, radius, tuple(solved))

@@ -1,0 +1,143 @@
+"""The mechanics `layered`: its half-space limit, memory, balance, and the finite elements."""
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.mechanics import hertz, layered, linear
+from fefinger.mechanics._stack import Layered
+from fefinger.theory.indentation import paraboloid
+from fefinger.theory.relaxation import hereditary_integral
+
+
+FINGER = ff.Finger.subject("a.h.")
+ASK = ff.Ask(fields=False)
+STACK = layered.stack(FINGER)
+BODY = Layered.to_depth(STACK, 14.0, 1.0)
+
+
+def scene(**parts):
+    given = {"finger": FINGER, "motion": ff.RampHold(20, 0.5, hold=1.0), "ask": ASK}
+    return ff.Scene(**(given | parts))
+
+
+def elastic(answer, depths):
+    """Strain (n, 4, 3, 3) at the four central end organs of the elastic finger at the depths."""
+    inward = -answer.sites.normals[0]
+    values = BODY.strain(np.asarray(depths), np.zeros(4), answer.sites.depths)
+    axis = np.outer(inward, inward)
+    across = values[..., :1, None] * (np.eye(3) - axis)
+    return across + values[..., 2:3, None] * axis
+
+
+MOTIONS = [
+    ff.RampHold(20, 0.5, hold=1.0),
+    ff.Trapezoid(20, 0.5, hold=0.1),
+    ff.RampSinusoid(20, 0.4, amplitude=0.3, frequency=8, cycles=3),
+    ff.ForceTrapezoid(2, 0.3, hold=0.1),
+]
+EACH = pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
+
+
+@EACH
+def test_a_huge_finger_of_one_tissue_is_hertz(motion):
+    """With thickness 1000 contact radii the force of the layer is within 1.1 chi = 2e-3."""
+    one = ff.Tissue(34.0, 0.45)
+    huge = ff.Finger(
+        8e3,
+        8e3,
+        pad_radius=14.0,
+        skin=ff.Tissue(34.0, 0.45, thickness=100.0),
+        subcutaneous=one,
+        prony=FINGER.prony,
+    )
+    mine, theirs = (kind.respond(scene(finger=huge, motion=motion)) for kind in (layered, hertz))
+    for field in ("force", "contact_area", "strain"):
+        got, want = getattr(mine, field), getattr(theirs, field)
+        assert got == pytest.approx(want, abs=3e-3 * np.abs(want).max()), field
+    if motion.control == "depth":
+        assert mine.pressure[:, 0] == pytest.approx(
+            theirs.pressure[:, 0], abs=5e-3 * theirs.pressure.max()
+        )
+
+
+def test_on_loading_and_hold_strain_is_the_elastic_field_at_the_present_depth():
+    answer = layered.respond(scene())
+    want = elastic(answer, answer.depth)
+    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+    holding = answer.time >= answer.time[-1] - 1.0
+    assert np.ptp(answer.strain[holding], axis=0).max() < 1e-12
+    assert np.ptp(answer.force[holding]) > 0.3 * answer.force.max()
+
+
+def test_after_release_a_residual_strain_remains_and_fades_without_pressure():
+    release = ff.Sampled([0, 0.1, 0.2, 0.3, 1.3], depth=[0, 0.5, 0.5, -0.2, -0.2])
+    answer = layered.respond(scene(motion=release))
+    off = answer.time > 0.3
+    size = np.abs(answer.strain[off]).max(axis=(1, 2, 3))
+    assert size[0] > 0.02 * np.abs(answer.strain).max()
+    assert (np.diff(size) < 0).all()
+    assert np.abs(answer.pressure[off]).max() == answer.force[off].max() == 0
+
+
+def test_at_fixed_force_strain_and_depth_creep_to_the_relaxed_stack():
+    answer = layered.respond(scene(motion=ff.ForceRampHold(5, 0.3, hold=20.0)))
+    holding = answer.time >= answer.time[-1] - 20.0
+    assert answer.force[holding] == pytest.approx(0.3, rel=1e-9)
+    assert (np.diff(answer.depth[holding]) > 0).all()
+    assert answer.depth[-1] == pytest.approx(BODY.depth(300.0), rel=1e-3)
+    want = elastic(answer, answer.depth)
+    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+
+
+def test_loading_is_the_integral_of_the_relaxation_over_contacts_solved_one_by_one():
+    answer = layered.respond(scene())
+    solved = [paraboloid(STACK, 14.0, contact_radius=a) for a in np.linspace(0.08, 3.2, 40)]
+    depth = np.array([one.depth for one in solved])
+    curve = np.interp(answer.depth, depth, [1e-3 * one.force for one in solved], left=0.0)
+    want = hereditary_integral(FINGER.prony, answer.time, curve) / FINGER.prony.long_time
+    # The chords of 40 contacts lie up to 4e-4 of the largest force above their curve.
+    assert answer.force == pytest.approx(want, abs=1e-3 * want.max())
+    area = np.interp(answer.depth, depth, [np.pi * one.contact_radius**2 for one in solved])
+    late = answer.depth > 0.05
+    assert answer.contact_area[late] == pytest.approx(area[late], rel=5e-3)
+
+
+@EACH
+def test_pressure_never_pulls_and_adds_up_to_the_force(motion):
+    answer = layered.respond(scene(motion=motion))
+    assert answer.pressure.min() > -1e-9 * answer.pressure.max()
+    total = 1e-3 * answer.pressure @ answer.pad.areas
+    assert total == pytest.approx(answer.force, abs=1e-9 * answer.force.max())
+
+
+def test_a_light_touch_agrees_with_the_finite_elements_and_deep_ones_feel_the_flat_bone():
+    """A finger is narrower than a flat stack: 6 % at 0.1 mm and 35 % at 0.5 mm (finding)."""
+    coarse = ff.Finger.subject("a.h.", resolution="coarse")
+    press = scene(finger=coarse, motion=ff.RampHold(20, 0.5, hold=0.05))
+    mine, theirs = layered.respond(press), linear.respond(press)
+    rising = slice(1, int(np.argmax(theirs.depth)) + 1)
+    ratio = mine.force[rising] / np.maximum(theirs.force[rising], 1e-12)
+    light, deep = (int(np.argmin(np.abs(mine.depth[rising] - depth))) for depth in (0.1, 0.5))
+    assert 0.95 < ratio[light] < 1.12
+    assert 1.2 < ratio[deep] < 1.5
+    last = mine.strain[-1, :, 2, 2] / theirs.strain[-1, :, 2, 2]
+    assert np.all(np.abs(last - 1) < 0.35)
+    assert np.all(mine.strain[-1, :, 2, 2] < 0)
+
+
+def test_an_ellipsoid_is_answered_by_its_equivalent_circle():
+    ball = layered.respond(scene(indenter=ff.Sphere(5.0)))
+    same = layered.respond(scene(indenter=ff.Ellipsoid((5.0, 5.0, 5.0))))
+    assert same.force == pytest.approx(ball.force)
+    assert any("equivalent radius" in note for note in same.notes)
+
+
+def test_what_it_cannot_do_is_refused():
+    assert {item.about for item in layered.refuse(scene(ask=ff.Ask()))} == {"ability"}
+    assert layered.refuse(scene()) == ()
+    buried = layered.refuse(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8})))
+    assert "4.8 mm is not above the bone at 4.7 mm" in buried[0].reason
+    with pytest.raises(InputError, match="contact is at most as wide as the radius"):
+        layered.respond(scene(indenter=ff.Sphere(0.5), motion=ff.RampHold(20, 1.5, hold=0.1)))

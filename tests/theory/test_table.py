@@ -1,0 +1,79 @@
+"""The table of contacts against contacts solved one by one, and against Hertz and Huber."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fefinger.theory.below import below
+from fefinger.theory.hertz import Hertz
+from fefinger.theory.indentation import paraboloid_at
+from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.table import tabulate
+
+
+FINGER = Stack((Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48)))
+TABLE = tabulate(FINGER, 10.0, widest=6.0)
+DEPTHS = [2e-3, 0.03, 0.3, 1.1, 2.0]
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_any_depth_is_the_contact_solved_there(depth):
+    """Tolerances: what the docstring of LEVELS promises."""
+    solved, found = paraboloid_at(FINGER, 10.0, depth=depth), TABLE.at(depth)
+    assert float(TABLE.force(depth)) == pytest.approx(solved.force, rel=1e-6)
+    assert found.contact_radius == pytest.approx(solved.contact_radius, rel=1e-6)
+    assert found.force == pytest.approx(solved.force, rel=3e-6)
+    # Short of the edge, where the pressure is a root and a part in 1e6 of a shows as 1e-3.
+    r = np.linspace(0, 0.98, 20) * solved.contact_radius
+    np.testing.assert_allclose(found.pressure(r), solved.pressure(r), rtol=1e-5)
+
+
+def test_strain_is_that_of_the_contacts_solved_there():
+    r, z = np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.5, 0.7, 1.2, 2.0])
+    found = TABLE.strain(DEPTHS, r, z=z)
+    contacts = [paraboloid_at(FINGER, 10.0, depth=depth) for depth in DEPTHS]
+    solved = below(FINGER, contacts, r, z=z).strain
+    scale = np.abs(solved).max(axis=(1, 2))
+    assert np.max(np.abs(found - solved).max(axis=(1, 2)) / scale) < 1.5e-4
+
+
+def test_a_half_space_is_hertz_and_huber_at_every_depth():
+    table = tabulate(Stack((Layer(math.inf, 34.0, 0.45),)), 10.0, widest=4.0)
+    depth = np.array([0.001, 0.05, 0.4, 1.5])
+    contacts = [Hertz(10.0, one, modulus=34.0, poisson=0.45) for one in depth]
+    np.testing.assert_allclose(table.force(depth), [h.force for h in contacts], rtol=1e-12)
+    np.testing.assert_allclose(
+        table.contact_radius(depth), [h.contact_radius for h in contacts], rtol=1e-12
+    )
+    r, z = np.array([0.0, 0.9, 3.0]), np.array([0.6, 0.6, 1.5])
+    for strain, h in zip(table.strain(depth, r, z=z), contacts, strict=True):
+        expected = h.strain(r, z)
+        np.testing.assert_allclose(strain, expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_force_is_inverted_from_nothing_to_the_deepest():
+    depth = np.linspace(0, TABLE.deepest, 30)
+    np.testing.assert_allclose(TABLE.depth(TABLE.force(depth)), depth, atol=1e-12)
+    assert float(TABLE.force(0.0)) == 0
+    assert float(TABLE.contact_radius(0.0)) == 0
+
+
+def test_touch_strains_nothing():
+    assert not TABLE.strain([0.0], [0.0, 1.0], z=[0.5, 0.5]).any()
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: TABLE.force(-0.1), "depths in 0 to"),
+        (lambda: TABLE.force(1.01 * TABLE.deepest), "depths in 0 to"),
+        (lambda: TABLE.depth(3000.0), "a force in 0 to"),
+        (lambda: TABLE.at(0.0), "depth above 0"),
+        (lambda: TABLE.strain([0.1], [0.0], z=[0.1]), r"at least 0\.02 contact radii"),
+        (lambda: tabulate(FINGER, 10.0, widest=11.0), "at most the radius 10 mm"),
+    ],
+)
+def test_what_is_out_of_range_is_refused(make, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        make()
