@@ -1,10 +1,11 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from fefinger.neural.trains import SpikeTrains
 from fefinger.records import (
@@ -26,6 +27,13 @@ TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees
 DEPTH = 1.5  # mm
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Keep BLAS to one thread: the tests run side by side, and threads that spin slow them down."""
+    with threadpool_limits(1, user_api="blas"):
+        yield
 
 
 @pytest.fixture(scope="session")
