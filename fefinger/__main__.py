@@ -247,5 +247,23 @@ def validate(suites: tuple[str, ...], quick: bool, output: str | None, as_json: 
     return FAILED if "fail" in verdicts else DONE
 
 
+@cli.command()
+@click.argument("suites", nargs=-1)
+@_json
+def bench(suites: tuple[str, ...], as_json: bool) -> None:
+    """Measure speed and accuracy.
+
+    Runs all suites, or the SUITES named, each against a baseline in the same run.
+    """
+    from fefinger.bench import run as measure
+
+    with console.progress() as report:
+        record = measure(suites, progress=report or _silent)
+    if as_json:
+        console.print_json(record)
+    else:
+        click.echo(console.bench_summary(record))
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -210,3 +210,11 @@ def test_integrate_and_fire_finds_a_threshold_that_is_touched_between_samples():
 def test_impossible_membranes_are_refused(kind, options):
     with pytest.raises(InputError, match=next(iter(options))):
         kind(**options)
+
+
+@MEMBRANES
+def test_every_membrane_serves_an_afferent(membrane):
+    from fefinger.neural.afferents import simulate
+
+    trains = simulate([0.0, 0.1, 0.3], [[0.0], [1.0], [1.0]], types=["SAI"], membrane=membrane)
+    assert len(trains.times[0]) > 2

@@ -14,7 +14,7 @@ BLOCK_AFTER = 0.010
 spikes are shorter."""
 
 _FINEST = 1e-5
-"""s: longest step of the splitting over the speed; trains at 9 to 40 uA/cm² are good to 0.04 ms in 0.15 s."""
+"""s: longest step; spike trains at 9 to 40 uA/cm² are good to 0.04 ms in their first 0.15 s."""
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,11 @@ class ConnorStevens:
 
     The A current opens below threshold and inactivates slowly, which delays the next spike: firing
     starts at any low rate, where HodgkinHuxley jumps to 50 Hz (10 Hz with rates / 6), at kinetics
-    that are not slowed. `transient` is its conductance in mS/cm²; at 20 and below the membrane fires
-    without a stimulus. All rates are divided by `rate_divisor`. At 16 Hz, where HodgkinHuxley(6)
-    gives one impulse per cycle of A (1 - cos wt) at A = 6.25, 12.5, 25 and 50 uA/cm², this one
-    gives 1, 4, 8 and 13.5, and each amplitude has its one impulse at a frequency of its own.
+    that are not slowed. At 16 Hz, where HodgkinHuxley(6) gives one impulse per cycle of
+    A (1 - cos wt) at A = 6.25, 12.5, 25 and 50 uA/cm², this one gives 1, 4, 8 and 13.5, and each
+    amplitude has its one impulse at a frequency of its own. `transient` is the conductance of the
+    A current in mS/cm²; at 20 and below the membrane fires without a stimulus. All rates are
+    divided by `rate_divisor`.
 
     The nerve of a crab leg at 18 C. Connor, Walter & McKown (1977), Biophys J 18:81, as given by
     Dayan & Abbott (2001), Theoretical Neuroscience, section 6.6, Eq. 6.27 to 6.38. Spikes as in
