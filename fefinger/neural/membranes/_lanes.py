@@ -46,12 +46,14 @@ _FAST = {"contract", "arcp", "nsz", "reassoc"}
 def _powers(v: float) -> tuple[float, float, float, float]:
     """Return exp of -v/80, -v/20, -v/18 and -v/10, all powers of exp(-v/720).
 
-    Its argument is below 0.28, where ten terms leave an error of 1e-12 in the highest power.
+    Eight terms of its series leave a relative error of 1e-9 in the highest power at 118 mV, the
+    top of a spike, and of 1e-7 at 200 mV, where only a driven membrane comes.
     """
     x = v * (-1.0 / 720.0)
-    e = 1.0 / 720.0 + x * (1.0 / 5040.0 + x * (1.0 / 40320.0 + x * (1.0 / 362880.0)))
-    e = 1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * e))
-    e1 = 1.0 + x * (1.0 + x * (0.5 + x * e))
+    x2 = x * x
+    low = (1.0 + x) + x2 * (0.5 + x * (1.0 / 6.0))
+    high = (1.0 / 24.0 + x * (1.0 / 120.0)) + x2 * (1.0 / 720.0 + x * (1.0 / 5040.0))
+    e1 = low + (x2 * x2) * high
     e2 = e1 * e1
     e4 = e2 * e2
     e5 = e4 * e1
