@@ -249,16 +249,23 @@ def validate(suites: tuple[str, ...], quick: bool, output: str | None, as_json: 
 
 @cli.command()
 @click.argument("suites", nargs=-1)
+@_output("bench-SUITE.json")
 @_json
-def bench(suites: tuple[str, ...], as_json: bool) -> None:
+def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
     """Measure speed and accuracy.
 
     Runs all suites, or the SUITES named, each against a baseline in the same run.
     """
-    from fefinger.bench import run as measure
+    from fefinger import bench as benchmarks
+    from fefinger.files import output_folder
 
+    folder = None if output is None else output_folder(output)
     with console.progress() as report:
-        record = measure(suites, progress=report or _silent)
+        measured = benchmarks.run(suites, progress=report or _silent)
+    if folder is not None:
+        for suite, figures in measured.items():
+            benchmarks.write(suite, figures, folder)
+    record = benchmarks.as_json(figure for figures in measured.values() for figure in figures)
     if as_json:
         console.print_json(record)
     else:

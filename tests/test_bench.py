@@ -17,7 +17,7 @@ def test_a_figure_has_a_ratio_only_where_there_is_a_baseline():
     assert bench.Figure("a", 3.0, "s", 0.0).ratio is None
 
 
-def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch):
+def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch, tmp_path):
     figures = [bench.Figure("fast", 0.1, "s", 1.0), bench.Figure("load", 0.5, "processes")]
     monkeypatch.setattr(neural, "figures", lambda progress: figures)
     assert main(["bench", "neural", "--json"]) == 0
@@ -27,8 +27,11 @@ def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch
             {"name": "load", "value": 0.5, "unit": "processes", "baseline": None, "ratio": None},
         ]
     }
-    assert main(["bench"]) == 0
+    assert main(["bench", "-o", str(tmp_path)]) == 0
     assert "fast" in capsys.readouterr().out
+    written = json.loads((tmp_path / "bench-neural.json").read_text())
+    assert written["figures"][0]["ratio"] == 0.1
+    assert set(written) == {"command", "commit", "date", "machine", "versions", "figures"}
 
 
 def test_an_unknown_suite_is_refused(capsys):
@@ -40,9 +43,9 @@ def test_the_neural_suite_measures_every_method(monkeypatch):
     monkeypatch.setattr(neural, "UNITS", 4)
     monkeypatch.setattr(neural, "REPEATS", 1)
     monkeypatch.setattr(neural, "EXACT", 1)
-    record = bench.run(["neural"])
-    values = {figure["name"]: figure["value"] for figure in record["figures"]}
-    assert len(values) == len(record["figures"])
+    figures = bench.run(["neural"])["neural"]
+    values = {figure.name: figure.value for figure in figures}
+    assert len(values) == len(figures)
     for name in neural.methods():
         assert values[f"{name}: wall"] > 0
     assert values["Runge-Kutta 0.05 ms: units miscounted"] == 0

@@ -10,20 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes._hodgkin_huxley import (
-    CAPACITANCE,
-    G_K,
-    G_LEAK,
-    G_NA,
-    REARM_MV,
-    SPIKE_MV,
-    V_K,
-    V_LEAK,
-    V_NA,
-    crossing,
-    rates,
-    slope,
-)
+from fefinger.neural.membranes import _hodgkin_huxley as squid
 
 
 State = tuple[float, float, float, float]
@@ -35,9 +22,9 @@ def _runge_kutta(y: State, k1: State, dt: float, middle: float, end: float, slow
     v, n, m, h = y
     a, b, c, d = k1
     s = 0.5 * dt
-    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, 1.0)
-    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, 1.0)
-    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, 1.0)
+    e, f, g, i = squid.slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, 1.0)
+    p, q, r, u = squid.slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, 1.0)
+    w, x, j, z = squid.slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, 1.0)
     s = dt / 6.0
     return (
         v + s * (a + 2.0 * (e + p) + w),
@@ -51,13 +38,13 @@ def _runge_kutta(y: State, k1: State, dt: float, middle: float, end: float, slow
 def _exponential_euler(y: State, dt: float, current: float, slow: float) -> State:
     """Relax each variable exactly with all others held at the start of the step: first order."""
     v, n, m, h = y
-    a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
-    g_k, g_na = G_K * n * n * n * n, G_NA * m * m * m * h
-    total = g_k + g_na + G_LEAK
-    end = (current + g_k * V_K + g_na * V_NA + G_LEAK * V_LEAK) / total
+    a_n, b_n, a_m, b_m, a_h, b_h = squid.rates(v)
+    g_k, g_na = squid.G_K * n * n * n * n, squid.G_NA * m * m * m * h
+    total = g_k + g_na + squid.G_LEAK
+    end = (current + g_k * squid.V_K + g_na * squid.V_NA + squid.G_LEAK * squid.V_LEAK) / total
     n_end, m_end, h_end = a_n / (a_n + b_n), a_m / (a_m + b_m), a_h / (a_h + b_h)
     return (
-        end + (v - end) * math.exp(-total * dt / CAPACITANCE),
+        end + (v - end) * math.exp(-total * dt / squid.CAPACITANCE),
         n_end + (n - n_end) * math.exp(-slow * (a_n + b_n) * dt),
         m_end + (m - m_end) * math.exp(-slow * (a_m + b_m) * dt),
         h_end + (h - h_end) * math.exp(-slow * (a_h + b_h) * dt),
@@ -85,17 +72,17 @@ def integrate(
         for j in range(steps):
             dt, per_step = interval / steps, (current[k + 1] - current[k]) / steps
             start = current[k] + j * per_step
-            k1 = slope(y[0], y[1], y[2], y[3], start, slow, 1.0)
+            k1 = squid.slope(y[0], y[1], y[2], y[3], start, slow, 1.0)
             if exponential:
                 new = _exponential_euler(y, dt, start, slow)
             else:
                 new = _runge_kutta(y, k1, dt, start + 0.5 * per_step, start + per_step, slow)
-            if armed and new[0] >= SPIKE_MV:
-                d1 = slope(new[0], new[1], new[2], new[3], start + per_step, slow, 1.0)[0]
-                spikes[count] = time[k] + dt * (j + crossing(y[0], new[0], k1[0], d1, dt))
+            if armed and new[0] >= squid.SPIKE_MV:
+                d1 = squid.slope(new[0], new[1], new[2], new[3], start + per_step, slow, 1.0)[0]
+                spikes[count] = time[k] + dt * (j + squid.crossing(y[0], new[0], k1[0], d1, dt))
                 count += 1
                 armed = False
-            elif new[0] < REARM_MV:
+            elif new[0] < squid.REARM_MV:
                 armed = True
             y = new
     return count

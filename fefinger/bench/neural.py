@@ -2,6 +2,7 @@
 
 import os
 import time
+import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -41,9 +42,14 @@ class Error:
 
 
 def compare(spikes: Spikes, reference: Spikes) -> Error:
-    """Return the errors of spike times in s; only equal counts have times to compare."""
+    """Return the errors of spike times in s; only equal counts have times to compare.
+
+    Without any the errors are not a number.
+    """
     pairs = [(a, b) for a, b in zip(spikes, reference, strict=True) if len(a) == len(b)]
-    errors = np.abs(np.concatenate([1e3 * (a - b) for a, b in pairs]))
+    errors = np.abs(np.concatenate([np.empty(0), *(1e3 * (a - b) for a, b in pairs)]))
+    if not len(errors):
+        errors = np.array([np.nan])
     return Error(float(np.median(errors)), float(errors.max()), len(spikes) - len(pairs))
 
 
@@ -77,6 +83,17 @@ def methods() -> dict[str, Callable[[NDArray[np.float64]], Spikes]]:
         ),
         "integrate-and-fire": lambda current: list(cheap.fire(TIME, current).times),
     }
+
+
+def memory(tolerance: float) -> float:
+    """Return the most MB allocated while UNITS with 1000 samples each fire."""
+    at = np.linspace(TIME[0], TIME[-1], 1000)
+    current = np.outer(np.interp(at, TIME, [0.0, 1.0, 1.0]), np.linspace(2.0, 60.0, UNITS))
+    tracemalloc.start()
+    HodgkinHuxley(DIVISOR).fire(at, current, tolerance=tolerance, stimulus_driven=False)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak / 1e6
 
 
 def figures(progress: Progress) -> list[Figure]:
@@ -120,5 +137,6 @@ def figures(progress: Progress) -> list[Figure]:
     found.append(
         Figure(f"integrate-and-fire: wall, against {hh}", wall["integrate-and-fire"], "s", wall[hh])
     )
+    found.append(Figure(f"{hh}: memory beside its input", memory(TOLERANCE), "MB"))
     found.append(Figure("load average of the last minute", os.getloadavg()[0], "processes"))
     return found

@@ -7,8 +7,10 @@ from fefinger.checks import InputError
 from fefinger.neural.membranes import METHODS, HodgkinHuxley
 
 
-STANDARD, SLOWED = HodgkinHuxley(1.0), HodgkinHuxley(6.0)
-SPEEDS = pytest.mark.parametrize("membrane", [STANDARD, SLOWED], ids=["standard", "slowed"])
+STANDARD, SLOWED, WARM = HodgkinHuxley(1.0), HodgkinHuxley(6.0), HodgkinHuxley(1.0, 16.3)
+SPEEDS = pytest.mark.parametrize(
+    "membrane", [STANDARD, SLOWED, WARM], ids=["standard", "slowed", "warm"]
+)
 
 RAMP = np.array([0.0, 0.05, 0.2])
 LEVELS = np.outer([0.0, 1.0, 1.0], [0.0, 3.0, 8.0, 15.0, 30.0, 55.0])
@@ -18,7 +20,7 @@ LEVELS = np.outer([0.0, 1.0, 1.0], [0.0, 3.0, 8.0, 15.0, 30.0, 55.0])
 def truths():
     return {
         membrane: membrane.fire(RAMP, LEVELS, method="adaptive", stimulus_driven=False)
-        for membrane in (STANDARD, SLOWED)
+        for membrane in (STANDARD, SLOWED, WARM)
     }
 
 

@@ -1,12 +1,21 @@
 """The membrane with a fast transient potassium current."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import number
-from fefinger.neural.membranes.firing import LARGEST_STEP, Firing, Run, in_blocks, signals, trimmed
+from fefinger.neural.membranes.firing import (
+    LARGEST_STEP,
+    Firing,
+    Run,
+    fired,
+    in_blocks,
+    signals,
+    trimmed,
+)
 
 
 BLOCK_AFTER = 0.010
@@ -76,25 +85,13 @@ class ConnorStevens:
         dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
         time_ms, columns = signals(time, current)
         step = 1e3 * min(dt, _FINEST)
-        times, rows = self._runs(time_ms, columns, step, frozen=False)
-        driven = np.zeros(len(rows), np.int64)
-        if stimulus_driven:
-            frozen, _ = self._runs(time_ms, columns, step, frozen=True)
-            driven = np.array([len(each) for each in frozen], np.int64)
-        return Firing(
-            times=tuple(1e-3 * each for each in times),
-            peak_mV=rows[:, 6],
-            block_seconds=1e-3 * rows[:, 7],
-            stimulus_driven=driven,
-            final=rows[:, :6],
-        )
+        return fired(partial(self._run, time_ms, columns, step), stimulus_driven=stimulus_driven)
 
-    def _runs(
+    def _run(
         self,
         time_ms: NDArray[np.float64],
         columns: NDArray[np.float64],
         step: float,
-        *,
         frozen: bool,
     ) -> Run:
         """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""

@@ -92,6 +92,22 @@ def in_blocks(
     return [times for part in runs for times in part[0]], np.concatenate([rows for _, rows in runs])
 
 
+def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
+    """Return what units did from `run(frozen)`, again with frozen sodium if that is asked.
+
+    The rows of a run hold the final state, the highest potential in mV and the ms in block.
+    """
+    times, rows = run(False)
+    driven = [len(each) for each in run(True)[0]] if stimulus_driven else [0] * len(times)
+    return Firing(
+        times=tuple(1e-3 * each for each in times),
+        peak_mV=rows[:, -2],
+        block_seconds=1e-3 * rows[:, -1],
+        stimulus_driven=np.array(driven, np.int64),
+        final=rows[:, :-2],
+    )
+
+
 def trimmed(spikes: NDArray[np.float64], counts: NDArray[np.int64]) -> list[NDArray[np.float64]]:
     """Return the filled part of each row, or raise InputError where a row was too short."""
     if counts.max(initial=0) > spikes.shape[1]:

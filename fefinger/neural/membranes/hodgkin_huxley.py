@@ -7,7 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, choice, number
-from fefinger.neural.membranes.firing import LARGEST_STEP, Firing, Run, in_blocks, signals, trimmed
+from fefinger.neural.membranes.firing import (
+    LARGEST_STEP,
+    Firing,
+    Run,
+    fired,
+    in_blocks,
+    signals,
+    trimmed,
+)
 
 
 BLOCK_MV, BLOCK_CURRENT, BLOCK_AFTER = 6.5, 50.0, 0.010
@@ -112,8 +120,8 @@ class HodgkinHuxley:
         current
             (n_t,) or (n_t, n_units) uA/cm², linear between the samples.
         dt
-            Longest step in s, at most 5e-5, which is the default; divided by the speed where that
-            is above 1. The adaptive method chooses its own steps.
+            Longest step in s, at most 5e-5, which is the default; never longer than 5e-5 over the
+            speed. The adaptive method chooses its own steps.
         method
             "runge-kutta" (default; fourth order), "splitting" (second order, several times
             faster) or "adaptive" (order 8 at a relative tolerance of 1e-10, slow).
@@ -137,27 +145,16 @@ class HodgkinHuxley:
         dt = LARGEST_STEP if dt is None else dt
         dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
         time_ms, columns = signals(time, current)
-        step = 1e3 * dt / max(1.0, self.speed)
-        times, rows = self._runs(method, time_ms, columns, step, frozen=False)
-        driven = np.zeros(columns.shape[1], np.int64)
-        if stimulus_driven:
-            frozen, _ = self._runs(method, time_ms, columns, step, frozen=True)
-            driven = np.array([len(each) for each in frozen], np.int64)
-        return Firing(
-            times=tuple(1e-3 * each for each in times),
-            peak_mV=rows[:, 4],
-            block_seconds=1e-3 * rows[:, 5],
-            stimulus_driven=driven,
-            final=rows[:, :4],
-        )
+        step = 1e3 * min(dt, LARGEST_STEP / max(1.0, self.speed))
+        run = partial(self._run, method, time_ms, columns, step)
+        return fired(run, stimulus_driven=stimulus_driven)
 
-    def _runs(
+    def _run(
         self,
         method: str,
         time_ms: NDArray[np.float64],
         current: NDArray[np.float64],
         step: float,
-        *,
         frozen: bool,
     ) -> Run:
         """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
@@ -165,10 +162,10 @@ class HodgkinHuxley:
         if method == "adaptive":
             from fefinger.neural.membranes import _adaptive
 
-            run = partial(
+            unit = partial(
                 _adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), block
             )
-            return in_blocks(run, current, 1)
+            return in_blocks(unit, current, 1)
         from fefinger.neural.membranes import _lanes
 
         rest, split = self.rest(), method == "splitting"
