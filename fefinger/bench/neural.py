@@ -14,7 +14,7 @@ from fefinger.bench import Figure, Progress
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 
 
-UNITS, REPEATS, EXACT = 1000, 7, 16
+UNITS, REPEATS, EXACT = 1000, 15, 16
 """Afferents; runs of each method in turn, of which the fastest counts; units that the adaptive
 method integrates too."""
 
