@@ -82,6 +82,17 @@ def test_a_unit_with_current_fires_the_same_wherever_it_stands(method):
         assert together.peak_mV[i] == alone.peak_mV[0]
 
 
+def test_units_come_back_in_their_order_whenever_they_begin():
+    time = np.linspace(0.0, 0.06, 7)
+    currents = np.where(time[:, None] > np.arange(40) % 5 / 100, np.arange(40) + 5.0, 0.0)
+    currents[:, 7] = currents[:, 23] = 0.0
+    together = SLOWED.fire(time, currents, stimulus_driven=False)
+    for i in range(40):
+        (alone,) = SLOWED.fire(time, currents[:, i], stimulus_driven=False).times
+        assert (len(alone) == 0) == (i in (7, 23))
+        np.testing.assert_allclose(together.times[i], alone, atol=1e-9)
+
+
 @pytest.mark.parametrize("method", METHODS[:2])
 def test_skipping_silence_changes_nothing(method):
     time = np.array([0.0, 0.2, 0.2, 0.203, 0.203, 0.8, 1.4, 1.4, 1.403])

@@ -74,22 +74,37 @@ Run = tuple[list[NDArray[np.float64]], NDArray[np.float64]]
 
 
 def in_blocks(
-    run: Callable[[NDArray[np.float64]], Run], current: NDArray[np.float64], width: int
+    run: Callable[[NDArray[np.float64]], Run],
+    current: NDArray[np.float64],
+    width: int,
+    *,
+    by_onset: bool = False,
 ) -> Run:
     """Run blocks of `width` units on all cores and join them.
 
     Each thread holds the current of its own block alone, so that memory does not grow with units.
+    `by_onset` puts units together that are silent for as long, for a `run` that skips blocks of
+    silent units.
     """
-    firsts = range(0, current.shape[1], width)
+    units = current.shape[1]
+    order = np.arange(units)
+    if by_onset and units > width:
+        onset = np.argmax(current != 0.0, axis=0)
+        order = np.argsort(
+            np.where(current[onset, order] == 0.0, len(current), onset), kind="stable"
+        )
 
     def block(first: int) -> Run:
-        return run(np.ascontiguousarray(current[:, first : first + width]))
+        return run(np.ascontiguousarray(current[:, order[first : first + width]]))
 
+    firsts = range(0, units, width)
     if len(firsts) == 1:
         return block(0)
     with ThreadPoolExecutor(min(_cores(), len(firsts))) as pool:
         runs = list(pool.map(block, firsts))
-    return [times for part in runs for times in part[0]], np.concatenate([rows for _, rows in runs])
+    back = np.argsort(order)
+    times = [each for part in runs for each in part[0]]
+    return [times[i] for i in back], np.concatenate([rows for _, rows in runs])[back]
 
 
 def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:

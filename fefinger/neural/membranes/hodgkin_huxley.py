@@ -179,4 +179,4 @@ class HodgkinHuxley:
             )
             return trimmed(spikes, counts), rows
 
-        return in_blocks(block_of, current, _lanes.LANES)
+        return in_blocks(block_of, current, _lanes.LANES, by_onset=True)
