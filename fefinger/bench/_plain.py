@@ -17,24 +17,6 @@ State = tuple[float, float, float, float]
 
 
 @njit(cache=True)
-def _runge_kutta(y: State, k1: State, dt: float, middle: float, end: float, slow: float) -> State:
-    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
-    v, n, m, h = y
-    a, b, c, d = k1
-    s = 0.5 * dt
-    e, f, g, i = squid.slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, 1.0)
-    p, q, r, u = squid.slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, 1.0)
-    w, x, j, z = squid.slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, 1.0)
-    s = dt / 6.0
-    return (
-        v + s * (a + 2.0 * (e + p) + w),
-        n + s * (b + 2.0 * (f + q) + x),
-        m + s * (c + 2.0 * (g + r) + j),
-        h + s * (d + 2.0 * (i + u) + z),
-    )
-
-
-@njit(cache=True)
 def _exponential_euler(y: State, dt: float, current: float, slow: float) -> State:
     """Relax each variable exactly with all others held at the start of the step: first order."""
     v, n, m, h = y
@@ -76,7 +58,7 @@ def integrate(
             if exponential:
                 new = _exponential_euler(y, dt, start, slow)
             else:
-                new = _runge_kutta(y, k1, dt, start + 0.5 * per_step, start + per_step, slow)
+                new = squid.step(y, k1, dt, start + 0.5 * per_step, start + per_step, slow, 1.0)
             if armed and new[0] >= squid.SPIKE_MV:
                 d1 = squid.slope(new[0], new[1], new[2], new[3], start + per_step, slow, 1.0)[0]
                 spikes[count] = time[k] + dt * (j + squid.crossing(y[0], new[0], k1[0], d1, dt))

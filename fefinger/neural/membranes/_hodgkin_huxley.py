@@ -44,6 +44,32 @@ def slope(
 
 
 @njit(cache=True)
+def step(
+    y: tuple[float, float, float, float],
+    k1: tuple[float, float, float, float],
+    dt: float,
+    middle: float,
+    end: float,
+    slow: float,
+    thaw: float,
+) -> tuple[float, float, float, float]:
+    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
+    v, n, m, h = y
+    a, b, c, d = k1
+    s = 0.5 * dt
+    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, thaw)
+    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, thaw)
+    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, thaw)
+    s = dt / 6.0
+    return (
+        v + s * (a + 2.0 * (e + p) + w),
+        n + s * (b + 2.0 * (f + q) + x),
+        m + s * (c + 2.0 * (g + r) + j),
+        h + s * (d + 2.0 * (i + u) + z),
+    )
+
+
+@njit(cache=True)
 def crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
     """Return the fraction of a step at which the cubic through its ends reaches a spike."""
     low, high = 0.0, 1.0
