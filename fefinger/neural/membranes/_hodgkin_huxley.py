@@ -1,10 +1,8 @@
-"""Compiled Hodgkin-Huxley integration; imported by `membranes` when a membrane first runs."""
+"""The compiled Hodgkin-Huxley equations; imported when a membrane first runs."""
 
 import math
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 
 CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3
@@ -46,7 +44,7 @@ def slope(
 
 
 @njit(cache=True)
-def _step(
+def step(
     y: tuple[float, float, float, float],
     k1: tuple[float, float, float, float],
     dt: float,
@@ -72,7 +70,7 @@ def _step(
 
 
 @njit(cache=True)
-def _crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
+def crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
     """Return the fraction of a step at which the cubic through its ends reaches a spike."""
     low, high = 0.0, 1.0
     for _ in range(45):
@@ -85,54 +83,3 @@ def _crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
         else:
             high = x
     return 0.5 * (low + high)
-
-
-@njit(cache=True, nogil=True)
-def integrate(
-    time: NDArray[np.float64],
-    current: NDArray[np.float64],
-    dt_max: float,
-    divisor: float,
-    frozen: bool,
-    rest: NDArray[np.float64],
-    block_mv: float,
-    block_current: float,
-    block_after: float,
-    spikes: NDArray[np.float64],
-) -> tuple[int, float, float, NDArray[np.float64]]:
-    """Integrate one unit from rest over time (n_t,) ms with current (n_t,) linear in between.
-
-    Fills `spikes` with crossing times in ms; returns their number, the highest potential, the time
-    spent above `block_mv` at more than `block_current` once a stay there without a spike has lasted
-    `block_after` ms, and the final state.
-    """
-    slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
-    y = (rest[0], rest[1], rest[2], rest[3])
-    armed, count, peak, block, above = True, 0, y[0], 0.0, 0.0
-    for k in range(len(time) - 1):
-        interval = time[k + 1] - time[k]
-        steps = math.ceil(interval / dt_max - 1e-9)
-        if steps == 0:
-            continue
-        dt, i0 = interval / steps, current[k]
-        per_step = (current[k + 1] - i0) / steps
-        for j in range(steps):
-            start = i0 + j * per_step
-            k1 = slope(y[0], y[1], y[2], y[3], start, slow, thaw)
-            new = _step(y, k1, dt, start + 0.5 * per_step, start + per_step, slow, thaw)
-            if armed and new[0] >= SPIKE_MV:
-                d1 = slope(new[0], new[1], new[2], new[3], start + per_step, slow, thaw)[0]
-                armed = False
-                if count < len(spikes):
-                    spikes[count] = time[k] + dt * (j + _crossing(y[0], new[0], k1[0], d1, dt))
-                count += 1
-                above = 0.0
-            elif new[0] < REARM_MV:
-                armed = True
-            high = new[0] > block_mv and start > block_current
-            above = above + dt if high else 0.0
-            if above > block_after:
-                block += min(dt, above - block_after)
-            peak = max(peak, new[0])
-            y = new
-    return count, peak, block, np.array(y)

@@ -1,0 +1,26 @@
+"""Membranes: from generator current to spikes, as siblings that can stand for one another."""
+
+from fefinger.neural.membranes.connor_stevens import ConnorStevens
+from fefinger.neural.membranes.firing import LARGEST_STEP, Firing, Membrane
+from fefinger.neural.membranes.hodgkin_huxley import (
+    BLOCK_AFTER,
+    BLOCK_CURRENT,
+    BLOCK_MV,
+    METHODS,
+    HodgkinHuxley,
+)
+from fefinger.neural.membranes.integrate_and_fire import IntegrateAndFire
+
+
+__all__ = [
+    "BLOCK_AFTER",
+    "BLOCK_CURRENT",
+    "BLOCK_MV",
+    "LARGEST_STEP",
+    "METHODS",
+    "ConnorStevens",
+    "Firing",
+    "HodgkinHuxley",
+    "IntegrateAndFire",
+    "Membrane",
+]
