@@ -110,6 +110,9 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("SpikeTrains", "positions"): Variable(
         "unit_positions", ("unit", "axis"), "mm", "places of the end organs"
     ),
+    ("SpikeTrains", "depths"): Variable(
+        "unit_depths", ("unit",), "mm", "depth of the end organs under skin"
+    ),
 }
 COORDINATES = {
     "axis": ("x", "y", "z"),

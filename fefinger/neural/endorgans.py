@@ -3,12 +3,21 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError
+
+
+class Organ(Protocol):
+    """A filter between skin and nerve displacement, with `respond` as in `PoleZero`."""
+
+    def respond(
+        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
+    ) -> NDArray[np.float64]:
+        """Return the output at times `at`, for an input that is zero before `time[0]`."""
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import END_ORGANS, rectify
+from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ
 
 
 LARGEST_CURRENT = 100.0
@@ -44,11 +44,15 @@ def transduce(
     gain: float,
     generator: str = "saturating",
     at: ArrayLike | None = None,
+    organ: Organ | None = None,
+    rectifier: str = "half",
 ) -> NDArray[np.float64]:
     """Return the generator current in uA/cm² of a unit's type for a skin displacement in mm.
 
-    End-organ filter, half-wave rectification, generator; `time`, `x_in` and `at` as in
-    `PoleZero.respond`, `kind` an afferent type, `generator` one of GENERATORS.
+    End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,
+    `kind` an afferent type, `generator` one of GENERATORS, `organ` the filter where it is not that
+    of END_ORGANS, `rectifier` one of RECTIFIERS.
     """
-    x_nerve = rectify(END_ORGANS[kind].respond(time, x_in, at))
+    x_out = (organ or END_ORGANS[kind]).respond(time, x_in, at)
+    x_nerve = RECTIFIERS[rectifier](x_out)
     return GENERATORS[generator](x_nerve, gain)

@@ -14,7 +14,7 @@ from fefinger.neural.endorgans import PoleZero
 
 
 def spring(skin: float, organ: float, nerve: float) -> PoleZero:
-    """Return three springs in series (Fig. 4-4a): the share of the skin's displacement at the nerve.
+    """Return three springs in series (Fig. 4-4a): the nerve's share of a skin displacement.
 
     k_s k_e / (k_s k_e + k_n (k_s + k_e)); Eq. 5.8 prints its limit for a stiff nerve. Stiffnesses
     above 0, in any one unit. Three dampers in series (Fig. 4-5a) share in the same way.
@@ -79,7 +79,7 @@ class Derivative:
 
 @dataclass(frozen=True)
 class Features:
-    """Position mm, velocity mm/s and acceleration mm/s² of inputs at their samples, as the input."""
+    """Position mm, velocity mm/s and acceleration mm/s² of inputs, each (n_t,) or (n_t, n_units)."""
 
     position: NDArray[np.float64]
     velocity: NDArray[np.float64]
@@ -87,7 +87,7 @@ class Features:
 
 
 def features(time: ArrayLike, x_in: ArrayLike) -> Features:
-    """Return what of an input position, velocity and acceleration are; InputError where it jumps."""
+    """Return position, velocity and acceleration of an input; InputError where it jumps."""
     return Features(
         np.asarray(x_in, float),
         Derivative(1).respond(time, x_in),

@@ -15,7 +15,8 @@ class SpikeTrains:
     """What the afferent units fired, and the signals on the way to it.
 
     types, names: one per unit. times: one ascending array of spike times in s per unit, between
-    t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None.
+    t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm
+    of the end organs under the skin, or None. seed: of what is random in them; None: nothing is.
 
     time: (n_t,) s, on which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) uA/cm² the generator current; both linear in between
@@ -39,6 +40,8 @@ class SpikeTrains:
     block_seconds: NDArray[np.float64]
     stimulus_driven: NDArray[np.int64]
     positions: NDArray[np.float64] | None = None
+    depths: NDArray[np.float64] | None = None
+    seed: int | None = None
     notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:

@@ -84,7 +84,7 @@ def test_slow_chain_has_the_closed_forms_of_the_thesis():
 @CHAINS
 @pytest.mark.parametrize("parallel", [None, 0.01, 5.0])
 def test_response_to_uneven_straight_lines_is_that_of_the_network(chain, parallel):
-    """scipy's lsim is exact for straight lines too, by matrix exponentials; it wants even steps."""
+    """The oracle, lsim, is exact for straight lines too, by matrix exponentials of even steps."""
     time = np.linspace(0, 2, 401)
     knots = np.array([0, 0.05, 0.3, 0.31, 1.0, 1.5, 2.0])
     x = np.interp(time, knots, [0, 1, 1, -0.4, 0.2, 0.2, 0])
@@ -98,7 +98,7 @@ def test_response_to_uneven_straight_lines_is_that_of_the_network(chain, paralle
 
 @CHAINS
 def test_a_parallel_spring_shares_the_force(chain):
-    """force = K_parallel x_in + K_n x_nerve, at any frequency."""
+    """Force is K_parallel x_in + K_n x_nerve, at any frequency."""
     frequency, parallel = np.geomspace(1e-3, 1e3, 13), 1.7
     share = chain.displacement_filter().frequency_response(frequency)
     expected = share / (parallel + chain.nerve * share)
