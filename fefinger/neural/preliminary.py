@@ -79,7 +79,7 @@ class Derivative:
 
 @dataclass(frozen=True)
 class Features:
-    """Position mm, velocity mm/s and acceleration mm/s² of inputs, each (n_t,) or (n_t, n_units)."""
+    """Position mm, velocity mm/s and acceleration mm/s² of (n_t,) or (n_t, n_units) mm."""
 
     position: NDArray[np.float64]
     velocity: NDArray[np.float64]

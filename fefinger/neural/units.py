@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -240,7 +241,7 @@ def _delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
-def _membrane(membrane: HodgkinHuxley | None, rule: str) -> HodgkinHuxley:
+def _membrane(membrane: Any, rule: str) -> HodgkinHuxley:
     membrane = membrane or HodgkinHuxley()
     if rule == "first" and not isinstance(membrane, HodgkinHuxley):
         msg = (
