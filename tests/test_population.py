@@ -23,7 +23,7 @@ def pad():
 
 @pytest.fixture
 def answered(synthetic, pad):
-    """Return a response whose strain at every site is that of the reference, growing with the depth."""
+    """Return what makes a response with the strain of the reference, growing, at every site."""
 
     def make(units):
         response = synthetic.response
