@@ -338,7 +338,7 @@ def remarks(
         if driven > 0
     ]
     for i, kind in enumerate(types):
-        jump = _coarse_jump(time, x_in[:, i]) if kind == "FAII" else 0.0
+        jump = coarse_jump(time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
         if jump > FAII_JUMP:
             notes.append(
                 f"{names[i]}: the velocity of its input jumps by {jump:.3g} mm/s at samples more "
@@ -348,9 +348,9 @@ def remarks(
     return tuple(notes)
 
 
-def _coarse_jump(time: Array, x: Array) -> float:
-    """Return the largest jump of velocity, in mm/s, next to an interval longer than FAII_STEP."""
+def coarse_jump(time: Array, x: Array, longest: float) -> float:
+    """Return the largest jump of velocity, in mm/s, next to an interval longer than `longest` s."""
     moving = np.diff(time) > 0
     step, change = np.diff(time)[moving], np.diff(x)[moving]
-    coarse = np.maximum(step[1:], step[:-1]) > FAII_STEP * (1 + 1e-6)
+    coarse = np.maximum(step[1:], step[:-1]) > longest * (1 + 1e-6)
     return float(np.abs(np.diff(change / step))[coarse].max(initial=0.0))
