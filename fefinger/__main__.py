@@ -282,5 +282,30 @@ def validate(suites: tuple[str, ...], quick: bool, output: str | None, as_json: 
     return FAILED if "fail" in verdicts else DONE
 
 
+@cli.command()
+@click.argument("suites", nargs=-1)
+@_output("bench-SUITE.json")
+@_json
+def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
+    """Measure speed and accuracy.
+
+    Runs all suites, or the SUITES named, each against a baseline in the same run.
+    """
+    from fefinger import bench as benchmarks
+    from fefinger.files import output_folder
+
+    folder = None if output is None else output_folder(output)
+    with console.progress() as report:
+        measured = benchmarks.run(suites, progress=report or _silent)
+    if folder is not None:
+        for suite, figures in measured.items():
+            benchmarks.write(suite, figures, folder)
+    record = benchmarks.as_json(figure for figures in measured.values() for figure in figures)
+    if as_json:
+        console.print_json(record)
+    else:
+        click.echo(console.bench_summary(record))
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -195,3 +195,17 @@ def validation_summary(record: dict[str, Any]) -> str:
         for case in suite["cases"]
     ]
     return table(rows, ("suite", "case", "value", "expected", "verdict"))
+
+
+def bench_summary(record: dict[str, Any]) -> str:
+    """Return the figures of a benchmark as text, one line each."""
+    rows = [
+        (
+            figure["name"],
+            f"{figure['value']:.4g} {figure['unit']}",
+            "" if figure["baseline"] is None else f"{figure['baseline']:.4g}",
+            "" if figure["ratio"] is None else f"{figure['ratio']:.3g}",
+        )
+        for figure in record["figures"]
+    ]
+    return table(rows, ("figure", "value", "baseline", "ratio"))

@@ -1,0 +1,78 @@
+"""Hodgkin-Huxley integration by an adaptive method of order 8: the reference for the others."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from fefinger.checks import ConvergenceError
+from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, slope
+from fefinger.neural.membranes.firing import Run
+
+
+_RTOL, _ATOL = 1e-10, 1e-12
+
+_STRAIGHT = 1e-12
+"""Change of slope, over the largest slope, below which three samples lie on one line."""
+
+
+def integrate(
+    time: NDArray[np.float64],
+    divisor: float,
+    frozen: bool,
+    rest: NDArray[np.float64],
+    block: tuple[float, float, float],
+    current: NDArray[np.float64],
+) -> Run:
+    """Integrate one unit, current (n_t, 1), and return what `_lanes.integrate` finds.
+
+    It starts anew at every kink of the current; peak and block are read at the ends of steps.
+    """
+    slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
+    y, step, armed, above, peak, blocked = rest, None, True, 0.0, float(rest[0]), 0.0
+    spikes: list[float] = []
+    for t0, t1, i0, i1 in _straight(time, current[:, 0]):
+        rate = (i1 - i0) / (t1 - t0)
+
+        def rise(
+            t: float, y: NDArray[np.float64], t0: float = t0, i0: float = i0, rate: float = rate
+        ) -> tuple[float, float, float, float]:
+            return slope(y[0], y[1], y[2], y[3], i0 + rate * (t - t0), slow, thaw)
+
+        first = None if step is None else min(step, t1 - t0)
+        solver = DOP853(rise, t0, y, t1, first_step=first, max_step=5.0, rtol=_RTOL, atol=_ATOL)
+        while solver.status == "running":
+            message = solver.step()
+            if solver.status == "failed":
+                msg = f"membrane: the adaptive integration stopped at {solver.t:g} ms: {message}"
+                raise ConvergenceError(msg)
+            v, high = solver.y[0], i0 + rate * (solver.t_old - t0) > block[1]
+            above = above + solver.step_size if high and v > block[0] else 0.0
+            if armed and v >= SPIKE_MV:
+                inside = solver.dense_output()
+                ends = solver.t_old, solver.t
+                spikes.append(brentq(lambda t, f=inside: f(t)[0] - SPIKE_MV, *ends, xtol=1e-11))
+                armed, above = False, 0.0
+            armed = armed or v < REARM_MV
+            peak = max(peak, float(v))
+            blocked += min(solver.step_size, max(above - block[2], 0.0))
+            step = solver.step_size
+        y = solver.y
+    return [np.array(spikes)], np.array([[*y, peak, blocked]])
+
+
+def _straight(
+    time: NDArray[np.float64], current: NDArray[np.float64]
+) -> list[tuple[float, float, float, float]]:
+    """Return (t0, t1, i0, i1) of the longest pieces on which the current is one straight line."""
+    kept = np.flatnonzero(np.diff(time) > 0)
+    if len(kept) == 0:
+        return []
+    slopes = np.diff(current)[kept] / np.diff(time)[kept]
+    starts, ends = current[kept], current[kept + 1]
+    size = max(float(np.abs(slopes).max(initial=0.0)), 1e-300)
+    bends = (np.abs(np.diff(slopes)) > _STRAIGHT * size) | (starts[1:] != ends[:-1])
+    first = np.append(0, np.flatnonzero(bends) + 1)
+    last = np.append(first[1:], len(kept)) - 1
+    pieces = zip(time[kept[first]], time[kept[last] + 1], starts[first], ends[last], strict=True)
+    return [(float(a), float(b), float(c), float(d)) for a, b, c, d in pieces]

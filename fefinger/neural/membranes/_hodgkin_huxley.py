@@ -1,0 +1,59 @@
+"""The compiled Hodgkin-Huxley equations; imported when a membrane first runs."""
+
+import math
+
+from numba import njit
+
+
+CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3
+V_NA, V_K, V_LEAK = 115.0, -12.0, 10.613
+SPIKE_MV, REARM_MV = 40.0, 20.0
+
+
+@njit(cache=True, inline="always")
+def _linoid(x: float, e: float) -> float:
+    """Return x / (e - 1) with e = exp(x), its removable singularity removed."""
+    if abs(x) < 1e-4:
+        return 1.0 - x / 2.0 + x * x / 12.0
+    return x / (e - 1.0)
+
+
+@njit(cache=True)
+def rates(v: float) -> tuple[float, float, float, float, float, float]:
+    """Return opening and closing rates (an, bn, am, bm, ah, bh) in 1/ms at v mV above rest."""
+    tenth = math.exp(-v / 10.0)
+    a_n = 0.1 * _linoid((10.0 - v) / 10.0, 2.718281828459045 * tenth)
+    a_m = _linoid((25.0 - v) / 10.0, 12.182493960703473 * tenth)
+    b_h = 1.0 / (20.085536923187668 * tenth + 1.0)
+    a_h = 0.07 * math.sqrt(tenth)
+    return a_n, 0.125 * math.exp(-v / 80.0), a_m, 4.0 * math.exp(-v / 18.0), a_h, b_h
+
+
+@njit(cache=True)
+def slope(
+    v: float, n: float, m: float, h: float, current: float, slow: float, thaw: float
+) -> tuple[float, float, float, float]:
+    """Return d(v, n, m, h)/dt per ms; `slow` scales the rates and `thaw` 0 freezes m."""
+    a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
+    n2 = n * n
+    ionic = G_K * n2 * n2 * (v - V_K) + G_NA * m * m * m * h * (v - V_NA) + G_LEAK * (v - V_LEAK)
+    dn = slow * (a_n * (1.0 - n) - b_n * n)
+    dm = slow * thaw * (a_m * (1.0 - m) - b_m * m)
+    dh = slow * (a_h * (1.0 - h) - b_h * h)
+    return (current - ionic) / CAPACITANCE, dn, dm, dh
+
+
+@njit(cache=True)
+def crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
+    """Return the fraction of a step at which the cubic through its ends reaches a spike."""
+    low, high = 0.0, 1.0
+    for _ in range(45):
+        x = 0.5 * (low + high)
+        y = 1.0 - x
+        value = y * y * ((1.0 + 2.0 * x) * v0 + x * dt * d0)
+        value += x * x * ((3.0 - 2.0 * x) * v1 - y * dt * d1)
+        if value < SPIKE_MV:
+            low = x
+        else:
+            high = x
+    return 0.5 * (low + high)

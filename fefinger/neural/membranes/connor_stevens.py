@@ -1,0 +1,112 @@
+"""The membrane with a fast transient potassium current."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import number
+from fefinger.neural.membranes.firing import (
+    LARGEST_STEP,
+    Firing,
+    Run,
+    fired,
+    in_blocks,
+    signals,
+    trimmed,
+)
+
+
+BLOCK_AFTER = 0.010
+"""s over the speed that the potential stays more than 20 mV above rest without a spike in a block;
+spikes are shorter."""
+
+_FINEST = 1e-5
+"""s: longest step; spike trains at 9 to 40 uA/cm² are good to 0.04 ms in their first 0.15 s."""
+
+
+@dataclass(frozen=True)
+class ConnorStevens:
+    """Hodgkin-Huxley currents and a fast transient potassium (A) current: thesis 4.4.2.
+
+    The A current opens below threshold and inactivates slowly, which delays the next spike: firing
+    starts at any low rate, where HodgkinHuxley jumps to 50 Hz (10 Hz with rates / 6), at kinetics
+    that are not slowed. At 16 Hz, where HodgkinHuxley(6) gives one impulse per cycle of
+    A (1 - cos wt) at A = 6.25, 12.5, 25 and 50 uA/cm², this one gives 1, 4, 8 and 13.5, and each
+    amplitude has its one impulse at a frequency of its own. `transient` is the conductance of the
+    A current in mS/cm²; at 20 and below the membrane fires without a stimulus. All rates are
+    divided by `rate_divisor`.
+
+    The nerve of a crab leg at 18 C. Connor, Walter & McKown (1977), Biophys J 18:81, as given by
+    Dayan & Abbott (2001), Theoretical Neuroscience, section 6.6, Eq. 6.27 to 6.38. Spikes as in
+    HodgkinHuxley: upward through 40 mV above rest, re-armed below 20 mV.
+    """
+
+    transient: float = 47.7
+    rate_divisor: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the two numbers."""
+        number("transient", self.transient, at_least=30.0, at_most=60.0, unit="mS/cm²")
+        number("rate_divisor", self.rate_divisor, at_least=1.0, at_most=100.0)
+
+    def rest(self) -> NDArray[np.float64]:
+        """Return the lowest state without net current: mV (not from rest) and n, m, h, a, b."""
+        from scipy.optimize import brentq
+
+        from fefinger.neural.membranes import _connor_stevens as compiled
+
+        def state(e: float) -> NDArray[np.float64]:
+            return np.array([e, *compiled.kinetics(e)[1::2]])
+
+        def inward(e: float) -> float:
+            total, drive = compiled.membrane(state(e), e, self.transient)
+            return float(drive - total * e)
+
+        scan = np.linspace(-80.0, 0.0, 801)
+        first = int(np.argmax([inward(e) < 0.0 for e in scan]))
+        return state(brentq(inward, scan[first - 1], scan[first], xtol=1e-13))
+
+    def fire(
+        self,
+        time: ArrayLike,
+        current: ArrayLike,
+        *,
+        dt: float | None = None,
+        stimulus_driven: bool = True,
+    ) -> Firing:
+        """Integrate from rest; parameters and errors as `HodgkinHuxley.fire`.
+
+        A Strang splitting, second order, with steps of at most `dt` and 1e-5 s. The five gates in
+        `final` are n, m, h, a and b.
+        """
+        dt = LARGEST_STEP if dt is None else dt
+        dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
+        time_ms, columns = signals(time, current)
+        step = 1e3 * min(dt, _FINEST)
+        return fired(partial(self._run, time_ms, columns, step), stimulus_driven=stimulus_driven)
+
+    def _run(
+        self,
+        time_ms: NDArray[np.float64],
+        columns: NDArray[np.float64],
+        step: float,
+        frozen: bool,
+    ) -> Run:
+        """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
+        from fefinger.neural.membranes import _connor_stevens as compiled
+
+        rest = self.rest()
+        numbers = self.transient, 1.0 / self.rate_divisor, 1e3 * BLOCK_AFTER * self.rate_divisor
+        room = int(2.0 * (time_ms[-1] - time_ms[0])) + 16
+
+        def unit(column: NDArray[np.float64]) -> Run:
+            spikes = np.empty((1, room))
+            count, peak, block, final = compiled.integrate(
+                time_ms, column[:, 0], step, numbers, frozen, rest, spikes[0]
+            )
+            final[0] -= rest[0]
+            return trimmed(spikes, np.array([count])), np.array([[*final, peak, block]])
+
+        return in_blocks(unit, columns, 1)

@@ -1,0 +1,126 @@
+"""What every membrane shares: the record of its spikes, the check of its input, its threads."""
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError
+
+
+LARGEST_STEP = 5e-5
+"""Longest integration step in s; spike counts in steps and ramps are converged there."""
+
+_LARGEST_INPUT = 1e4
+"""uA/cm² up to which the fixed step is stable."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Firing:
+    """What membranes did: one entry per unit.
+
+    times: ascending spike times in s. peak_mV: highest potential above rest. block_seconds: time
+    in depolarization block. stimulus_driven: crossings of 40 mV with sodium activation frozen at
+    rest (zeros where that was not asked). final: (n_units, n) potential in mV above rest and the
+    gates of the membrane.
+    """
+
+    times: tuple[NDArray[np.float64], ...]
+    peak_mV: NDArray[np.float64]
+    block_seconds: NDArray[np.float64]
+    stimulus_driven: NDArray[np.int64]
+    final: NDArray[np.float64]
+
+
+class Membrane(Protocol):
+    """What turns generator current into spikes."""
+
+    def fire(
+        self, time: ArrayLike, current: ArrayLike, *, dt: float | None, stimulus_driven: bool
+    ) -> Firing:
+        """Fire from rest in uA/cm² given at times in s, as `HodgkinHuxley.fire`."""
+
+
+def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return time (n_t,) in ms and current (n_t, n_units), or raise InputError."""
+    time, current = np.asarray(time, float), np.asarray(current, float)
+    shaped = current.ndim in (1, 2) and current.shape[:1] == time.shape
+    if not shaped or len(time) < 2 or current.size == 0:
+        msg = (
+            "time, current: expected (n_t,) and (n_t,) or (n_t, n_units) with two samples or more "
+            f"and one unit or more, received {time.shape} and {current.shape}"
+        )
+        raise InputError(msg)
+    if not np.isfinite(time).all() or np.any(np.diff(time) < 0):
+        msg = "time: expected finite times in s that never decrease"
+        raise InputError(msg)
+    largest = float(max(current.max(initial=0.0), -current.min(initial=0.0)))
+    if not math.isfinite(largest) or largest > _LARGEST_INPUT:
+        msg = (
+            f"current: expected at most {_LARGEST_INPUT:g} uA/cm², received {largest:g}; "
+            "lower the gain or use the saturating generator"
+        )
+        raise InputError(msg)
+    return 1e3 * time, current.reshape(len(time), -1)
+
+
+Run = tuple[list[NDArray[np.float64]], NDArray[np.float64]]
+"""Spike times per unit in ms, and a row of numbers per unit."""
+
+
+def in_blocks(
+    run: Callable[[NDArray[np.float64]], Run], current: NDArray[np.float64], width: int
+) -> Run:
+    """Run blocks of `width` units on all cores and join them.
+
+    Each thread holds the current of its own block alone, so that memory does not grow with units.
+    """
+    firsts = range(0, current.shape[1], width)
+
+    def block(first: int) -> Run:
+        return run(np.ascontiguousarray(current[:, first : first + width]))
+
+    if len(firsts) == 1:
+        return block(0)
+    with ThreadPoolExecutor(min(_cores(), len(firsts))) as pool:
+        runs = list(pool.map(block, firsts))
+    return [times for part in runs for times in part[0]], np.concatenate([rows for _, rows in runs])
+
+
+def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
+    """Return what units did from `run(frozen)`, again with frozen sodium if that is asked.
+
+    The rows of a run hold the final state, the highest potential in mV and the ms in block.
+    """
+    times, rows = run(False)
+    driven = [len(each) for each in run(True)[0]] if stimulus_driven else [0] * len(times)
+    return Firing(
+        times=tuple(1e-3 * each for each in times),
+        peak_mV=rows[:, -2],
+        block_seconds=1e-3 * rows[:, -1],
+        stimulus_driven=np.array(driven, np.int64),
+        final=rows[:, :-2],
+    )
+
+
+def trimmed(spikes: NDArray[np.float64], counts: NDArray[np.int64]) -> list[NDArray[np.float64]]:
+    """Return the filled part of each row, or raise InputError where a row was too short."""
+    if counts.max(initial=0) > spikes.shape[1]:
+        msg = (
+            f"current: swings {counts.max()} times through 40 mV, faster than any membrane can "
+            "follow"
+        )
+        raise InputError(msg)
+    return [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]
+
+
+def _cores() -> int:
+    """Return the number of cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,68 @@
+"""The benchmarks: their record, their arithmetic and their baselines; never a time."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fefinger import bench
+from fefinger.__main__ import main
+from fefinger.bench import neural
+from fefinger.neural.membranes import HodgkinHuxley
+
+
+def test_a_figure_has_a_ratio_only_where_there_is_a_baseline():
+    assert bench.Figure("a", 3.0, "s", 2.0).ratio == 1.5
+    assert bench.Figure("a", 3.0, "s").ratio is None
+    assert bench.Figure("a", 3.0, "s", 0.0).ratio is None
+
+
+def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch, tmp_path):
+    figures = [bench.Figure("fast", 0.1, "s", 1.0), bench.Figure("load", 0.5, "processes")]
+    monkeypatch.setattr(neural, "figures", lambda progress: figures)
+    assert main(["bench", "neural", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "figures": [
+            {"name": "fast", "value": 0.1, "unit": "s", "baseline": 1.0, "ratio": 0.1},
+            {"name": "load", "value": 0.5, "unit": "processes", "baseline": None, "ratio": None},
+        ]
+    }
+    assert main(["bench", "-o", str(tmp_path)]) == 0
+    assert "fast" in capsys.readouterr().out
+    written = json.loads((tmp_path / "bench-neural.json").read_text())
+    assert written["figures"][0]["ratio"] == 0.1
+    assert set(written) == {"command", "commit", "date", "machine", "versions", "figures"}
+
+
+def test_an_unknown_suite_is_refused(capsys):
+    assert main(["bench", "neurol"]) == 2
+    assert "Did you mean 'neural'?" in capsys.readouterr().err
+
+
+def test_the_neural_suite_measures_every_method(monkeypatch):
+    monkeypatch.setattr(neural, "UNITS", 4)
+    monkeypatch.setattr(neural, "REPEATS", 1)
+    monkeypatch.setattr(neural, "EXACT", 1)
+    figures = bench.run(["neural"])["neural"]
+    values = {figure.name: figure.value for figure in figures}
+    assert len(values) == len(figures)
+    for name in neural.methods():
+        assert values[f"{name}: wall"] > 0
+    assert values["Runge-Kutta 0.05 ms: units miscounted"] == 0
+    assert 0 < values["splitting, tolerance 0.05 ms: median spike-time error"] < 0.05
+
+
+def test_the_plain_loop_and_the_vector_form_of_runge_kutta_are_one_method():
+    current = neural.currents(3)
+    slowed = HodgkinHuxley(neural.DIVISOR)
+    fired = slowed.fire(neural.TIME, current, stimulus_driven=False).times
+    for a, b in zip(neural.plain(current, exponential=False), fired, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+
+
+def test_spike_times_are_compared_only_where_counts_agree():
+    reference = [np.array([0.1, 0.2]), np.array([0.3]), np.array([])]
+    error = neural.compare([np.array([0.1001, 0.2003]), np.array([]), np.array([])], reference)
+    assert error.miscounted == 1
+    assert error.worst == pytest.approx(0.3)
+    assert error.median == pytest.approx(0.2)
