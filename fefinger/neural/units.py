@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,14 +17,8 @@ from fefinger.neural.afferents import (
 from fefinger.neural.endorgans import RECTIFIERS, TYPES, Organ
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATORS, transduce
-from fefinger.neural.membranes import (
-    BLOCK_AFTER,
-    BLOCK_CURRENT,
-    BLOCK_MV,
-    LARGEST_STEP,
-    Firing,
-    HodgkinHuxley,
-)
+from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
+from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
 from fefinger.neural.trains import SpikeTrains
 
 
@@ -95,7 +88,7 @@ class _Setup:
     rectifier: str
     organs: Mapping[str, Organ]
     gains: Array
-    membrane: HodgkinHuxley
+    membrane: Membrane
     variation: Variation | None
 
     def branches(self, unit: int, time: Array, x_in: Array, at: Array | None = None) -> Array:
@@ -132,7 +125,7 @@ def simulate_units(
     generator: str = "saturating",
     rectifier: str = "half",
     organs: Mapping[str, Organ] | None = None,
-    membrane: HodgkinHuxley | None = None,
+    membrane: Membrane | None = None,
     names: Sequence[str] | None = None,
     positions: ArrayLike | None = None,
     depths: ArrayLike | None = None,
@@ -241,7 +234,7 @@ def _delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
-def _membrane(membrane: Any, rule: str) -> HodgkinHuxley:
+def _membrane(membrane: Membrane | None, rule: str) -> Membrane:
     membrane = membrane or HodgkinHuxley()
     if rule == "first" and not isinstance(membrane, HodgkinHuxley):
         msg = (
@@ -296,17 +289,18 @@ def _race(
     currents = setup.branches(unit, time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
     membrane, crossings = setup.membrane, 0
+    assert isinstance(membrane, HodgkinHuxley), "checked by _membrane"
     if driven:
         crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
-    spikes = np.empty(int(1e3 * (at[-1] - at[0]) / 0.5) + 16)
-    after = 1e3 * BLOCK_AFTER * membrane.rate_divisor
+    spikes = np.empty(int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16)
+    dt = min(dt, LARGEST_STEP / max(1.0, membrane.speed))
     count, peak, blocked, final = race(
         1e3 * at,
         currents,
         1e3 * dt,
-        float(membrane.rate_divisor),
+        1.0 / membrane.speed,
         membrane.rest(),
-        (BLOCK_MV, BLOCK_CURRENT, after),
+        (BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / membrane.speed),
         spikes,
     )
     return Firing(
