@@ -174,6 +174,9 @@ def simulate_units(
     if len(names) != len(types):
         msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
         raise InputError(msg)
+    membrane = membrane or HodgkinHuxley()
+    if rule == "first":
+        _racing(membrane)
     factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
     setup = _Setup(
         types=types,
@@ -183,7 +186,7 @@ def simulate_units(
         rectifier=rectifier,
         organs=organs or {},
         gains=np.array([GAINS[kind] for kind in types]) * factors,
-        membrane=_membrane(membrane, rule),
+        membrane=membrane,
         variation=variation,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
@@ -234,9 +237,9 @@ def _delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
-def _membrane(membrane: Membrane | None, rule: str) -> Membrane:
-    membrane = membrane or HodgkinHuxley()
-    if rule == "first" and not isinstance(membrane, HodgkinHuxley):
+def _racing(membrane: object) -> HodgkinHuxley:
+    """Return a membrane that can race, or raise InputError."""
+    if not isinstance(membrane, HodgkinHuxley):
         msg = (
             "rule: 'first' races HodgkinHuxley membranes alone, received "
             f"{type(membrane).__name__}; use 'mean' or 'max'"
@@ -288,8 +291,7 @@ def _race(
 
     currents = setup.branches(unit, time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
-    membrane, crossings = setup.membrane, 0
-    assert isinstance(membrane, HodgkinHuxley), "checked by _membrane"
+    membrane, crossings = _racing(setup.membrane), 0
     if driven:
         crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
     spikes = np.empty(int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16)
@@ -303,6 +305,9 @@ def _race(
         (BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / membrane.speed),
         spikes,
     )
+    if count > len(spikes):
+        msg = f"current: swings {count} times through 40 mV, faster than any membrane can follow"
+        raise InputError(msg)
     return Firing(
         times=(1e-3 * spikes[:count],),
         peak_mV=np.array([peak]),
