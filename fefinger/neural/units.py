@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -181,6 +180,9 @@ def simulate_units(
     if len(names) != len(types):
         msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
         raise InputError(msg)
+    membrane = membrane or HodgkinHuxley()
+    if rule == "first":
+        _racing(membrane)
     factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
     setup = _Setup(
         types=types,
@@ -190,7 +192,7 @@ def simulate_units(
         rectifier=rectifier,
         organs=organs or {},
         gains=np.array([GAINS[kind] for kind in types]) * factors,
-        membrane=_membrane(membrane, rule),
+        membrane=membrane,
         variation=variation,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
@@ -241,9 +243,9 @@ def _delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
-def _membrane(membrane: Any, rule: str) -> HodgkinHuxley:
-    membrane = membrane or HodgkinHuxley()
-    if rule == "first" and not isinstance(membrane, HodgkinHuxley):
+def _racing(membrane: object) -> HodgkinHuxley:
+    """Return a membrane that can race, or raise InputError."""
+    if not isinstance(membrane, HodgkinHuxley):
         msg = (
             "rule: 'first' races HodgkinHuxley membranes alone, received "
             f"{type(membrane).__name__}; use 'mean' or 'max'"
@@ -295,7 +297,7 @@ def _race(
 
     currents = setup.branches(unit, time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
-    membrane, crossings = setup.membrane, 0
+    membrane, crossings = _racing(setup.membrane), 0
     if driven:
         crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
     spikes = np.empty(int(1e3 * (at[-1] - at[0]) / 0.5) + 16)
@@ -309,6 +311,9 @@ def _race(
         (BLOCK_MV, BLOCK_CURRENT, after),
         spikes,
     )
+    if count > len(spikes):
+        msg = f"current: swings {count} times through 40 mV, faster than any membrane can follow"
+        raise InputError(msg)
     return Firing(
         times=(1e-3 * spikes[:count],),
         peak_mV=np.array([peak]),
