@@ -91,19 +91,44 @@ class _Setup:
     membrane: Membrane
     variation: Variation | None
 
-    def branches(self, unit: int, time: Array, x_in: Array, at: Array | None = None) -> Array:
-        """Return the generator currents (n_at, n_branches) of a unit in uA/cm²."""
-        kind = self.types[unit]
-        return transduce(
+    def branches(
+        self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
+    ) -> list[Array]:
+        """Return the generator currents (n_at, n_branches) in uA/cm² of units of one type."""
+        kind, columns = self.types[units[0]], [self.columns[i] for i in units]
+        organs = [len(c) for c in columns]
+        currents = transduce(
             kind,
             time,
-            x_in[:, self.columns[unit]],
-            gain=self.gains[unit],
+            x_in[:, np.concatenate(columns)],
+            gain=np.repeat(self.gains[units], organs),
             generator=self.generator,
             at=at,
             organ=self.organs.get(kind),
             rectifier=self.rectifier,
         )
+        return np.split(currents, np.cumsum(organs)[:-1], axis=1)
+
+    def met(self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None) -> Array:
+        """Return the currents (n_at, n_units) where the branches of each unit meet.
+
+        As many end organs of a type are filtered at once as `_DENSE` allows.
+        """
+        out = np.empty((len(time if at is None else at), len(units)))
+        groups: list[list[int]] = []
+        room = 0
+        for k, i in enumerate(units):
+            room -= len(self.columns[i])
+            if room < 0 or self.types[i] != self.types[units[k - 1]]:
+                groups.append([])
+                room = _DENSE // len(out) - len(self.columns[i])
+            groups[-1].append(k)
+        for group in groups:
+            currents = self.branches([units[k] for k in group], time, x_in, at)
+            for k, branches in zip(group, currents, strict=True):
+                mean = self.rule == "mean"
+                out[:, k] = branches.mean(axis=1) if mean else branches.max(axis=1)
+        return out
 
     def noise(self, unit: int, at: Array, membranes: int) -> Array | float:
         """Return the noise of a unit's membranes, (n_at, membranes), or 0."""
@@ -203,9 +228,7 @@ def simulate_units(
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=mean_in,
-        current=np.column_stack(
-            [_meet(rule, setup.branches(i, time, x_in)) for i in range(len(types))]
-        ),
+        current=setup.met(range(len(types)), time, x_in),
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
@@ -248,11 +271,6 @@ def _racing(membrane: object) -> HodgkinHuxley:
     return membrane
 
 
-def _meet(rule: str, currents: Array) -> Array:
-    """Return the current of a unit from those of its branches (n_t, n_branches)."""
-    return currents.mean(axis=1) if rule == "mean" else currents.max(axis=1)
-
-
 def _changes(
     setup: _Setup, time: Array, x_in: Array, dt: float, names: Sequence[str], firing: Firing
 ) -> tuple[str, ...]:
@@ -275,10 +293,9 @@ def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -
     step, runs = max(1, _DENSE // len(at)), []
     for start in range(0, len(setup.types), step):
         units = range(start, min(start + step, len(setup.types)))
-        currents = np.empty((len(at), len(units)))
+        currents = setup.met(units, time, x_in, at)
         for k, i in enumerate(units):
-            met = _meet(setup.rule, setup.branches(i, time, x_in, at))[:, None]
-            currents[:, k] = (met + setup.noise(i, at, 1))[:, 0]
+            currents[:, k : k + 1] += setup.noise(i, at, 1)
         runs.append(setup.membrane.fire(at, currents, dt=dt, stimulus_driven=driven))
     return _joined(runs)
 
@@ -289,7 +306,7 @@ def _race(
     """Run one membrane per branch of a unit, the first to fire resetting the others."""
     from fefinger.neural._race import race
 
-    currents = setup.branches(unit, time, x_in, at)
+    (currents,) = setup.branches([unit], time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
     membrane, crossings = _racing(setup.membrane), 0
     if driven:

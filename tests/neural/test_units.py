@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
+from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
 from fefinger.neural.endorgans import TYPES
@@ -72,6 +73,21 @@ def test_the_first_branch_to_fire_is_the_strongest_and_silences_the_rest():
 
 def test_a_race_survives_half_the_step_and_half_the_samples():
     assert one([1.0, 0.7, 0.4], "first", check=True).notes == ()
+
+
+@pytest.mark.parametrize("rule", ["mean", "max"])
+def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
+    types = ("SAI", "SAI", "FAI", "SAI", "SAI", "FAII")
+    unit = np.repeat(np.arange(6), [3, 2, 4, 1, 5, 1])
+    drive = np.outer(RAMP, np.random.default_rng(2).uniform(0.2, 1.0, len(unit)))
+    options = {"types": types, "unit": unit, "rule": rule, "check": False}
+    together = simulate_units(TIME, drive, **options)
+    monkeypatch.setattr(units, "_DENSE", 1)
+    apart = simulate_units(TIME, drive, **options)
+    assert together.count().min() > 0
+    np.testing.assert_allclose(apart.current, together.current, rtol=1e-12)
+    for a, b in zip(apart.times, together.times, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
 
 
 def test_full_wave_rectification_answers_a_pull_as_a_push():
@@ -173,11 +189,11 @@ def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
     of_site = ("SAI", "SAI", "FAI", "SAI", "FAI")
     x_in = displacements(strain, np.array([up] * 5), of_site, **reference)
     np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
-    units = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
+    both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
     single = from_strain(
         TIME, strain[:, [0, 2]], np.array([up] * 2), ("SAI", "FAI"), **reference, check=False
     )
-    np.testing.assert_array_equal(units.count(), single.count())
+    np.testing.assert_array_equal(both.count(), single.count())
 
 
 class Other:
