@@ -236,6 +236,8 @@ def spikes(
     SIGNALS.csv has a column time (s) and others whose names end with displacement_mm,
     displacement_um or strain, as in left_displacement_mm. Each drives a unit of every TYPE
     (repeatable, by default all four); one named FAI_displacement_mm drives a unit of FAI alone.
+    Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
+    stretch of the skin for SAII and FAI.
     """
     from fefinger import spikes as series
     from fefinger.files import output_folder

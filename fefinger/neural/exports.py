@@ -54,8 +54,9 @@ def to_csv(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
     with _in_place(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(CSV_COLUMNS)
-        for name, kind, time in trains.to_rows():
-            writer.writerow((name, kind, *places[trains.index(name)], repr(time)))
+        for i, times in enumerate(trains.times):
+            unit = (trains.names[i], trains.types[i], *places[i])
+            writer.writerows((*unit, repr(float(time))) for time in times)
 
 
 def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
