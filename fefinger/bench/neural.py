@@ -22,14 +22,17 @@ TOLERANCE = 5e-5
 
 DIVISOR = 6.0
 
-TIME = np.array([0.0, 0.5, 1.0])
+TIME = np.linspace(0.0, 1.0, 1001)
+
+BASELINE, FAST = "plain Runge-Kutta 0.05 ms", "splitting, tolerance 0.05 ms"
+CHEAP = "integrate-and-fire"
 
 Spikes = list[NDArray[np.float64]]
 
 
 def currents(units: int) -> NDArray[np.float64]:
-    """Return (3, units) uA/cm²: 0.5 s of ramp to 2 to 60, held for 0.5 s."""
-    return np.outer([0.0, 1.0, 1.0], np.linspace(2.0, 60.0, units))
+    """Return (n_t, units) uA/cm²: 0.5 s of ramp to 2 to 60, held for 0.5 s."""
+    return np.outer(np.minimum(2 * TIME, 1.0), np.linspace(2.0, 60.0, units))
 
 
 @dataclass(frozen=True)
@@ -70,73 +73,89 @@ def plain(current: NDArray[np.float64], *, exponential: bool) -> Spikes:
 
 
 def methods() -> dict[str, Callable[[NDArray[np.float64]], Spikes]]:
-    """Return what is timed, by name; the first is what the others are compared with."""
+    """Return what is timed, by name."""
     slowed, cheap = HodgkinHuxley(DIVISOR), IntegrateAndFire()
     return {
-        "plain Runge-Kutta 0.05 ms": lambda current: plain(current, exponential=False),
+        BASELINE: lambda current: plain(current, exponential=False),
         "plain exponential Euler 0.05 ms": lambda current: plain(current, exponential=True),
-        "splitting, tolerance 0.05 ms": lambda current: list(
+        FAST: lambda current: list(
             slowed.fire(TIME, current, tolerance=TOLERANCE, stimulus_driven=False).times
         ),
         "Runge-Kutta 0.05 ms": lambda current: list(
             slowed.fire(TIME, current, method="runge-kutta", stimulus_driven=False).times
         ),
-        "integrate-and-fire": lambda current: list(cheap.fire(TIME, current).times),
+        CHEAP: lambda current: list(cheap.fire(TIME, current).times),
     }
 
 
-def memory(tolerance: float) -> float:
-    """Return the most MB allocated while UNITS with 1000 samples each fire."""
-    at = np.linspace(TIME[0], TIME[-1], 1000)
-    current = np.outer(np.interp(at, TIME, [0.0, 1.0, 1.0]), np.linspace(2.0, 60.0, UNITS))
-    tracemalloc.start()
-    HodgkinHuxley(DIVISOR).fire(at, current, tolerance=tolerance, stimulus_driven=False)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    return peak / 1e6
+@dataclass
+class Timing:
+    """The fastest of several runs in seconds of wall and of all cores, and its spike times in s."""
+
+    wall: float
+    core: float
+    spikes: Spikes
 
 
-def figures(progress: Progress) -> list[Figure]:
-    """Return wall and core time of each method, its errors, and the load of the machine."""
+def timed(progress: Progress) -> dict[str, Timing]:
+    """Return how long each method takes; they take turns, so that a busy machine slows them all."""
     current, todo = currents(UNITS), methods()
-    wall = dict.fromkeys(todo, np.inf)
-    core = dict.fromkeys(todo, np.inf)
-    spikes = {name: fire(current[:, :40]) for name, fire in todo.items()}  # compiles
+    found = {name: Timing(np.inf, np.inf, fire(current[:, :40])) for name, fire in todo.items()}
     for repeat in range(REPEATS):
         progress("neural", repeat / (REPEATS + 2))
         for name, fire in todo.items():
-            started, used = time.perf_counter(), time.process_time()
-            spikes[name] = fire(current)
-            wall[name] = min(wall[name], time.perf_counter() - started)
-            core[name] = min(core[name], time.process_time() - used)
-    progress("neural", REPEATS / (REPEATS + 2))
-    slowed = HodgkinHuxley(DIVISOR)
-    fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
-    some = np.linspace(0, UNITS - 1, EXACT).astype(int)
-    adaptive = slowed.fire(TIME, current[:, some], method="adaptive", stimulus_driven=False)
-    exact = list(adaptive.times)
-    progress("neural", 1.0)
-    first = next(iter(todo))
-    found = []
-    for name in todo:
-        found.append(Figure(f"{name}: wall", wall[name], "s", wall[first]))
-        rates = (UNITS * TIME[-1] / core[each] for each in (name, first))
-        found.append(Figure(f"{name}: speed", next(rates), "unit-s per core-s", next(rates)))
-    base = compare(spikes[first], fine)
-    for name in list(todo)[:-1]:
-        error = compare(spikes[name], fine)
-        found += [
+            best, started, used = found[name], time.perf_counter(), time.process_time()
+            best.spikes = fire(current)
+            best.wall = min(best.wall, time.perf_counter() - started)
+            best.core = min(best.core, time.process_time() - used)
+    return found
+
+
+def speeds(found: dict[str, Timing]) -> list[Figure]:
+    """Return wall time and units per core, against the plain loop."""
+    base, figures = found[BASELINE], []
+    for name, each in found.items():
+        figures.append(Figure(f"{name}: wall", each.wall, "s", base.wall))
+        rate, plainly = UNITS / each.core, UNITS / base.core
+        figures.append(Figure(f"{name}: speed", rate, "unit-s per core-s", plainly))
+    cheap, cheapest = found[CHEAP].wall, found[FAST].wall
+    figures.append(Figure(f"{CHEAP}: wall, against {FAST}", cheap, "s", cheapest))
+    return figures
+
+
+def errors(found: dict[str, Timing], fine: Spikes) -> list[Figure]:
+    """Return the errors of Hodgkin-Huxley spike times, against those of the plain loop."""
+    base, figures = compare(found[BASELINE].spikes, fine), []
+    for name in (name for name in found if name != CHEAP):
+        error = compare(found[name].spikes, fine)
+        figures += [
             Figure(f"{name}: median spike-time error", error.median, "ms", base.median),
             Figure(f"{name}: worst spike-time error", error.worst, "ms", base.worst),
             Figure(f"{name}: units miscounted", error.miscounted, f"of {UNITS}", base.miscounted),
         ]
-    check = compare([fine[i] for i in some], exact)
-    found.append(Figure("reference against order 8: worst spike-time error", check.worst, "ms"))
-    found.append(Figure("reference against order 8: miscounted", check.miscounted, f"of {EXACT}"))
-    hh = "splitting, tolerance 0.05 ms"
-    found.append(
-        Figure(f"integrate-and-fire: wall, against {hh}", wall["integrate-and-fire"], "s", wall[hh])
-    )
-    found.append(Figure(f"{hh}: memory beside its input", memory(TOLERANCE), "MB"))
-    found.append(Figure("load average of the last minute", os.getloadavg()[0], "processes"))
-    return found
+    return figures
+
+
+def figures(progress: Progress) -> list[Figure]:
+    """Return speed and errors of each method, memory, and the load of the machine at the start."""
+    load = os.getloadavg()[0]
+    found = timed(progress)
+    progress("neural", REPEATS / (REPEATS + 2))
+    slowed, current = HodgkinHuxley(DIVISOR), currents(UNITS)
+    fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
+    some = np.linspace(0, UNITS - 1, EXACT).astype(int)
+    exact = slowed.fire(TIME, current[:, some], method="adaptive", stimulus_driven=False).times
+    check = compare([fine[i] for i in some], list(exact))
+    tracemalloc.start()
+    slowed.fire(TIME, current, tolerance=TOLERANCE, stimulus_driven=False)
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    progress("neural", 1.0)
+    return [
+        *speeds(found),
+        *errors(found, fine),
+        Figure("reference against order 8: worst spike-time error", check.worst, "ms"),
+        Figure("reference against order 8: units miscounted", check.miscounted, f"of {EXACT}"),
+        Figure(f"{FAST}: memory beside its input", memory, "MB"),
+        Figure("load average of the minute before", load, "processes"),
+    ]

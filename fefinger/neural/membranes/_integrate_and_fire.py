@@ -89,17 +89,18 @@ def integrate(
         length = t1 - t0
         if length == 0.0:
             continue
-        decay = math.exp(-length / tau)
+        decay, scale, steep = math.exp(-length / tau), 1.0 / threshold, tau / length
         for i in range(units):
-            level = current[k, i] / threshold
-            rise = (current[k + 1, i] / threshold - level) / length
-            u = states[i, 0]
-            c = u - level + rise * tau
-            end = level + rise * (length - tau) + c * decay
-            turns = rise * tau - c > 0.0 and rise * tau - c * decay < 0.0
+            if states[i, 2] >= t1:
+                continue
+            level, after = scale * current[k, i], scale * current[k + 1, i]
+            lag = steep * (after - level)
+            c = states[i, 0] - level + lag
+            end = after - lag + c * decay
+            turns = lag - c > 0.0 and lag - c * decay < 0.0
             if states[i, 2] > t0 or end > 1.0 or turns:
                 counts[i] = _eventful(
-                    states[i], t0, t1, level, rise, tau, refractory, spikes[i], counts[i]
+                    states[i], t0, t1, level, lag / tau, tau, refractory, spikes[i], counts[i]
                 )
             else:
                 states[i, 0] = end

@@ -114,6 +114,7 @@ def _observe(
 @njit(cache=True, fastmath=_FAST, error_model="numpy")
 def _runge_kutta(
     s: NDArray[np.float64],
+    lanes: int,
     at: float,
     part: float,
     dt: float,
@@ -121,14 +122,14 @@ def _runge_kutta(
     thaw: float,
     block: tuple[float, float, float],
 ) -> int:
-    """Take one classical Runge-Kutta step of dt ms; return the number of spikes.
+    """Take the first `lanes`, 8 or 16, one classical Runge-Kutta step of dt ms; return the spikes.
 
     The step begins at the fraction `at` between two samples of the current and is `part` long.
     """
     hits = 0
     melt = slow * thaw
     half, sixth = 0.5 * dt, dt / 6.0
-    for i in range(LANES):
+    for i in range(lanes):
         v, n, m, h = s[_V + i], s[_N + i], s[_M + i], s[_H + i]
         rise = s[_END + i] - s[_START + i]
         start = s[_START + i] + at * rise
@@ -253,6 +254,7 @@ def integrate(
     h at the end, the highest potential and the ms in block.
     """
     slow, thaw, units = 1.0 / divisor, 0.0 if frozen else 1.0, len(counts)
+    lanes = LANES // 2 if units <= LANES // 2 else LANES
     s = np.zeros(13 * LANES)
     for row in range(4):
         s[row * LANES : (row + 1) * LANES] = rest[row]
@@ -271,7 +273,7 @@ def integrate(
             if split:
                 hits = _split(s, (j + 0.5) / steps, 0.5 * (last + dt), dt, slow, thaw, block)
             else:
-                hits = _runge_kutta(s, j / steps, 1.0 / steps, dt, slow, thaw, block)
+                hits = _runge_kutta(s, lanes, j / steps, 1.0 / steps, dt, slow, thaw, block)
             last = dt
             if hits > 0:
                 at = (j + (0.5 if split else 1.0)) / steps
