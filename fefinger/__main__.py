@@ -191,32 +191,6 @@ def mesh(
 
 
 @cli.command()
-@click.argument("folder", metavar="DIR")
-@click.option("--field", metavar="NAME", help="What to color the finger by.")
-@click.option("--time", "at", type=float, metavar="T", help="Time in s, else the largest force.")
-@click.option("--screenshot", metavar="PNG", help="Draw to this file instead of a window.")
-def view(folder: str, field: str | None, at: float | None, screenshot: str | None) -> None:
-    """Look at the strain or the pressure in DIR.
-
-    DIR is a folder that `fefinger run -o` wrote.
-    """
-    from fefinger import view as pictures
-    from fefinger.checks import number
-    from fefinger.files import load, output_folder
-
-    result = load(folder)
-    shown = pictures.DEFAULT if field is None else field
-    if at is not None:
-        number("--time", at, at_least=0, at_most=float(result.time[-1]), unit="s")
-    if screenshot is None:
-        pictures.show(result, field=shown)
-        return
-    output_folder(Path(screenshot).parent)
-    pictures.screenshot(result, screenshot, field=shown, time=at)
-    click.echo(screenshot)
-
-
-@cli.command()
 @click.option("--from", "source", required=True, metavar="SIGNALS.csv", help="Series to read.")
 @click.option("--type", "types", multiple=True, metavar="TYPE", help="SAI, SAII, FAI or FAII.")
 @click.option("--length", type=float, metavar="MM", help="Displacement that a strain of 1 means.")
@@ -251,6 +225,32 @@ def spikes(
         console.print_json(record)
     else:
         click.echo(console.spikes_summary(record))
+
+
+@cli.command()
+@click.argument("folder", metavar="DIR")
+@click.option("--field", metavar="NAME", help="What to color the finger by.")
+@click.option("--time", "at", type=float, metavar="T", help="Time in s, else the largest force.")
+@click.option("--screenshot", metavar="PNG", help="Draw to this file instead of a window.")
+def view(folder: str, field: str | None, at: float | None, screenshot: str | None) -> None:
+    """Look at the strain or the pressure in DIR.
+
+    DIR is a folder that `fefinger run -o` wrote.
+    """
+    from fefinger import view as pictures
+    from fefinger.checks import number
+    from fefinger.files import load, output_folder
+
+    result = load(folder)
+    shown = pictures.DEFAULT if field is None else field
+    if at is not None:
+        number("--time", at, at_least=0, at_most=float(result.time[-1]), unit="s")
+    if screenshot is None:
+        pictures.show(result, field=shown)
+        return
+    output_folder(Path(screenshot).parent)
+    pictures.screenshot(result, screenshot, field=shown, time=at)
+    click.echo(screenshot)
 
 
 @cli.command()
