@@ -191,6 +191,43 @@ def mesh(
 
 
 @cli.command()
+@click.option("--from", "source", required=True, metavar="SIGNALS.csv", help="Series to read.")
+@click.option("--type", "types", multiple=True, metavar="TYPE", help="SAI, SAII, FAI or FAII.")
+@click.option("--length", type=float, metavar="MM", help="Displacement that a strain of 1 means.")
+@click.option("--corners", is_flag=True, help="Lines between coarse samples are meant as they are.")
+@_output("spikes.csv and spikes.npz")
+@_json
+def spikes(
+    source: str,
+    types: tuple[str, ...],
+    length: float | None,
+    corners: bool,
+    output: str | None,
+    as_json: bool,
+) -> None:
+    """Fire afferent units from a series of one's own.
+
+    SIGNALS.csv has a column time (s) and others whose names end with displacement_mm,
+    displacement_um or strain, as in left_displacement_mm. Each drives a unit of every TYPE
+    (repeatable, by default all four); one named FAI_displacement_mm drives a unit of FAI alone.
+    Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
+    stretch of the skin for SAII and FAI.
+    """
+    from fefinger import spikes as series
+    from fefinger.files import output_folder
+
+    signals = series.read(source)
+    folder = None if output is None else output_folder(output)
+    trains = series.fire(signals, types, length=length, corners=corners)
+    files = [] if folder is None else series.save(trains, folder)
+    record = console.spikes_record(trains, files)
+    if as_json:
+        console.print_json(record)
+    else:
+        click.echo(console.spikes_summary(record))
+
+
+@cli.command()
 @click.argument("folder", metavar="DIR")
 @click.option("--field", metavar="NAME", help="What to color the finger by.")
 @click.option("--time", "at", type=float, metavar="T", help="Time in s, else the largest force.")

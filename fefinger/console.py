@@ -12,6 +12,7 @@ import click
 
 if TYPE_CHECKING:
     from fefinger.mesh.record import FingerMesh
+    from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Progress, Result
 
 
@@ -143,6 +144,37 @@ def mesh_summary(mesh: "FingerMesh") -> str:
     for part in ("recipe", "quality"):
         rows += [(f"{part}.{key}", _short(value)) for key, value in record[part].items()]
     return table(rows)
+
+
+def spikes_record(trains: "SpikeTrains", files: list[str]) -> dict[str, Any]:
+    """Return what `spikes --json` prints; null where a unit has no spikes to tell it from."""
+    span = trains.t_stop - trains.t_start
+    units = [
+        {
+            "name": trains.names[i],
+            "type": trains.types[i],
+            "spikes": len(times),
+            "mean_rate_Hz": len(times) / span,
+            "peak_rate_Hz": float(1.0 / (times[1:] - times[:-1]).min()) if len(times) > 1 else None,
+            "first_spike_s": float(times[0]) if len(times) else None,
+            "block_s": float(trains.block_seconds[i]),
+        }
+        for i, times in enumerate(trains.times)
+    ]
+    return {"units": units, "notes": list(trains.notes), "files": files}
+
+
+def spikes_summary(record: dict[str, Any]) -> str:
+    """Return the same as text: a table of units, then notes and files."""
+    keys = ("spikes", "mean_rate_Hz", "peak_rate_Hz", "first_spike_s")
+    rows = [
+        (unit["name"], unit["type"], *("" if unit[k] is None else _short(unit[k]) for k in keys))
+        for unit in record["units"]
+    ]
+    below = [("note", note) for note in record["notes"]]
+    below += [("file", file) for file in record["files"]]
+    text = table(rows, ("unit", "type", "spikes", "mean Hz", "peak Hz", "first s"))
+    return f"{text}\n{table(below)}" if below else text
 
 
 def _short(value: Any) -> str:

@@ -8,7 +8,6 @@
 Files are written into a hidden folder beside their final place and moved when all are complete.
 """
 
-import csv
 import dataclasses
 import json
 import os
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 
 FORMAT = "fefinger result 1"
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
-SPIKE_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
 
 class Variable(NamedTuple):
@@ -110,6 +108,9 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("SpikeTrains", "positions"): Variable(
         "unit_positions", ("unit", "axis"), "mm", "places of the end organs"
     ),
+    ("SpikeTrains", "depths"): Variable(
+        "unit_depths", ("unit",), "mm", "depth of the end organs under skin"
+    ),
 }
 COORDINATES = {
     "axis": ("x", "y", "z"),
@@ -171,7 +172,7 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
         if result.fields is not None:
             vtkhdf.write(result.fields, new["result.vtkhdf"])
         if result.spikes is not None:
-            _write_spikes(result.spikes, new["spikes.csv"])
+            result.spikes.to_csv(new["spikes.csv"])
         report.write(result, new["report.html"])
         for name, path in new.items():
             if path.exists():
@@ -311,15 +312,3 @@ def _decode(value: Any, dataset: "xr.Dataset") -> Any:
     if "list" in value:
         return [_decode(v, dataset) for v in value["list"]]
     return {key: _decode(v, dataset) for key, v in value["dict"].items()}
-
-
-def _write_spikes(spikes: SpikeTrains, path: Path) -> None:
-    """Write one row per spike, in the columns SPIKE_COLUMNS; empty places where unknown."""
-    places: list[tuple[str, ...]] = [("", "", "")] * len(spikes)
-    if spikes.positions is not None:
-        places = [tuple(repr(float(x)) for x in row) for row in spikes.positions]
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(SPIKE_COLUMNS)
-        for name, kind, time in spikes.to_rows():
-            writer.writerow((name, kind, *places[spikes.index(name)], repr(time)))

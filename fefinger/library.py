@@ -199,3 +199,43 @@ def receptors() -> dict[str, Receptor]:
         "FAI": Receptor("Meissner corpuscle", 0.5, (0.5, 0.5), papilla, "medium"),
         "FAII": Receptor("Pacinian corpuscle", 2.5, (2.0, 3.0), "under the dermis", "medium"),
     }
+
+
+@dataclass(frozen=True)
+class Innervation:
+    """How the units of one type supply the fingertip.
+
+    density: units per cm². organs: smallest and largest number of end organs of a unit. field: mm,
+    diameter of the disc over which they are spread; None for one end organ. velocity: m/s of its
+    impulses in the nerve. `notes` say where each number is from and with what confidence.
+    """
+
+    density: float
+    organs: tuple[int, int]
+    field: float | None
+    velocity: float
+    notes: str
+
+
+def innervation() -> dict[str, Innervation]:
+    """Return how the four types supply the fingertip.
+
+    Densities of SAI, FAI and FAII: TouchSim (Saal et al. 2017, constants.py), confidence medium.
+    Johansson & Vallbo (1979), J Physiol 286:283, give 241 per cm² for all types together; the rest,
+    6, is left to SAII, which TouchSim lacks: an inference, confidence low. Numbers of end organs:
+    Pawluk (1997), 1.1.2, from the zones of maximal sensitivity, confidence medium. Fields: 2 to 8
+    mm in diameter there, about 4 mm in a page that cites Johansson (1978); the skin spreads strain
+    beyond the end organs, so their disc is narrower by a guess, confidence low. Velocities of FAI
+    and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken to be
+    those of the fast type with fields alike, a guess, confidence low.
+    """
+    tip, near = "density: TouchSim, medium", "velocity: by analogy, low"
+    read = "velocity: PMC1350502, high"
+    fields = "organs: Pawluk (1997), medium; field: a guess, low"
+    one = "organs: Pawluk (1997), medium"
+    return {
+        "SAI": Innervation(70.0, (4, 7), 3.0, 55.3, f"{tip}; {fields}; {near}"),
+        "SAII": Innervation(6.0, (1, 1), None, 46.9, f"density: 241 - 235, low; {one}; {near}"),
+        "FAI": Innervation(140.0, (12, 17), 3.0, 55.3, f"{tip}; {fields}; {read}"),
+        "FAII": Innervation(25.0, (1, 1), None, 46.9, f"{tip}; {one}; {read}"),
+    }

@@ -71,14 +71,14 @@ def simulate(
     """
     types = tuple(choice("types", kind, TYPES) for kind in types)
     choice("generator", generator, GENERATORS)
-    time, x_in = _signals(time, drive, lengths, len(types))
+    time, x_in = checked_signals(time, drive, lengths, len(types))
     membrane = membrane or HodgkinHuxley()
-    names = _names(types) if names is None else tuple(names)
+    names = unit_names(types) if names is None else tuple(names)
     if len(names) != len(types):
         msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
         raise InputError(msg)
     firing = _fire(time, x_in, types, generator, membrane, dt, driven=True)
-    notes = _warnings(time, x_in, types, names, firing)
+    notes = remarks(time, x_in, types, names, firing)
     if check:
         thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
         half = _fire(time, x_in, types, generator, membrane, dt / 2, driven=False)
@@ -140,6 +140,44 @@ def from_strain(
         As `simulate`; also a type without a reference, or one whose reference drive is not clearly
         above zero.
     """
+    x_in = displacements(
+        strain,
+        normals,
+        types,
+        reference_depth=reference_depth,
+        reference_types=reference_types,
+        reference_strain=reference_strain,
+        reference_normals=reference_normals,
+        drives=drives,
+    )
+    return simulate(
+        time,
+        x_in,
+        types=types,
+        generator=generator,
+        names=names,
+        positions=positions,
+        dt=dt,
+        check=check,
+    )
+
+
+def displacements(
+    strain: ArrayLike,
+    normals: ArrayLike,
+    types: Sequence[str],
+    *,
+    reference_depth: float,
+    reference_types: Sequence[str],
+    reference_strain: ArrayLike,
+    reference_normals: ArrayLike,
+    drives: Mapping[str, str] | None = None,
+) -> Array:
+    """Return the skin displacement x_in (n_t, n_sites) in mm that strain at end organs stands for.
+
+    The drive of each site's type times its length; parameters and errors as in `from_strain`, with
+    sites, one per end organ, for units.
+    """
     types = tuple(choice("types", kind, TYPES) for kind in types)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}
     for kind, name in chosen.items():
@@ -149,7 +187,7 @@ def from_strain(
     n = len(types)
     if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
         msg = (
-            f"strain, normals: expected (n_t, {n}, 3, 3) and ({n}, 3) for {n} units, received "
+            f"strain, normals: expected (n_t, {n}, 3, 3) and ({n}, 3) for {n} sites, received "
             f"{strain.shape} and {normals.shape}"
         )
         raise InputError(msg)
@@ -163,20 +201,11 @@ def from_strain(
         np.asarray(reference_strain, float),
         np.asarray(reference_normals, float),
     )
-    drive = np.empty(strain.shape[:2])
-    for i, kind in enumerate(types):
-        drive[:, i] = DRIVES[chosen[kind]](strain[:, i : i + 1], normals[i : i + 1])[:, 0]
-    return simulate(
-        time,
-        drive,
-        types=types,
-        lengths=np.array([lengths[kind] for kind in types]),
-        generator=generator,
-        names=names,
-        positions=positions,
-        dt=dt,
-        check=check,
-    )
+    x_in = np.empty(strain.shape[:2])
+    for kind, length in lengths.items():
+        of_kind = np.array([other == kind for other in types])
+        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
+    return x_in
 
 
 def count_changes(
@@ -220,7 +249,7 @@ def _lengths(
     return lengths
 
 
-def _signals(
+def checked_signals(
     time: ArrayLike, drive: ArrayLike, lengths: ArrayLike, n_units: int
 ) -> tuple[Array, Array]:
     """Return the checked time (n_t,) and x_in (n_t, n_units)."""
@@ -241,7 +270,7 @@ def _signals(
     return time, x_in
 
 
-def _names(types: tuple[str, ...]) -> tuple[str, ...]:
+def unit_names(types: tuple[str, ...]) -> tuple[str, ...]:
     """Return types as names, numbered where a type repeats."""
     seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]
     return tuple(
@@ -250,7 +279,7 @@ def _names(types: tuple[str, ...]) -> tuple[str, ...]:
     )
 
 
-def _dense(time: Array, dt: float) -> Array:
+def dense_times(time: Array, dt: float) -> Array:
     """Return times that contain `time` and divide each interval evenly into steps of at most dt."""
     steps = np.ceil(np.diff(time) / dt - 1e-9).astype(int)
     k = np.repeat(np.arange(len(steps)), steps)
@@ -279,7 +308,7 @@ def _fire(
     driven: bool,
 ) -> Firing:
     """Run every unit by itself, so that the dense signals of one are all that is in memory."""
-    at = _dense(time, dt)
+    at = dense_times(time, dt)
     runs = []
     for i, kind in enumerate(types):
         current = transduce(kind, time, x_in[:, i], gain=GAINS[kind], generator=generator, at=at)
@@ -293,7 +322,7 @@ def _fire(
     )
 
 
-def _warnings(
+def remarks(
     time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...], firing: Firing
 ) -> tuple[str, ...]:
     """Return sentences on block, on crossings that the current drives, and on coarse samples."""
@@ -309,7 +338,7 @@ def _warnings(
         if driven > 0
     ]
     for i, kind in enumerate(types):
-        jump = _coarse_jump(time, x_in[:, i]) if kind == "FAII" else 0.0
+        jump = coarse_jump(time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
         if jump > FAII_JUMP:
             notes.append(
                 f"{names[i]}: the velocity of its input jumps by {jump:.3g} mm/s at samples more "
@@ -319,9 +348,9 @@ def _warnings(
     return tuple(notes)
 
 
-def _coarse_jump(time: Array, x: Array) -> float:
-    """Return the largest jump of velocity, in mm/s, next to an interval longer than FAII_STEP."""
+def coarse_jump(time: Array, x: Array, longest: float) -> float:
+    """Return the largest jump of velocity, in mm/s, next to an interval longer than `longest` s."""
     moving = np.diff(time) > 0
     step, change = np.diff(time)[moving], np.diff(x)[moving]
-    coarse = np.maximum(step[1:], step[:-1]) > FAII_STEP * (1 + 1e-6)
+    coarse = np.maximum(step[1:], step[:-1]) > longest * (1 + 1e-6)
     return float(np.abs(np.diff(change / step))[coarse].max(initial=0.0))

@@ -1,12 +1,23 @@
 """End organs as mechanical filters between skin displacement and nerve displacement."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError
+
+
+class Organ(Protocol):
+    """A filter between skin and nerve displacement, with `respond` as in `PoleZero`."""
+
+    def respond(
+        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
+    ) -> NDArray[np.float64]:
+        """Return the output at times `at`, for an input that is zero before `time[0]`."""
 
 
 @dataclass(frozen=True)
@@ -78,34 +89,47 @@ class PoleZero:
         -------
         (n_at,) or (n_at, n_units) mm.
         """
-        time, x_in = np.asarray(time, float), np.asarray(x_in, float)
-        columns = x_in.reshape(len(time), -1)
-        at_rest, c, p = self.partial_fractions()
-        memory = _memory(time, columns, p)
-        if at is None:
-            out = at_rest * columns + np.einsum("i,tik->tk", c, memory)
-            return out.reshape(x_in.shape)
-        at = np.asarray(at, float)
-        k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
-        since, step = at - time[k], np.diff(time, append=time[-1])
-        slope = (
-            np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
-        )
-        out = at_rest * (columns[k] + slope[k] * since[:, None])
-        for i, pole in enumerate(p):
-            decay = np.exp(-pole * since)[:, None]
-            out += c[i] * (memory[k, i] * decay + slope[k] * ((1.0 - decay) / pole))
-        return out.reshape(at.shape + x_in.shape[1:])
+        return respond_modes(*self.partial_fractions(), time, x_in, at)
+
+
+def respond_modes(
+    at_rest: float,
+    c: NDArray[Any],
+    p: NDArray[Any],
+    time: ArrayLike,
+    x_in: ArrayLike,
+    at: ArrayLike | None = None,
+) -> NDArray[np.float64]:
+    """Return the output of the filter at_rest + sum c_i s / (s + p_i), as `PoleZero.respond`.
+
+    p (n_poles,) in rad/s with positive real parts; complex ones come in conjugate pairs, as do
+    their c, and the output is real.
+    """
+    time, x_in = np.asarray(time, float), np.asarray(x_in, float)
+    columns = x_in.reshape(len(time), -1)
+    memory = _memory(time, columns, p)
+    if at is None:
+        out = at_rest * columns + np.einsum("i,tik->tk", c, memory).real
+        return out.reshape(x_in.shape)
+    at = np.asarray(at, float)
+    k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
+    since, step = at - time[k], np.diff(time, append=time[-1])
+    slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
+    out = at_rest * (columns[k] + slope[k] * since[:, None])
+    for i, pole in enumerate(p):
+        decay = np.exp(-pole * since)[:, None]
+        out += (c[i] * (memory[k, i] * decay + slope[k] * ((1.0 - decay) / pole))).real
+    return out.reshape(at.shape + x_in.shape[1:])
 
 
 def _memory(
-    time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[np.float64]
-) -> NDArray[np.float64]:
+    time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[Any]
+) -> NDArray[Any]:
     """Return the integrals of exp(-p (t - s)) dx(s) at every time, (n_t, n_poles, n_units)."""
     a = np.multiply.outer(np.diff(time), p)
     decay = np.exp(-a)[:, :, None]
-    ramp = np.where(a > 0, -np.expm1(-a) / np.where(a > 0, a, 1.0), 1.0)[:, :, None]
-    out = np.empty((len(time), len(p), columns.shape[1]))
+    ramp = np.where(a != 0, -np.expm1(-a) / np.where(a != 0, a, 1.0), 1.0)[:, :, None]
+    out = np.empty((len(time), len(p), columns.shape[1]), p.dtype)
     out[0] = columns[0]
     for i, change in enumerate(np.diff(columns, axis=0)):
         out[i + 1] = decay[i] * out[i] + ramp[i] * change
@@ -130,3 +154,12 @@ TYPES: tuple[str, ...] = tuple(END_ORGANS)
 def rectify(x_out: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the half-wave rectified nerve displacement, mm (thesis Eq. B.19, after the filter)."""
     return np.maximum(x_out, 0.0)
+
+
+RECTIFIERS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
+    "half": rectify,
+    "full": np.abs,
+}
+"""Rectification after the filter. "half" is the choice of thesis 4.2.1: nothing is known to couple
+the nerve ending firmly enough to be pulled. "full" is what channels that open in tension and in
+compression would do."""

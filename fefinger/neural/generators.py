@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import END_ORGANS, rectify
+from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ
 
 
 LARGEST_CURRENT = 100.0
@@ -17,12 +17,16 @@ there never drives its membrane into depolarization block.
 """
 
 
-def linear(x_nerve: NDArray[np.float64], gain: float) -> NDArray[np.float64]:
+Gain = float | NDArray[np.float64]
+"""uA/cm² per mm, one or one per unit."""
+
+
+def linear(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
     """Return I = A x in uA/cm² for x in mm and A in uA/cm² per mm (thesis Eq. B.18)."""
     return gain * x_nerve
 
 
-def saturating(x_nerve: NDArray[np.float64], gain: float) -> NDArray[np.float64]:
+def saturating(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
     """Return I = I_max (1 - exp(-A x / I_max)), which is A x for a small x.
 
     The saturation that thesis 4.4.3 asks for. The exponential is the law of a fixed number of
@@ -31,7 +35,7 @@ def saturating(x_nerve: NDArray[np.float64], gain: float) -> NDArray[np.float64]
     return -LARGEST_CURRENT * np.expm1(-gain * x_nerve / LARGEST_CURRENT)
 
 
-Generator = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
+Generator = Callable[[NDArray[np.float64], Gain], NDArray[np.float64]]
 
 GENERATORS: dict[str, Generator] = {f.__name__: f for f in (saturating, linear)}
 
@@ -41,14 +45,18 @@ def transduce(
     time: ArrayLike,
     x_in: ArrayLike,
     *,
-    gain: float,
+    gain: Gain,
     generator: str = "saturating",
     at: ArrayLike | None = None,
+    organ: Organ | None = None,
+    rectifier: str = "half",
 ) -> NDArray[np.float64]:
     """Return the generator current in uA/cm² of a unit's type for a skin displacement in mm.
 
-    End-organ filter, half-wave rectification, generator; `time`, `x_in` and `at` as in
-    `PoleZero.respond`, `kind` an afferent type, `generator` one of GENERATORS.
+    End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,
+    `kind` an afferent type, `generator` one of GENERATORS, `organ` the filter where it is not that
+    of END_ORGANS, `rectifier` one of RECTIFIERS.
     """
-    x_nerve = rectify(END_ORGANS[kind].respond(time, x_in, at))
+    x_out = (organ or END_ORGANS[kind]).respond(time, x_in, at)
+    x_nerve = RECTIFIERS[rectifier](x_out)
     return GENERATORS[generator](x_nerve, gain)

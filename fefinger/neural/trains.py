@@ -1,9 +1,19 @@
 """Spike trains of afferent units, with the signals that made them."""
 
 from dataclasses import dataclass
+from datetime import datetime
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from fefinger.neural import exports
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
 COLUMNS = ("unit", "type", "time_s")
@@ -15,7 +25,8 @@ class SpikeTrains:
     """What the afferent units fired, and the signals on the way to it.
 
     types, names: one per unit. times: one ascending array of spike times in s per unit, between
-    t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None.
+    t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm
+    of the end organs under the skin, or None. seed: of what is random in them; None: nothing is.
 
     time: (n_t,) s, on which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) uA/cm² the generator current; both linear in between
@@ -39,6 +50,8 @@ class SpikeTrains:
     block_seconds: NDArray[np.float64]
     stimulus_driven: NDArray[np.int64]
     positions: NDArray[np.float64] | None = None
+    depths: NDArray[np.float64] | None = None
+    seed: int | None = None
     notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -75,3 +88,38 @@ class SpikeTrains:
             for name, kind, times in zip(self.names, self.types, self.times, strict=True)
             for t in times
         ]
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write one row per spike: unit, type, place in mm and time in s."""
+        exports.to_csv(self, path)
+
+    def to_npz(self, path: str | PathLike[str]) -> None:
+        """Write everything to an NPZ file that `from_npz` reads back to the last bit."""
+        exports.to_npz(self, path)
+
+    @classmethod
+    def from_npz(cls, path: str | PathLike[str]) -> "SpikeTrains":
+        """Return what `to_npz` wrote; InputError for another file."""
+        return cls(**exports.read_npz(path))
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return a table with one row per spike: unit, type, place and depth in mm, time in s."""
+        return exports.to_pandas(self)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return a dataset of the signals over time and unit, and of all spikes."""
+        return exports.to_xarray(self)
+
+    def to_neo(self) -> Any:
+        """Return a neo.Block: one annotated SpikeTrain per unit, and the signals (extra `neo`)."""
+        return exports.to_neo(self)
+
+    def to_nwb(
+        self,
+        path: str | PathLike[str],
+        *,
+        description: str = "simulated spike trains of tactile afferents",
+        started: datetime | None = None,
+    ) -> None:
+        """Write an NWB file of the units and the displacement that drove them (extra `nwb`)."""
+        exports.to_nwb(self, path, description=description, started=started)

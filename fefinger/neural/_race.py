@@ -1,0 +1,89 @@
+"""Compiled race of the membranes of one branched unit; imported by `units` when one first runs."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, crossing, slope
+
+
+@njit(cache=True)
+def _step(
+    y: tuple[float, float, float, float],
+    k1: tuple[float, float, float, float],
+    dt: float,
+    middle: float,
+    end: float,
+    slow: float,
+) -> tuple[float, float, float, float]:
+    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
+    v, n, m, h = y
+    a, b, c, d = k1
+    s = 0.5 * dt
+    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, 1.0)
+    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, 1.0)
+    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, 1.0)
+    s = dt / 6.0
+    return (
+        v + s * (a + 2.0 * (e + p) + w),
+        n + s * (b + 2.0 * (f + q) + x),
+        m + s * (c + 2.0 * (g + r) + j),
+        h + s * (d + 2.0 * (i + u) + z),
+    )
+
+
+@njit(cache=True, nogil=True)
+def race(
+    time: NDArray[np.float64],
+    current: NDArray[np.float64],
+    dt_max: float,
+    divisor: float,
+    rest: NDArray[np.float64],
+    block: tuple[float, float, float],
+    spikes: NDArray[np.float64],
+) -> tuple[int, float, float, NDArray[np.float64]]:
+    """Integrate the branches of one unit from rest, as `_lanes.integrate` does one membrane.
+
+    time (n_t,) ms, current (n_t, n_branches). The branch that first reaches a spike fires the unit
+    and invades the others: they take over its state. `block` is its potential, current and time;
+    the longest of the branches counts. Returns spikes, peak, block and the final states.
+    """
+    n, slow = current.shape[1], 1.0 / divisor
+    y = np.empty((n, 4))
+    y[:] = rest
+    armed, above, blocked = np.ones(n, np.bool_), np.zeros(n), np.zeros(n)
+    count, peak = 0, rest[0]
+    for k in range(len(time) - 1):
+        interval = time[k + 1] - time[k]
+        steps = math.ceil(interval / dt_max - 1e-9)
+        for j in range(steps):
+            dt, winner, first = interval / steps, -1, 2.0
+            for b in range(n):
+                per_step = (current[k + 1, b] - current[k, b]) / steps
+                start = current[k, b] + j * per_step
+                end, old = start + per_step, (y[b, 0], y[b, 1], y[b, 2], y[b, 3])
+                k1 = slope(old[0], old[1], old[2], old[3], start, slow, 1.0)
+                new = _step(old, k1, dt, start + 0.5 * per_step, end, slow)
+                if armed[b] and new[0] >= SPIKE_MV:
+                    d1 = slope(new[0], new[1], new[2], new[3], end, slow, 1.0)[0]
+                    fraction = crossing(old[0], new[0], k1[0], d1, dt)
+                    if fraction < first:
+                        winner, first = b, fraction
+                elif new[0] < REARM_MV:
+                    armed[b] = True
+                high = new[0] > block[0] and start > block[1]
+                above[b] = above[b] + dt if high else 0.0
+                if above[b] > block[2]:
+                    blocked[b] += min(dt, above[b] - block[2])
+                peak = max(peak, new[0])
+                y[b, 0], y[b, 1], y[b, 2], y[b, 3] = new
+            if winner >= 0:
+                if count < len(spikes):
+                    spikes[count] = time[k] + dt * (j + first)
+                count += 1
+                y[:] = y[winner].copy()
+                armed[:] = False
+                above[:] = 0.0
+    return count, peak, blocked.max(), y

@@ -1,0 +1,262 @@
+"""Spike trains out: CSV, NPZ, pandas, xarray, and with their extras Neo and NWB."""
+
+import csv
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib import import_module
+from importlib.metadata import version
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from fefinger.neural.trains import SpikeTrains
+
+
+NPZ_FORMAT = "fefinger spike trains 1"
+
+CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
+
+SIGNALS = ("x_in", "current")
+PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
+OPTIONAL = ("positions", "depths", "seed")
+
+UNITS = {
+    "times": "s",
+    "time": "s",
+    "x_in": "mm",
+    "current": "uA/cm2",
+    "peak_mV": "mV",
+    "block_seconds": "s",
+    "stimulus_driven": "1",
+    "positions": "mm",
+    "depths": "mm",
+}
+"""Units of the arrays of SpikeTrains, as stored with them."""
+
+
+def to_csv(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
+    """Write one row per spike in CSV_COLUMNS, by unit and then time; empty places if unknown."""
+    places: list[tuple[str, ...]] = [("", "", "")] * len(trains)
+    if trains.positions is not None:
+        places = [tuple(repr(float(x)) for x in row) for row in trains.positions]
+    with _in_place(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(CSV_COLUMNS)
+        for i, times in enumerate(trains.times):
+            unit = (trains.names[i], trains.types[i], *places[i])
+            writer.writerows((*unit, repr(float(time))) for time in times)
+
+
+def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
+    """Write everything to a compressed NPZ that `read_npz` reads back to the last bit.
+
+    `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
+    `units_of_arrays` the unit of each array as "name unit".
+    """
+    arrays: dict[str, Any] = {name: getattr(trains, name) for name in ("time", *SIGNALS, *PER_UNIT)}
+    arrays |= {name: getattr(trains, name) for name in ("types", "names", "notes")}
+    arrays |= {
+        name: getattr(trains, name) for name in OPTIONAL if getattr(trains, name) is not None
+    }
+    arrays["spikes"] = np.concatenate(trains.times)
+    arrays["offsets"] = np.cumsum([0, *trains.count()])
+    arrays["span"] = [trains.t_start, trains.t_stop]
+    arrays["format"] = NPZ_FORMAT
+    arrays["units_of_arrays"] = [f"{name} {unit}" for name, unit in UNITS.items()]
+    with _in_place(path) as new, open(new, "wb") as file:
+        np.savez_compressed(file, **arrays)
+
+
+def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
+    """Return the fields of the SpikeTrains that `to_npz` wrote; InputError for another file."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            data = {name: file[name] for name in file.files}
+    except (OSError, ValueError) as error:
+        msg = f"{path}: expected an NPZ file of spike trains, found none to read: {error}"
+        raise InputError(msg) from error
+    if str(data.get("format")) != NPZ_FORMAT:
+        msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"
+        raise InputError(msg)
+    offsets = data["offsets"]
+    fields = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
+    fields |= {name: tuple(data[name].tolist()) for name in ("types", "names", "notes")}
+    fields |= {name: data[name] for name in ("positions", "depths") if name in data}
+    if "seed" in data:
+        fields["seed"] = int(data["seed"])
+    pieces = np.split(data["spikes"], offsets[1:-1])
+    start, stop = data["span"].tolist()
+    return fields | {"times": tuple(pieces), "t_start": start, "t_stop": stop}
+
+
+def to_pandas(trains: "SpikeTrains") -> "pd.DataFrame":
+    """Return a table with one row per spike: unit, type, x_mm, y_mm, z_mm, depth_mm, time_s."""
+    import pandas as pd
+
+    owner = np.repeat(np.arange(len(trains)), trains.count())
+    places, depths = _places(trains)
+    table = {"unit": np.array(trains.names)[owner], "type": np.array(trains.types)[owner]}
+    table |= {f"{axis}_mm": places[owner, i] for i, axis in enumerate("xyz")}
+    table |= {"depth_mm": depths[owner], "time_s": np.concatenate(trains.times)}
+    return pd.DataFrame(table)
+
+
+def to_xarray(trains: "SpikeTrains") -> "xr.Dataset":
+    """Return a dataset of the signals over `time` and `unit`, and of the spikes over `spike`.
+
+    `spike_unit` is the index of the unit of each spike; every variable has its units.
+    """
+    import xarray as xr
+
+    def variable(name: str, dims: tuple[str, ...], values: Any) -> Any:
+        return xr.Variable(dims, values, {"units": UNITS[name]})
+
+    data = {name: variable(name, ("time", "unit"), getattr(trains, name)) for name in SIGNALS}
+    data |= {name: variable(name, ("unit",), getattr(trains, name)) for name in PER_UNIT}
+    data["spike_time"] = variable("times", ("spike",), np.concatenate(trains.times))
+    data["spike_unit"] = xr.Variable(("spike",), np.repeat(range(len(trains)), trains.count()))
+    if trains.positions is not None:
+        data["positions"] = variable("positions", ("unit", "axis"), trains.positions)
+    if trains.depths is not None:
+        data["depths"] = variable("depths", ("unit",), trains.depths)
+    coordinates = {
+        "unit": list(trains.names),
+        "type": ("unit", list(trains.types)),
+        "time": variable("time", ("time",), trains.time),
+    }
+    if trains.positions is not None:
+        coordinates["axis"] = ["x", "y", "z"]
+    return xr.Dataset(data, coordinates, _provenance(trains))
+
+
+def to_neo(trains: "SpikeTrains") -> Any:
+    """Return a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
+
+    Each SpikeTrain is named after its unit and annotated with afferent_class, position_mm and
+    depth_mm; displacement and current are IrregularlySampledSignals. Needs the extra `neo`.
+    """
+    neo, pq = _extra("neo", "neo"), _extra("quantities", "neo")
+    segment = neo.Segment(name="trial")
+    places, depths = _places(trains)
+    for i, times in enumerate(trains.times):
+        known: dict[str, Any] = {"afferent_class": trains.types[i]}
+        if trains.positions is not None:
+            known["position_mm"] = places[i].tolist()
+        if trains.depths is not None:
+            known["depth_mm"] = float(depths[i])
+        span = {"t_start": trains.t_start * pq.s, "t_stop": trains.t_stop * pq.s}
+        segment.spiketrains.append(
+            neo.SpikeTrain(times * pq.s, name=trains.names[i], **span, **known)
+        )
+    density = pq.CompoundUnit("uA/cm**2")
+    for name, unit in (("x_in", pq.mm), ("current", density)):
+        segment.irregularlysampledsignals.append(
+            neo.IrregularlySampledSignal(trains.time * pq.s, getattr(trains, name), unit, name=name)
+        )
+    block = neo.Block(name="fefinger", **_provenance(trains))
+    block.segments.append(segment)
+    return block
+
+
+def to_nwb(
+    trains: "SpikeTrains",
+    path: str | PathLike[str],
+    *,
+    description: str = "simulated spike trains of tactile afferents",
+    started: datetime | None = None,
+) -> None:
+    """Write an NWB file: the units, their class and place, and the displacement that drove them.
+
+    Lengths are in mm in the table and in m in the series, as its format wants. `started` is the
+    time of the session with its zone, by default now. Needs the extra `nwb`.
+    """
+    pynwb = _extra("pynwb", "nwb")
+    digest = hashlib.sha256(b"".join(times.tobytes() for times in (*trains.times, trains.x_in)))
+    provenance = _provenance(trains)
+    file = pynwb.NWBFile(
+        session_description=description,
+        identifier=digest.hexdigest(),
+        session_start_time=started or datetime.now(UTC),
+        source_script=provenance["source"],
+        source_script_file_name="fefinger",
+        notes="\n".join([*trains.notes, f"seed: {trains.seed}"]),
+    )
+    columns = {
+        "unit_name": "name of the unit",
+        "afferent_class": "SAI, SAII, FAI or FAII",
+        "x_mm": "distal place of the end organ, nan if unknown",
+        "y_mm": "radial place of the end organ, nan if unknown",
+        "z_mm": "dorsal place of the end organ, nan if unknown",
+        "depth_mm": "depth of the end organ under the skin, nan if unknown",
+    }
+    for name, meaning in columns.items():
+        file.add_unit_column(name, meaning)
+    places, depths = _places(trains)
+    for i, times in enumerate(trains.times):
+        values = (trains.names[i], trains.types[i], *places[i].tolist(), float(depths[i]))
+        file.add_unit(
+            spike_times=times,
+            obs_intervals=[[trains.t_start, trains.t_stop]],
+            **dict(zip(columns, values, strict=True)),
+        )
+    series = pynwb.TimeSeries(
+        name="skin_displacement",
+        data=trains.x_in,
+        unit="m",
+        conversion=1e-3,
+        timestamps=trains.time,
+        description="input of the end organs, one column per unit, compression positive",
+    )
+    file.add_stimulus(series)
+    with _in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
+        io.write(file)
+
+
+def _places(trains: "SpikeTrains") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return positions (n_units, 3) and depths (n_units,) in mm, nan where unknown."""
+    n = len(trains)
+    places = np.full((n, 3), np.nan) if trains.positions is None else trains.positions
+    return places, np.full(n, np.nan) if trains.depths is None else trains.depths
+
+
+def _provenance(trains: "SpikeTrains") -> dict[str, Any]:
+    known: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    if trains.seed is not None:
+        known["seed"] = trains.seed
+    return known | {"notes": "\n".join(trains.notes)}
+
+
+def _extra(module: str, extra: str) -> Any:
+    """Return a module that comes with an extra, or raise InputError that says how to get it."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        msg = f"{module} is not installed; install it with: pip install 'fefinger[{extra}]'"
+        raise InputError(msg) from error
+
+
+@contextmanager
+def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
+    """Give a temporary name next to `path`, and move the file there once it is written."""
+    path = Path(path)
+    if not path.parent.is_dir():
+        msg = f"{path}: expected a folder that exists, {path.parent} does not"
+        raise InputError(msg)
+    new = path.with_name(f".{path.name}.new{path.suffix}")
+    try:
+        yield new
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)

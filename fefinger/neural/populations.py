@@ -1,0 +1,336 @@
+"""Where afferent units and their end organs lie under a pad, given as points, normals and areas."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError, choice, number
+from fefinger.neural.endorgans import TYPES
+
+
+Array = NDArray[np.float64]
+
+NEIGHBORS = 8
+"""Surface points that a place between them is interpolated from."""
+
+ATTEMPTS = 200
+"""Draws of an end organ around its unit before the pad counts as too small for the field."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A piece of skin: points (n, 3) mm, unit outward normals (n, 3), areas (n,) mm² per point.
+
+    Raises
+    ------
+    InputError
+        Fewer points than NEIGHBORS, arrays that do not fit, normals that are not unit vectors,
+        areas that are negative or all zero.
+    """
+
+    points: Array
+    normals: Array
+    areas: Array
+
+    def __post_init__(self) -> None:
+        """Check the arrays."""
+        n = len(self.points)
+        shapes = (np.shape(self.points), np.shape(self.normals), np.shape(self.areas))
+        if n < NEIGHBORS or shapes != ((n, 3), (n, 3), (n,)):
+            msg = (
+                f"surface: expected {NEIGHBORS} points or more with normals, (n, 3), and areas, "
+                f"(n,); received {shapes}"
+            )
+            raise InputError(msg)
+        unit = np.abs(np.linalg.norm(self.normals, axis=1) - 1.0).max() < 1e-6
+        finite = np.isfinite(self.points).all() and np.isfinite(self.areas).all()
+        if not (unit and finite and np.all(self.areas >= 0.0) and self.areas.sum() > 0.0):
+            msg = "surface: expected finite points, unit normals and areas of 0 or more, not all 0"
+            raise InputError(msg)
+
+    @property
+    def spacing(self) -> float:
+        """Distance in mm between points: the square root of the mean area."""
+        return float(np.sqrt(self.areas.mean()))
+
+    def project(self, places: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return the points on the skin nearest to places (n, 3), the normals there, and a flag.
+
+        The flag says whether the place is over the skin, within one spacing of its points. Between
+        the points the skin is where the chord to each of them is at right angles to the sum of
+        both normals, which is exact on a sphere; NEIGHBORS points, weighted by 1/distance⁴.
+        """
+        q = np.array(places, float)
+        on = np.zeros(len(q), bool)
+        normals = np.empty_like(q)
+        for i in range(len(q)):
+            for _ in range(4):
+                distance = np.linalg.norm(self.points - q[i], axis=1)
+                near = np.argpartition(distance, NEIGHBORS - 1)[:NEIGHBORS]
+                weight = 1.0 / (distance[near] + 1e-6 * self.spacing) ** 4
+                weight /= weight.sum()
+                normal = weight @ self.normals[near]
+                normal /= np.linalg.norm(normal)
+                both = self.normals[near] + normal
+                height = np.einsum("ij,ij->i", q[i] - self.points[near], both) / (both @ normal)
+                q[i] -= (weight @ height) * normal
+            normals[i] = normal
+            local = np.sqrt(self.areas[near].max())
+            on[i] = np.linalg.norm(self.points[near] - q[i], axis=1).min() <= local
+        return q, normals, on
+
+
+@dataclass(frozen=True, kw_only=True)
+class Population:
+    """Units and their end organs.
+
+    types (n_units,); centers (n_units, 3) mm on the skin and normals (n_units, 3) there; depths
+    (n_units,) mm of the end organs. skin (n_organs, 3) mm: the point of the skin above each end
+    organ, organ_normals (n_organs, 3) there, unit (n_organs,): whose it is. seed: of the draws.
+    """
+
+    types: tuple[str, ...]
+    centers: Array
+    normals: Array
+    depths: Array
+    skin: Array
+    organ_normals: Array
+    unit: NDArray[np.int64]
+    seed: int | None = None
+
+    def __len__(self) -> int:
+        """Return the number of units."""
+        return len(self.types)
+
+    @property
+    def organ_depths(self) -> Array:
+        """Depth of each end organ in mm, (n_organs,)."""
+        return self.depths[self.unit]
+
+    @property
+    def sites(self) -> Array:
+        """Places (n_organs, 3) mm of the end organs, below the skin along its normal."""
+        return self.skin - self.organ_depths[:, None] * self.organ_normals
+
+    @property
+    def organ_types(self) -> tuple[str, ...]:
+        """Type of the unit of each end organ, (n_organs,)."""
+        return tuple(self.types[i] for i in self.unit)
+
+
+def scatter(
+    surface: Surface, densities: Mapping[str, float], *, seed: int
+) -> tuple[tuple[str, ...], Array]:
+    """Return types and places (n, 3) mm of units spread at random over a surface.
+
+    densities: units per cm² by type. Their number is the density times the area, rounded; each
+    falls on a surface point in proportion to its area and anywhere within it. Types are drawn
+    apart, so that leaving one out does not move the others.
+
+    Raises
+    ------
+    InputError
+        An unknown type, a density that is not above 0, or an area too small for one unit.
+    """
+    area = 0.01 * float(surface.areas.sum())
+    types: list[str] = []
+    places = [np.empty((0, 3))]
+    for kind, density in densities.items():
+        choice("densities", kind, TYPES)
+        density = number(f"densities.{kind}", density, above=0.0, unit="per cm²")
+        count = round(density * area)
+        if count == 0:
+            msg = (
+                f"densities.{kind}: {density:g} per cm² leaves no unit on {area:.3g} cm² of skin; "
+                "raise the density, or give the place of one"
+            )
+            raise InputError(msg)
+        rng = np.random.default_rng([_seed(seed), TYPES.index(kind)])
+        which = rng.choice(len(surface.areas), count, p=surface.areas / surface.areas.sum())
+        radius = np.sqrt(surface.areas[which] / np.pi)
+        places.append(surface.points[which] + _disc(rng, surface.normals[which], radius))
+        types += [kind] * count
+    return tuple(types), np.concatenate(places)
+
+
+def grid(surface: Surface, spacing: float) -> Array:
+    """Return the points of a square grid in x and y, `spacing` mm apart, that lie on a surface.
+
+    One of them is the point nearest to x = y = 0. InputError where none falls on the skin.
+    """
+    spacing = number("spacing", spacing, above=0.0, unit="mm")
+    low, high = surface.points.min(axis=0), surface.points.max(axis=0)
+    x, y = (
+        spacing * np.arange(np.ceil(low[i] / spacing), np.floor(high[i] / spacing) + 1)
+        for i in range(2)
+    )
+    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    return _kept(surface, places, f"a grid of {spacing:g} mm")
+
+
+def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Array:
+    """Return `count` points of a surface above a straight line in x and y, ends included.
+
+    start, stop: (2,) mm. InputError where a point of the line is off the skin.
+    """
+    if count < 2:
+        msg = f"count: expected 2 or more places on a line, received {count}"
+        raise InputError(msg)
+    places = np.linspace(np.asarray(start, float), np.asarray(stop, float), count)
+    kept = _kept(surface, places, "a line")
+    if len(kept) < count:
+        msg = (
+            f"start, stop: expected a line over the skin, {count - len(kept)} of its {count} "
+            "places are beside it; bring its ends closer"
+        )
+        raise InputError(msg)
+    return kept
+
+
+def populate(
+    surface: Surface,
+    types: Sequence[str],
+    places: ArrayLike,
+    *,
+    depths: Mapping[str, float],
+    organs: Mapping[str, tuple[int, int]] | None = None,
+    fields: Mapping[str, float] | None = None,
+    seed: int | None = None,
+) -> Population:
+    """Return the population with units of these types at these places.
+
+    Parameters
+    ----------
+    surface
+        The skin that the places are projected onto.
+    types, places
+        (n_units,) and (n_units, 3) mm.
+    depths
+        mm of the end organs under the skin, by type.
+    organs
+        Smallest and largest number of end organs by type, drawn evenly; one where not given.
+    fields
+        mm: diameter of the disc around its place over which a unit's end organs are spread evenly,
+        by type. A single end organ lies at the place itself.
+    seed
+        Of the draws; needed where there are any.
+
+    Raises
+    ------
+    InputError
+        No units, an unknown type, a place beside the skin, a type without a depth, or a field that
+        the skin is too small for.
+    """
+    types = tuple(choice("types", kind, TYPES) for kind in types)
+    centers, normals = _centers(surface, types, places)
+    missing = sorted(set(types) - set(depths))
+    if missing:
+        msg = f"depths: expected one for each type, {', '.join(missing)} is missing"
+        raise InputError(msg)
+    skin, skin_normals, unit = [], [], []
+    for i, kind in enumerate(types):
+        low, high = _number_of_organs(kind, organs or {})
+        if high == 1:
+            found = centers[i : i + 1], normals[i : i + 1]
+        else:
+            rng = np.random.default_rng([_seed(seed), len(TYPES), i])
+            diameter = number(f"fields.{kind}", (fields or {}).get(kind), above=0.0, unit="mm")
+            count = int(rng.integers(low, high + 1))
+            found = _spread(surface, rng, centers[i], normals[i], count, diameter, kind)
+        skin.append(found[0])
+        skin_normals.append(found[1])
+        unit += [i] * len(found[0])
+    return Population(
+        types=types,
+        centers=centers,
+        normals=normals,
+        depths=np.array([number(f"depths.{k}", depths[k], above=0.0, unit="mm") for k in types]),
+        skin=np.concatenate(skin),
+        organ_normals=np.concatenate(skin_normals),
+        unit=np.array(unit, np.int64),
+        seed=seed,
+    )
+
+
+def _centers(surface: Surface, types: tuple[str, ...], places: ArrayLike) -> tuple[Array, Array]:
+    """Return the places on the skin and the normals there."""
+    wanted = np.asarray(places, float)
+    if not types or wanted.shape != (len(types), 3) or not np.isfinite(wanted).all():
+        msg = (
+            f"places: expected finite (n, 3) mm for {len(types)} units, one or more, received "
+            f"{wanted.shape}"
+        )
+        raise InputError(msg)
+    centers, normals, on = surface.project(wanted)
+    if not on.all():
+        first = np.flatnonzero(~on)[0]
+        msg = (
+            f"places: {np.count_nonzero(~on)} of {len(on)} lie beside the skin, the first is "
+            f"{types[first]} at {np.round(wanted[first], 3).tolist()} mm"
+        )
+        raise InputError(msg)
+    return centers, normals
+
+
+def _number_of_organs(kind: str, organs: Mapping[str, tuple[int, int]]) -> tuple[int, int]:
+    low, high = organs.get(kind, (1, 1))
+    if not 1 <= low <= high:
+        msg = f"organs.{kind}: expected a smallest number of 1 or more and a largest, received "
+        raise InputError(msg + repr((low, high)))
+    return low, high
+
+
+def _spread(
+    surface: Surface,
+    rng: np.random.Generator,
+    center: Array,
+    normal: Array,
+    count: int,
+    diameter: float,
+    kind: str,
+) -> tuple[Array, Array]:
+    """Return `count` points of the skin around a center and the normals there."""
+    points, normals = np.empty((0, 3)), np.empty((0, 3))
+    for _ in range(ATTEMPTS):
+        around = np.tile(normal, (count - len(points), 1))
+        radius = np.full(len(around), 0.5 * diameter)
+        found, upward, on = surface.project(center + _disc(rng, around, radius))
+        points, normals = np.concatenate([points, found[on]]), np.concatenate([normals, upward[on]])
+        if len(points) == count:
+            return points, normals
+    msg = (
+        f"fields.{kind}: the skin is too small for {count} end organs within {diameter:g} mm; "
+        "narrow the field"
+    )
+    raise InputError(msg)
+
+
+def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
+    """Return random vectors (n, 3), evenly spread over discs of these radii across the normals."""
+    axis = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    first: Array = np.cross(normals, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    angle = rng.uniform(0.0, 2.0 * np.pi, len(normals))[:, None]
+    length = (radius * np.sqrt(rng.uniform(size=len(normals))))[:, None]
+    return length * (np.cos(angle) * first + np.sin(angle) * second)
+
+
+def _kept(surface: Surface, places: Array, what: str) -> Array:
+    """Return those places (n, 2) mm that lie on the skin, lifted to it, (m, 3)."""
+    nearest = [np.argmin(np.sum((surface.points[:, :2] - p) ** 2, axis=1)) for p in places]
+    height = surface.points[np.array(nearest, int), 2] if len(places) else np.empty(0)
+    points, _, on = surface.project(np.column_stack([places, height]))
+    if not on.any():
+        msg = f"places: {what} puts no place on the skin; narrow it, or move it over the pad"
+        raise InputError(msg)
+    return points[on]
+
+
+def _seed(seed: int | None) -> int:
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        msg = f"seed: expected a whole number of 0 or more, to draw from, received {seed!r}"
+        raise InputError(msg)
+    return seed

@@ -1,0 +1,345 @@
+"""Units with several end organs: branching, conduction delay, noise, and units that differ."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError, choice, number
+from fefinger.neural.afferents import (
+    checked_signals,
+    count_changes,
+    dense_times,
+    remarks,
+    unit_names,
+)
+from fefinger.neural.endorgans import RECTIFIERS, TYPES, Organ
+from fefinger.neural.gains import GAINS
+from fefinger.neural.generators import GENERATORS, transduce
+from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
+from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
+from fefinger.neural.trains import SpikeTrains
+
+
+Array = NDArray[np.float64]
+
+RULES = ("mean", "max", "first")
+"""How the generator currents of a unit's end organs meet.
+
+"mean": the mean current on one membrane, the spatial summation of generator current. "max": at
+every time the largest one on one membrane. "first": a membrane for each branch; the first to fire
+fires the unit and its impulse invades the others, which take over its state (that branches of SAI
+units reset each other: Lesniak et al. 2014, doi:10.7554/eLife.01488, and PMC4332704). It costs one
+integration per branch, the others one per unit. With one input to all branches the three agree.
+"""
+
+NOISE_STEP = 1e-3
+"""s between the independent values of membrane noise, which is linear in between: a choice, near
+the duration of a channel's opening and far below the time of the slowed membrane."""
+
+_DENSE = 2_000_000
+"""Values of dense current held at a time: 16 MB."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variation:
+    """What makes spikes random, reproducibly: the same seed gives a unit the same values.
+
+    spread: standard deviation of the logarithm of a unit's gain; that units of one type differ is
+    what Fig. 4-2 shows, by how much is the user's choice. noise: standard deviation of the membrane
+    noise in uA/cm². A unit's draws depend on the seed and its place in the list alone.
+    """
+
+    seed: int
+    spread: float = 0.0
+    noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the seed and the sizes."""
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
+            raise InputError(msg)
+        number("spread", self.spread, at_least=0.0, at_most=3.0)
+        number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
+
+    def gain(self, unit: int) -> float:
+        """Return the factor on the gain of a unit."""
+        return float(np.exp(self.spread * self._draw(unit, 0).normal()))
+
+    def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
+        """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
+        knots = start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
+        values = self.noise * self._draw(unit, 1).normal(size=(branches, len(knots)))
+        return np.column_stack([np.interp(at, knots, row) for row in values])
+
+    def _draw(self, unit: int, purpose: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, unit, purpose])
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Setup:
+    """What turns the inputs of end organs into spikes, apart from time and step."""
+
+    types: tuple[str, ...]
+    columns: tuple[NDArray[np.intp], ...]
+    rule: str
+    generator: str
+    rectifier: str
+    organs: Mapping[str, Organ]
+    gains: Array
+    membrane: Membrane
+    variation: Variation | None
+
+    def branches(
+        self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
+    ) -> list[Array]:
+        """Return the generator currents (n_at, n_branches) in uA/cm² of units of one type."""
+        kind, columns = self.types[units[0]], [self.columns[i] for i in units]
+        organs = [len(c) for c in columns]
+        currents = transduce(
+            kind,
+            time,
+            x_in[:, np.concatenate(columns)],
+            gain=np.repeat(self.gains[units], organs),
+            generator=self.generator,
+            at=at,
+            organ=self.organs.get(kind),
+            rectifier=self.rectifier,
+        )
+        return np.split(currents, np.cumsum(organs)[:-1], axis=1)
+
+    def met(self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None) -> Array:
+        """Return the currents (n_at, n_units) where the branches of each unit meet.
+
+        As many end organs of a type are filtered at once as `_DENSE` allows.
+        """
+        out = np.empty((len(time if at is None else at), len(units)))
+        groups: list[list[int]] = []
+        room = 0
+        for k, i in enumerate(units):
+            room -= len(self.columns[i])
+            if room < 0 or self.types[i] != self.types[units[k - 1]]:
+                groups.append([])
+                room = _DENSE // len(out) - len(self.columns[i])
+            groups[-1].append(k)
+        for group in groups:
+            currents = self.branches([units[k] for k in group], time, x_in, at)
+            for k, branches in zip(group, currents, strict=True):
+                mean = self.rule == "mean"
+                out[:, k] = branches.mean(axis=1) if mean else branches.max(axis=1)
+        return out
+
+    def noise(self, unit: int, at: Array, membranes: int) -> Array | float:
+        """Return the noise of a unit's membranes, (n_at, membranes), or 0."""
+        if self.variation is None or self.variation.noise == 0.0:
+            return 0.0
+        return self.variation.current(unit, at, float(at[0]), float(at[-1]), membranes)
+
+
+def simulate_units(
+    time: ArrayLike,
+    drive: ArrayLike,
+    *,
+    types: Sequence[str],
+    unit: ArrayLike,
+    lengths: ArrayLike = 1.0,
+    rule: str = "mean",
+    delays: ArrayLike = 0.0,
+    variation: Variation | None = None,
+    generator: str = "saturating",
+    rectifier: str = "half",
+    organs: Mapping[str, Organ] | None = None,
+    membrane: Membrane | None = None,
+    names: Sequence[str] | None = None,
+    positions: ArrayLike | None = None,
+    depths: ArrayLike | None = None,
+    dt: float = LARGEST_STEP,
+    check: bool = True,
+) -> SpikeTrains:
+    """Return the spikes of afferent units, each with one end organ or many.
+
+    Every end organ has its filter, rectification and generator; `rule` says how their currents
+    meet. `x_in` of the result is the mean of a unit's end organs, `current` their mean, or with
+    the rules "max" and "first" their largest; noise is in neither.
+
+    Parameters
+    ----------
+    time, drive, lengths
+        As in `simulate`, with one column of drive per end organ: (n_t, n_organs).
+    types
+        (n_units,) afferent type of each unit.
+    unit
+        (n_organs,) index of the unit that each end organ belongs to; every unit has one or more.
+    rule
+        One of RULES.
+    delays
+        (n_units,) or one number: s from a spike at the end organ to where it is recorded.
+    variation
+        Membrane noise and unequal gains; None: neither.
+    rectifier, organs
+        One of RECTIFIERS; filters by type, where they are not those of END_ORGANS.
+    names, positions, depths
+        Of the units: names, (n_units, 3) mm and (n_units,) mm.
+    generator, membrane, dt, check
+        As in `simulate`.
+
+    Raises
+    ------
+    InputError
+        As `simulate`; also a unit without an end organ, or a rule that the membrane cannot follow.
+    """
+    types = tuple(choice("types", kind, TYPES) for kind in types)
+    choice("generator", generator, GENERATORS)
+    choice("rectifier", rectifier, RECTIFIERS)
+    choice("rule", rule, RULES)
+    columns = _columns(unit, len(types))
+    time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
+    names = unit_names(types) if names is None else tuple(names)
+    if len(names) != len(types):
+        msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
+        raise InputError(msg)
+    membrane = membrane or HodgkinHuxley()
+    if rule == "first":
+        _racing(membrane)
+    factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
+    setup = _Setup(
+        types=types,
+        columns=columns,
+        rule=rule,
+        generator=generator,
+        rectifier=rectifier,
+        organs=organs or {},
+        gains=np.array([GAINS[kind] for kind in types]) * factors,
+        membrane=membrane,
+        variation=variation,
+    )
+    firing = _fire(setup, time, x_in, dt, driven=True)
+    mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
+    notes = remarks(time, mean_in, types, names, firing)
+    if check:
+        notes += _changes(setup, time, x_in, dt, names, firing)
+    later = _delays(delays, len(types))
+    return SpikeTrains(
+        types=types,
+        names=names,
+        times=tuple(times + late for times, late in zip(firing.times, later, strict=True)),
+        t_start=float(time[0]),
+        t_stop=float(time[-1] + later.max()),
+        time=time,
+        x_in=mean_in,
+        current=setup.met(range(len(types)), time, x_in),
+        peak_mV=firing.peak_mV,
+        block_seconds=firing.block_seconds,
+        stimulus_driven=firing.stimulus_driven,
+        positions=None if positions is None else np.asarray(positions, float),
+        depths=None if depths is None else np.asarray(depths, float),
+        seed=None if variation is None else variation.seed,
+        notes=notes,
+    )
+
+
+def _columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
+    """Return the columns of each unit's end organs."""
+    unit = np.asarray(unit)
+    whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
+    if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
+        msg = (
+            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
+            f"units has one or more; received {np.unique(unit).tolist()}"
+        )
+        raise InputError(msg)
+    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
+
+
+def _delays(delays: ArrayLike, n_units: int) -> Array:
+    later = np.asarray(delays, float)
+    if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
+        msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
+        raise InputError(msg)
+    return np.broadcast_to(later, (n_units,))
+
+
+def _racing(membrane: object) -> HodgkinHuxley:
+    """Return a membrane that can race, or raise InputError."""
+    if not isinstance(membrane, HodgkinHuxley):
+        msg = (
+            "rule: 'first' races HodgkinHuxley membranes alone, received "
+            f"{type(membrane).__name__}; use 'mean' or 'max'"
+        )
+        raise InputError(msg)
+    return membrane
+
+
+def _changes(
+    setup: _Setup, time: Array, x_in: Array, dt: float, names: Sequence[str], firing: Firing
+) -> tuple[str, ...]:
+    """Return sentences on units whose spike count depends on the step or on the sampling."""
+    thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
+    half = _fire(setup, time, x_in, dt / 2, driven=False)
+    coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
+    return (
+        *count_changes(names, firing, half, "the step of the membrane is halved"),
+        *count_changes(names, firing, coarse, "only every second sample is used"),
+    )
+
+
+def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -> Firing:
+    """Run the units, as many at a time as memory should hold dense signals of."""
+    at = dense_times(time, dt)
+    if setup.rule == "first":
+        runs = [_race(setup, i, time, x_in, at, dt, driven=driven) for i in range(len(setup.types))]
+        return _joined(runs)
+    step, runs = max(1, _DENSE // len(at)), []
+    for start in range(0, len(setup.types), step):
+        units = range(start, min(start + step, len(setup.types)))
+        currents = setup.met(units, time, x_in, at)
+        for k, i in enumerate(units):
+            currents[:, k : k + 1] += setup.noise(i, at, 1)
+        runs.append(setup.membrane.fire(at, currents, dt=dt, stimulus_driven=driven))
+    return _joined(runs)
+
+
+def _race(
+    setup: _Setup, unit: int, time: Array, x_in: Array, at: Array, dt: float, *, driven: bool
+) -> Firing:
+    """Run one membrane per branch of a unit, the first to fire resetting the others."""
+    from fefinger.neural._race import race
+
+    (currents,) = setup.branches([unit], time, x_in, at)
+    currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
+    membrane, crossings = _racing(setup.membrane), 0
+    if driven:
+        crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
+    spikes = np.empty(int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16)
+    dt = min(dt, LARGEST_STEP / max(1.0, membrane.speed))
+    count, peak, blocked, final = race(
+        1e3 * at,
+        currents,
+        1e3 * dt,
+        1.0 / membrane.speed,
+        membrane.rest(),
+        (BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / membrane.speed),
+        spikes,
+    )
+    if count > len(spikes):
+        msg = f"current: swings {count} times through 40 mV, faster than any membrane can follow"
+        raise InputError(msg)
+    return Firing(
+        times=(1e-3 * spikes[:count],),
+        peak_mV=np.array([peak]),
+        block_seconds=np.array([1e-3 * blocked]),
+        stimulus_driven=np.array([crossings], np.int64),
+        final=final[:1],
+    )
+
+
+def _joined(runs: Sequence[Firing]) -> Firing:
+    """Return the firing of all units from that of groups of them."""
+    return Firing(
+        times=tuple(times for run in runs for times in run.times),
+        peak_mV=np.concatenate([run.peak_mV for run in runs]),
+        block_seconds=np.concatenate([run.block_seconds for run in runs]),
+        stimulus_driven=np.concatenate([run.stimulus_driven for run in runs]),
+        final=np.concatenate([run.final for run in runs]),
+    )

@@ -1,0 +1,279 @@
+"""A user's own displacement or strain series to spikes: what `fefinger spikes` does."""
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError, choice, nearest, number
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.trains import SpikeTrains
+
+
+TIME = {"time": 1.0, "time_s": 1.0, "time_ms": 1e-3}
+"""Headers of the time column, with seconds per unit."""
+
+SIGNALS = {
+    "displacement_mm": 1.0,
+    "displacement_um": 1e-3,
+    "displacement_m": 1e3,
+    "strain": None,
+}
+"""Ends of the headers of signals, with mm per unit; strain has its length from the user."""
+
+LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
+"""A fingertip is about 12 mm thick, and no skin is strained by more than its own length."""
+
+SLOW_JUMP = 0.3
+"""Jump of velocity between coarse samples, over the largest velocity, that SA units are refused:
+straight lines through a sinusoid with such jumps stray from it by 1 %."""
+
+FILES = ("spikes.csv", "spikes.npz")
+
+
+@dataclass(frozen=True)
+class Signals:
+    """A series as read: time (n_t,) s, drive (n_t, n_columns), mm per unit of drive, headers.
+
+    A length of None is that of a strain column, which the user has to give.
+    """
+
+    time: NDArray[np.float64]
+    drive: NDArray[np.float64]
+    lengths: tuple[float | None, ...]
+    headers: tuple[str, ...]
+
+
+def read(path: str | PathLike[str]) -> Signals:
+    """Return the series in a CSV file: one column of time, one of each signal, a header each.
+
+    The header of time is one of TIME. That of a signal ends with one of SIGNALS, with a name of the
+    user's before it, as in `left_displacement_mm`. Displacement is positive into the skin, strain
+    positive where it excites: compression for SAI and FAII, stretch of the skin for SAII and FAI.
+
+    Raises
+    ------
+    InputError
+        A file or a header that cannot be read, a value that is not a number, times that are not
+        sorted, signals that are absurdly large.
+    """
+    header, rows = _table(path)
+    at = [i for i, name in enumerate(header) if name in TIME]
+    if len(at) != 1:
+        msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
+        raise InputError(msg)
+    columns = [i for i in range(len(header)) if i != at[0]]
+    if not columns:
+        msg = f"{path}: expected a column of a signal beside the time, found none"
+        raise InputError(msg)
+    lengths = tuple(_length(path, header[i]) for i in columns)
+    values = _numbers(path, header, rows)
+    signals = Signals(
+        time=TIME[header[at[0]]] * values[:, at[0]],
+        drive=values[:, columns],
+        lengths=lengths,
+        headers=tuple(header[i] for i in columns),
+    )
+    _check(path, signals)
+    return signals
+
+
+def fire(
+    signals: Signals,
+    types: Sequence[str] = (),
+    *,
+    length: float | None = None,
+    corners: bool = False,
+    generator: str = "saturating",
+) -> "SpikeTrains":
+    """Return the spikes of units that these signals drive.
+
+    Parameters
+    ----------
+    signals
+        What `read` returns. A column whose header begins with a type, as `FAI_displacement_mm`,
+        drives a unit of that type; any other column a unit of each of `types`.
+    types
+        Afferent types, by default all four.
+    length
+        mm of skin displacement that a strain of 1 stands for: the depth of a small flat press over
+        the strain that it makes at the end organ.
+    corners
+        Take straight lines between coarse samples as meant, with the corners that they have.
+    generator
+        As in `neural.afferents.simulate`.
+
+    Raises
+    ------
+    InputError
+        An unknown type, a strain without a length, samples too coarse for a type's fastest pole.
+    """
+    from fefinger.neural.afferents import simulate
+    from fefinger.neural.endorgans import TYPES
+
+    types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
+    columns: list[int] = []
+    kinds: list[str] = []
+    names: list[str] = []
+    for i, header in enumerate(signals.headers):
+        prefix = header.partition("_")[0]
+        own = (prefix,) if prefix in TYPES else types
+        columns += [i] * len(own)
+        kinds += own
+        many = len(signals.headers) > 1
+        names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in own]
+    if not corners:
+        for i, kind in zip(columns, kinds, strict=True):
+            _check_sampling(signals, i, kind, _mm(signals, i, length))
+    trains = simulate(
+        signals.time,
+        signals.drive[:, columns],
+        types=kinds,
+        lengths=[_mm(signals, i, length) for i in columns],
+        generator=generator,
+        names=names,
+    )
+    return replace(trains, notes=trains.notes + _starts(signals))
+
+
+def save(trains: "SpikeTrains", folder: Path) -> list[str]:
+    """Write FILES into a folder and return their paths."""
+    paths = [folder / name for name in FILES]
+    trains.to_csv(paths[0])
+    trains.to_npz(paths[1])
+    return [str(path) for path in paths]
+
+
+def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
+    """Return the header and the rows of a CSV file, blank lines left out."""
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            lines = [[cell.strip() for cell in line] for line in csv.reader(file)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        msg = f"{path}: expected a CSV file of text, cannot read it: {error}"
+        raise InputError(msg) from error
+    rows = [line for line in lines if any(line)]
+    if len(rows) < 3:
+        msg = (
+            f"{path}: expected a header and two rows or more, received {len(rows)} lines that are "
+            "not blank"
+        )
+        raise InputError(msg)
+    return rows[0], rows[1:]
+
+
+def _numbers(
+    path: str | PathLike[str], header: list[str], rows: list[list[str]]
+) -> NDArray[np.float64]:
+    """Return the values of the rows; InputError names the first that is not a finite number."""
+    values = np.empty((len(rows), len(header)))
+    for i, row in enumerate(rows):
+        if len(row) != len(header):
+            msg = f"{path}: row {i + 1}: expected {len(header)} values, received {len(row)}"
+            raise InputError(msg)
+        for j, cell in enumerate(row):
+            try:
+                values[i, j] = float(cell)
+            except ValueError:
+                values[i, j] = math.nan
+            if not math.isfinite(values[i, j]):
+                msg = (
+                    f"{path}: row {i + 1}, column {header[j]}: expected a finite number, received "
+                    f"{cell!r}; leave out rows that have none"
+                )
+                raise InputError(msg)
+    return values
+
+
+def _length(path: str | PathLike[str], header: str) -> float | None:
+    """Return mm per unit of the signal with this header, None for strain."""
+    for end, length in SIGNALS.items():
+        if header == end or header.endswith(f"_{end}"):
+            return length
+    ends = ", ".join(SIGNALS)
+    msg = f"{path}: column {header!r}: expected a name that ends with one of {ends}."
+    raise InputError(msg + nearest(header, SIGNALS))
+
+
+def _check(path: str | PathLike[str], signals: Signals) -> None:
+    """Raise InputError for times that are not sorted and signals that are absurdly large."""
+    back = np.flatnonzero(np.diff(signals.time) < 0)
+    if len(back):
+        i = int(back[0])
+        msg = (
+            f"{path}: row {i + 2}: expected times that never decrease, received "
+            f"{signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
+        )
+        raise InputError(msg)
+    if not signals.time[-1] > signals.time[0]:
+        msg = f"{path}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
+        raise InputError(msg)
+    for header, column, length in zip(
+        signals.headers, signals.drive.T, signals.lengths, strict=True
+    ):
+        largest = float(np.abs(column).max()) * (length or 1.0)
+        limit, unit = (LARGEST_STRAIN, "") if length is None else (LARGEST_MM, " mm")
+        if largest > limit:
+            msg = (
+                f"{path}: column {header}: expected at most {limit:g}{unit}, received "
+                f"{largest:g}{unit}; is it in another unit, or not zero before the touch?"
+            )
+            raise InputError(msg)
+
+
+def _mm(signals: Signals, column: int, length: float | None) -> float:
+    known = signals.lengths[column]
+    if known is not None:
+        return known
+    if length is None:
+        msg = (
+            f"--length: column {signals.headers[column]!r} is a strain; expected the mm of skin "
+            "displacement that a strain of 1 stands for (the depth of a small flat press over the "
+            "strain that it makes at the end organ; 2 mm for 0.2 mm and 0.1), received none"
+        )
+        raise InputError(msg)
+    return number("--length", length, above=0.0, unit="mm")
+
+
+def _starts(signals: Signals) -> tuple[str, ...]:
+    """Return a sentence for each column that does not start at 0."""
+    return tuple(
+        f"{header}: starts at {first:g}, which every unit takes for a jump from 0; begin the "
+        "series before the touch unless that is meant"
+        for header, first in zip(signals.headers, signals.drive[0], strict=True)
+        if first != 0.0
+    )
+
+
+def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> None:
+    """Raise InputError where the velocity jumps at samples too far apart for a type's filter.
+
+    Far apart is more than a fifth of the period of its fastest pole. FA units take a jump for an
+    event of its own, whatever else moves; for SA units it counts against the largest velocity.
+    """
+    from fefinger.neural.afferents import FAII_JUMP, coarse_jump
+    from fefinger.neural.endorgans import END_ORGANS
+
+    x = length * signals.drive[:, column]
+    pole = max(END_ORGANS[kind].poles)
+    step = 0.2 / pole
+    jump, limit = coarse_jump(signals.time, x, step), FAII_JUMP
+    if kind.startswith("SA"):
+        apart = np.diff(signals.time)
+        limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
+    if jump > limit:
+        msg = (
+            f"column {signals.headers[column]!r}: samples more than {1e3 * step:g} ms apart are "
+            f"too coarse for {kind}, whose fastest pole is at {pole:g} Hz: the velocity jumps by "
+            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out with --type, or say "
+            "--corners if straight lines with these corners are meant"
+        )
+        raise InputError(msg)

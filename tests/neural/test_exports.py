@@ -1,0 +1,182 @@
+"""Spike trains written in every form and read back by what users read them with."""
+
+import csv
+import importlib
+from dataclasses import fields, replace
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.neural import exports
+from fefinger.neural.trains import SpikeTrains
+
+
+RNG = np.random.default_rng(8)
+TIMES = (np.sort(RNG.uniform(0, 2, 7)), np.zeros(0), np.sort(RNG.uniform(0, 2, 3)))
+TRAINS = SpikeTrains(
+    types=("SAI", "FAI", "SAI"),
+    names=("SAI-1", "FAI", "SAI-2"),
+    times=TIMES,
+    t_start=0.0,
+    t_stop=2.0,
+    time=np.linspace(0, 2, 9),
+    x_in=RNG.normal(size=(9, 3)),
+    current=RNG.uniform(0, 50, (9, 3)),
+    peak_mV=np.array([91.0, 3.0, 90.0]),
+    block_seconds=np.array([0.0, 0.0, 0.1]),
+    stimulus_driven=np.array([0, 1, 0]),
+    positions=RNG.normal(size=(3, 3)),
+    depths=np.array([0.8, 0.5, 0.8]),
+    seed=12,
+    notes=("SAI-2: in depolarization block for 0.1 s",),
+)
+BARE = replace(TRAINS, positions=None, depths=None, seed=None, notes=())
+BOTH = pytest.mark.parametrize("trains", [TRAINS, BARE], ids=["full", "bare"])
+
+
+def same(a, b):
+    for field in fields(SpikeTrains):
+        one, other = getattr(a, field.name), getattr(b, field.name)
+        if field.name == "times":
+            assert len(one) == len(other)
+            for x, y in zip(one, other, strict=True):
+                np.testing.assert_array_equal(x, y)
+        elif isinstance(one, np.ndarray):
+            np.testing.assert_array_equal(one, other)
+            assert one.dtype == other.dtype
+        else:
+            assert one == other
+            assert type(one) is type(other)
+
+
+@BOTH
+def test_npz_gives_everything_back_to_the_last_bit(trains, tmp_path):
+    path = tmp_path / "spikes.npz"
+    trains.to_npz(path)
+    same(SpikeTrains.from_npz(path), trains)
+    assert [file.name for file in tmp_path.iterdir()] == ["spikes.npz"]
+
+
+def test_every_array_has_its_unit():
+    arrays = {
+        f.name for f in fields(SpikeTrains) if isinstance(getattr(TRAINS, f.name), np.ndarray)
+    }
+    assert set(exports.UNITS) == arrays | {"times"}
+
+
+def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
+    TRAINS.to_csv(tmp_path / "spikes.csv")
+    with open(tmp_path / "spikes.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == exports.CSV_COLUMNS
+    for i in (0, 2):
+        mine = [row for row in rows if row["unit"] == TRAINS.names[i]]
+        np.testing.assert_array_equal([float(row["time_s"]) for row in mine], TIMES[i])
+        assert {float(row["y_mm"]) for row in mine} == {TRAINS.positions[i, 1]}
+    assert len(rows) == 10
+    BARE.to_csv(tmp_path / "spikes.csv")
+    assert (tmp_path / "spikes.csv").read_text().splitlines()[1].startswith("SAI-1,SAI,,,,")
+
+
+@BOTH
+def test_pandas_has_one_row_per_spike(trains):
+    table = trains.to_pandas()
+    assert list(table["unit"]) == ["SAI-1"] * 7 + ["SAI-2"] * 3
+    np.testing.assert_array_equal(table["time_s"], np.concatenate(TIMES))
+    known = trains.depths is not None
+    assert table["depth_mm"].notna().all() == known
+    assert table["x_mm"].notna().all() == known
+
+
+@BOTH
+def test_xarray_has_the_signals_and_the_spikes_of_each_unit(trains):
+    data = trains.to_xarray()
+    np.testing.assert_array_equal(data["x_in"].sel(unit="FAI"), trains.x_in[:, 1])
+    of_last = data["spike_time"].values[data["spike_unit"].values == 2]
+    np.testing.assert_array_equal(of_last, TIMES[2])
+    assert data["current"].attrs["units"] == "uA/cm2"
+    assert ("positions" in data) == (trains.positions is not None)
+    assert data.attrs.get("seed") == trains.seed
+
+
+@BOTH
+def test_neo_has_a_train_per_unit_and_the_signals(trains):
+    pytest.importorskip("neo", reason="the extra neo is not installed")
+    (segment,) = trains.to_neo().segments
+    assert [train.name for train in segment.spiketrains] == list(trains.names)
+    for i, train in enumerate(segment.spiketrains):
+        np.testing.assert_array_equal(train.rescale("s").magnitude, TIMES[i])
+        assert (float(train.t_start), float(train.t_stop)) == (0.0, 2.0)
+        assert train.annotations["afferent_class"] == trains.types[i]
+        assert ("position_mm" in train.annotations) == (trains.positions is not None)
+    x_in, current = segment.irregularlysampledsignals
+    np.testing.assert_array_equal(x_in.rescale("mm").magnitude, trains.x_in)
+    np.testing.assert_array_equal(current.magnitude, trains.current)
+    assert current.dimensionality.string == "(uA/cm**2)"
+
+
+@BOTH
+def test_nwb_passes_its_validator_and_holds_the_units(trains, tmp_path):
+    pynwb = pytest.importorskip("pynwb", reason="the extra nwb is not installed")
+    path, started = tmp_path / "spikes.nwb", datetime(2024, 5, 1, tzinfo=UTC)
+    trains.to_nwb(path, started=started)
+    assert not pynwb.validate(path=str(path))
+    with pynwb.NWBHDF5IO(str(path), "r") as io:
+        file = io.read()
+        assert file.session_start_time == started
+        table = file.units.to_dataframe()
+        series = file.stimulus["skin_displacement"]
+        np.testing.assert_allclose(series.data[:] * series.conversion, 1e-3 * trains.x_in)
+        np.testing.assert_array_equal(series.timestamps[:], trains.time)
+    assert list(table["afferent_class"]) == list(trains.types)
+    assert list(table["unit_name"]) == list(trains.names)
+    for i in range(3):
+        np.testing.assert_array_equal(table["spike_times"].iloc[i], TIMES[i])
+    np.testing.assert_array_equal(table["depth_mm"].isna().all(), trains.depths is None)
+
+
+def test_neo_reads_the_nwb_file(tmp_path):
+    neo = pytest.importorskip("neo", reason="the extra neo is not installed")
+    pytest.importorskip("pynwb", reason="the extra nwb is not installed")
+    path = tmp_path / "spikes.nwb"
+    TRAINS.to_nwb(path)
+    reader = neo.io.NWBIO(str(path), mode="r")
+    try:
+        (block,) = reader.read_all_blocks()
+        found = [np.asarray(train.magnitude) for s in block.segments for train in s.spiketrains]
+    finally:
+        reader._io_nwb.close()
+    assert len(found) == 3
+    for times, expected in zip(found, TIMES, strict=True):
+        np.testing.assert_array_equal(times, expected)
+
+
+def test_files_that_are_no_spike_trains_are_refused(tmp_path):
+    np.savez(tmp_path / "other.npz", a=1)
+    (tmp_path / "text.npz").write_text("hello")
+    for name, message in (
+        ("other.npz", "expected the format 'fefinger spike trains 1', received None"),
+        ("text.npz", "found none to read"),
+        ("missing.npz", "found none to read"),
+    ):
+        with pytest.raises(InputError, match=message):
+            SpikeTrains.from_npz(tmp_path / name)
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(InputError, match="expected a folder that exists"):
+        TRAINS.to_csv(tmp_path / "no" / "spikes.csv")
+
+
+@pytest.mark.parametrize(("form", "extra"), [("to_neo", "neo"), ("to_nwb", "nwb")])
+def test_a_missing_extra_is_named(form, extra, monkeypatch, tmp_path):
+    def missing(name):
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(exports, "import_module", missing)
+    assert importlib.import_module is not missing
+    arguments = (tmp_path / "spikes.nwb",) if form == "to_nwb" else ()
+    with pytest.raises(InputError, match=f"fefinger\\[{extra}\\]"):
+        getattr(TRAINS, form)(*arguments)

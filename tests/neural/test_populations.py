@@ -1,0 +1,173 @@
+"""Places of units and end organs on surfaces whose shape is known."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.neural.populations import Surface, grid, line, populate, scatter
+
+
+DEPTHS = {"SAI": 0.8, "SAII": 1.25, "FAI": 0.5, "FAII": 2.5}
+
+
+def cap(radius=10.0, half=5.0, n=31):
+    """Return the top of a sphere that touches z = 0, over a square."""
+    x = np.linspace(-half, half, n)
+    xy = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    z = np.sqrt(radius**2 - np.sum(xy**2, axis=1))
+    normals = np.column_stack([xy, z]) / radius
+    areas = np.full(len(xy), (2 * half / (n - 1)) ** 2) / normals[:, 2]
+    return Surface(np.column_stack([xy, z - radius]), normals, areas)
+
+
+def flat(half=10.0, n=41):
+    """Return a square in z = 0."""
+    return Surface(*_plane(half, n))
+
+
+def _plane(half, n):
+    x = np.linspace(-half, half, n)
+    xy = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    points = np.column_stack([xy, np.zeros(len(xy))])
+    return points, np.tile([0.0, 0.0, 1.0], (len(xy), 1)), np.full(len(xy), (2 * half / n) ** 2)
+
+
+CAP, FLAT = cap(), flat()
+
+
+def test_places_between_the_points_of_a_sphere_lie_on_it_to_a_hundredth_of_the_spacing():
+    rng = np.random.default_rng(0)
+    xy = rng.uniform(-4.5, 4.5, (200, 2))
+    height = np.sqrt(100 - np.sum(xy**2, axis=1)) - 10 + rng.uniform(-0.3, 0.3, 200)
+    points, normals, on = CAP.project(np.column_stack([xy, height]))
+    from_center = points + np.array([0, 0, 10])
+    assert on.all()
+    np.testing.assert_allclose(np.linalg.norm(from_center, axis=1), 10, atol=0.01 * CAP.spacing)
+    np.testing.assert_allclose(normals, from_center / 10, atol=0.02)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+
+
+def test_places_beside_the_skin_are_told():
+    _, _, on = FLAT.project([[0, 0, 0.5], [10.2, 0, 0], [11.2, 0, 0], [0, -40, 3]])
+    assert on.tolist() == [True, True, False, False]
+
+
+def test_numbers_are_density_times_area_and_the_places_are_even():
+    types, places = scatter(FLAT, {"SAI": 70.0, "SAII": 6.0, "FAI": 900.0}, seed=1)
+    area = FLAT.areas.sum() / 100
+    for kind, density in (("SAI", 70), ("SAII", 6), ("FAI", 900)):
+        assert types.count(kind) == round(density * area)
+    fast = places[np.array(types) == "FAI"]
+    cells = np.histogram2d(fast[:, 0], fast[:, 1], bins=4, range=[[-10, 10], [-10, 10]])[0]
+    expected = len(fast) / 16
+    # Pearson's statistic has 15 degrees of freedom: 37.7 is passed once in a thousand.
+    assert np.sum((cells - expected) ** 2 / expected) < 37.7
+    assert FLAT.project(places)[2].all()
+
+
+def test_a_seed_gives_the_same_places_and_types_do_not_move_each_other():
+    one = scatter(FLAT, {"SAI": 70.0, "FAI": 140.0}, seed=3)
+    np.testing.assert_array_equal(one[1], scatter(FLAT, {"SAI": 70.0, "FAI": 140.0}, seed=3)[1])
+    alone = scatter(FLAT, {"FAI": 140.0}, seed=3)[1]
+    np.testing.assert_array_equal(one[1][np.array(one[0]) == "FAI"], alone)
+    assert not np.array_equal(alone, scatter(FLAT, {"FAI": 140.0}, seed=4)[1])
+
+
+def test_a_grid_covers_the_skin_and_a_line_its_length():
+    places = grid(CAP, 2.0)
+    assert len(places) == 25
+    np.testing.assert_allclose(places[:, :2] / 2, np.round(places[:, :2] / 2), atol=0.05)
+    along = line(CAP, (-4, 0), (4, 0), 9)
+    assert along.shape == (9, 3)
+    np.testing.assert_allclose(along[4], 0.0, atol=0.005)
+    np.testing.assert_allclose(along[:, 1], 0.0, atol=0.01)
+
+
+def test_end_organs_lie_at_their_depth_along_the_normal():
+    population = populate(CAP, ("SAI", "FAII"), [[0, 0, 0], [3, 0, -0.4]], depths=DEPTHS)
+    assert len(population) == 2
+    depth = 10 - np.linalg.norm(population.sites + np.array([0, 0, 10]), axis=1)
+    np.testing.assert_allclose(depth, [0.8, 2.5], atol=0.01)
+    np.testing.assert_array_equal(population.unit, [0, 1])
+    assert population.organ_types == ("SAI", "FAII")
+
+
+def test_branches_are_as_many_as_asked_and_within_the_field():
+    n = 300
+    options = {"organs": {"SAI": (4, 7)}, "fields": {"SAI": 3.0}, "depths": DEPTHS, "seed": 5}
+    population = populate(FLAT, ("SAI",) * n, np.zeros((n, 3)), **options)
+    counts = np.bincount(population.unit)
+    assert set(counts) == {4, 5, 6, 7}
+    # Each of the four is drawn with probability 1/4: five standard deviations.
+    assert np.all(np.abs(np.bincount(counts)[4:] - n / 4) < 5 * np.sqrt(n * 3 / 16))
+    radius = np.linalg.norm(population.skin[:, :2], axis=1)
+    assert radius.max() <= 1.5
+    # Even over a disc: the mean squared distance is half of the squared radius.
+    assert np.mean(radius**2) == pytest.approx(1.5**2 / 2, rel=0.06)
+    again = populate(FLAT, ("SAI",) * n, np.zeros((n, 3)), **options)
+    np.testing.assert_array_equal(population.skin, again.skin)
+
+
+def test_branches_stay_on_the_skin_at_its_edge():
+    population = populate(
+        FLAT,
+        ("FAI",) * 4,
+        [[9.9, 9.9, 0]] * 4,
+        depths=DEPTHS,
+        organs={"FAI": (12, 17)},
+        fields={"FAI": 4.0},
+        seed=1,
+    )
+    assert np.bincount(population.unit).min() >= 12
+    assert population.skin[:, :2].max() < 10 + FLAT.spacing
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: scatter(FLAT, {"SAI": 0.01}, seed=1), "leaves no unit on 4 cm² of skin"),
+        (lambda: scatter(FLAT, {"SA": 70.0}, seed=1), "Did you mean 'SAI'"),
+        (lambda: scatter(FLAT, {"SAI": -1.0}, seed=1), "densities.SAI: expected a finite number"),
+        (lambda: scatter(FLAT, {"SAI": 70.0}, seed=None), "seed: expected a whole number"),
+        (lambda: line(FLAT, (0, 0), (30, 0), 5), "3 of its 5 places are beside it"),
+        (lambda: line(FLAT, (20, 0), (30, 0), 5), "puts no place on the skin"),
+        (lambda: line(FLAT, (0, 0), (1, 0), 1), "count: expected 2"),
+        (lambda: grid(FLAT, 0.0), "spacing: expected"),
+        (lambda: populate(FLAT, (), np.zeros((0, 3)), depths=DEPTHS), "one or more"),
+        (
+            lambda: populate(FLAT, ("SAI",), [[40, 0, 0]], depths=DEPTHS),
+            "1 of 1 lie beside the skin, the first is SAI at \\[40.0, 0.0, 0.0\\] mm",
+        ),
+        (lambda: populate(FLAT, ("SAI",), [[0, 0, np.nan]], depths=DEPTHS), "finite"),
+        (lambda: populate(FLAT, ("SAI",), [[0, 0, 0]], depths={}), "SAI is missing"),
+        (
+            lambda: populate(
+                FLAT, ("SAI",), [[0, 0, 0]], depths=DEPTHS, organs={"SAI": (0, 2)}, seed=1
+            ),
+            "organs.SAI: expected a smallest number",
+        ),
+        (
+            lambda: populate(
+                FLAT, ("SAI",), [[0, 0, 0]], depths=DEPTHS, organs={"SAI": (2, 3)}, seed=1
+            ),
+            "fields.SAI: expected a finite number mm above 0, received None",
+        ),
+        (
+            lambda: populate(
+                flat(0.1, 9),
+                ("SAI",),
+                [[0, 0, 0]],
+                depths=DEPTHS,
+                organs={"SAI": (20, 20)},
+                fields={"SAI": 900.0},
+                seed=1,
+            ),
+            "the skin is too small for 20 end organs",
+        ),
+        (lambda: Surface(*(a[:4] for a in _plane(1.0, 4))), "expected 8 points or more"),
+        (lambda: Surface(_plane(1, 4)[0], 2 * _plane(1, 4)[1], _plane(1, 4)[2]), "unit normals"),
+    ],
+)
+def test_impossible_populations_are_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()

@@ -1,0 +1,238 @@
+"""Units with many end organs: what the rules agree on, where they part, delay and seeded noise."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.neural import units
+from fefinger.neural.afferents import displacements, from_strain, simulate
+from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
+from fefinger.neural.endorgans import TYPES
+from fefinger.neural.gains import GAINS
+from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.neural.preliminary import spring
+from fefinger.neural.units import RULES, Variation, simulate_units
+
+
+EVERY_RULE = pytest.mark.parametrize("rule", RULES)
+TIME = np.concatenate([np.linspace(0, 0.1, 101), [0.3, 0.5]])
+RAMP = np.minimum(TIME / 0.1, 1.0)
+
+
+def one(share, rule="mean", kind="SAI", **options):
+    """One unit whose branches get these shares of 1 mm."""
+    drive = RAMP[:, None] * np.asarray(share, float)
+    options = {"check": False} | options
+    return simulate_units(
+        TIME, drive, types=(kind,), unit=np.zeros(drive.shape[1], int), rule=rule, **options
+    )
+
+
+@EVERY_RULE
+def test_a_flat_probe_gives_the_answer_of_one_end_organ(rule):
+    types, organs = TYPES, (5, 1, 3, 1)
+    unit = np.repeat(np.arange(4), organs)
+    order = np.random.default_rng(0).permutation(len(unit))
+    drive = np.tile(RAMP[:, None], len(unit))
+    many = simulate_units(TIME, drive, types=types, unit=unit[order], rule=rule)
+    single = simulate(TIME, np.tile(RAMP[:, None], 4), types=types)
+    assert single.count().min() > 0
+    for a, b in zip(many.times, single.times, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+    np.testing.assert_allclose(many.current, single.current, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(many.x_in, single.x_in, rtol=1e-12)
+    np.testing.assert_allclose(many.peak_mV, single.peak_mV, rtol=1e-9)
+    assert many.notes == single.notes
+    assert many.t_stop == single.t_stop
+
+
+def test_the_rules_part_where_the_branches_differ():
+    counts = {rule: len(one([1.0, 0.0, 0.0, 0.0], rule).times[0]) for rule in RULES}
+    alone = len(one([1.0]).times[0])
+    assert counts["mean"] < alone
+    assert counts["max"] == counts["first"] == alone
+
+
+def test_the_largest_current_is_taken_at_every_time():
+    rise = np.column_stack([RAMP, np.where(TIME > 0.2, 3.0, 0.0) * (TIME - 0.2)])
+    unit = np.zeros(2, int)
+    both = simulate_units(TIME, rise, types=("SAI",), unit=unit, rule="max", check=False)
+    each = [simulate(TIME, rise[:, i : i + 1], types=("SAI",), check=False) for i in (0, 1)]
+    np.testing.assert_allclose(both.current, np.maximum(each[0].current, each[1].current))
+    np.testing.assert_allclose(both.x_in[:, 0], rise.mean(axis=1))
+
+
+def test_the_first_branch_to_fire_is_the_strongest_and_silences_the_rest():
+    together = one([1.0, 0.8, 0.5], "first").times[0]
+    strongest = one([1.0]).times[0]
+    np.testing.assert_allclose(together[0], strongest[0], atol=1e-9)
+    assert len(together) == len(strongest)
+    apart = sum(len(one([share]).times[0]) for share in (1.0, 0.8, 0.5))
+    assert len(together) < apart
+
+
+def test_a_race_survives_half_the_step_and_half_the_samples():
+    assert one([1.0, 0.7, 0.4], "first", check=True).notes == ()
+
+
+@pytest.mark.parametrize("rule", ["mean", "max"])
+def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
+    types = ("SAI", "SAI", "FAI", "SAI", "SAI", "FAII")
+    unit = np.repeat(np.arange(6), [3, 2, 4, 1, 5, 1])
+    drive = np.outer(RAMP, np.random.default_rng(2).uniform(0.2, 1.0, len(unit)))
+    options = {"types": types, "unit": unit, "rule": rule, "check": False}
+    together = simulate_units(TIME, drive, **options)
+    monkeypatch.setattr(units, "_DENSE", 1)
+    apart = simulate_units(TIME, drive, **options)
+    assert together.count().min() > 0
+    np.testing.assert_allclose(apart.current, together.current, rtol=1e-12)
+    for a, b in zip(apart.times, together.times, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+
+
+def test_full_wave_rectification_answers_a_pull_as_a_push():
+    pushed, pulled = one([1.0], rectifier="full"), one([-1.0], rectifier="full")
+    np.testing.assert_array_equal(pushed.times[0], pulled.times[0])
+    assert len(pushed.times[0]) > 0
+    assert len(one([-1.0]).times[0]) == 0
+
+
+def test_a_filter_of_ones_own_replaces_that_of_its_type():
+    bare = one([0.02], organs={"SAI": spring(2.0, 1.0, 1.0)}).current[:, 0]
+    np.testing.assert_allclose(bare, 100 * -np.expm1(-3.199 * 0.4 * 0.02 * RAMP), rtol=1e-9)
+
+
+def force_step(parallel):
+    """Spikes of an SA and an FA chain, of equal gain, to a step of force that is held for 2 s."""
+    slow = slow_chain(1.0, SpringDamper(0.4, 0.5), 0.5)
+    fast = fast_chain(1.0, SpringDamper(0.0, 0.5), SpringDamper(0.2, 0.005), 0.5)
+    return simulate_units(
+        [0.0, 0.0, 2.0],
+        [[0, 0], [1, 1], [1, 1]],
+        types=("SAI", "FAI"),
+        unit=[0, 1],
+        lengths=[15.0 / GAINS["SAI"], 15.0 / GAINS["FAI"]],
+        organs={"SAI": slow.force_filter(parallel), "FAI": fast.force_filter(parallel)},
+        generator="linear",
+        check=False,
+    )
+
+
+def test_serial_chains_all_answer_a_force_alike_and_for_as_long_as_it_lasts():
+    """Thesis 4.4.1, with the observation that contradicts it: FA units fall silent."""
+    slow, fast = force_step(0.0).times
+    np.testing.assert_array_equal(slow, fast)
+    assert slow[-1] > 1.9
+
+
+def test_a_parallel_spring_silences_the_fast_chain_alone_under_a_held_force():
+    slow, fast = force_step(0.5).times
+    assert slow[-1] > 1.9
+    assert len(fast) > 0
+    assert fast[-1] < 1.0
+
+
+def test_delays_move_every_spike_and_the_end():
+    late = one([1.0], delays=0.015)
+    np.testing.assert_allclose(late.times[0], one([1.0]).times[0] + 0.015)
+    assert late.t_stop == pytest.approx(TIME[-1] + 0.015)
+
+
+def test_a_seed_reproduces_and_another_differs_whatever_the_other_units_do():
+    def fired(seed, count):
+        return simulate_units(
+            TIME,
+            np.tile(RAMP[:, None], count),
+            types=("SAI",) * count,
+            unit=np.arange(count),
+            variation=Variation(seed=seed, noise=2.0, spread=0.3),
+            check=False,
+        )
+
+    two, three, other = fired(1, 2), fired(1, 3), fired(2, 2)
+    for i in range(2):
+        np.testing.assert_array_equal(two.times[i], three.times[i])
+        assert not np.array_equal(two.times[i], other.times[i])
+    assert (two.seed, other.seed, one([1.0]).seed) == (1, 2, None)
+
+
+def test_noise_and_spread_have_the_sizes_that_were_asked():
+    variation = Variation(seed=3, spread=0.4, noise=2.5)
+    logs = np.log([variation.gain(i) for i in range(4000)])
+    assert logs.std() == pytest.approx(0.4, rel=0.05)
+    assert abs(logs.mean()) < 4 * 0.4 / np.sqrt(4000)
+    knots = variation.current(0, 1e-3 * np.arange(4000), 0.0, 4.0, 2)
+    np.testing.assert_allclose(knots.std(axis=0), 2.5, rtol=0.05)
+    assert abs(np.corrcoef(knots.T)[0, 1]) < 4 / np.sqrt(4000)
+
+
+def test_silent_variation_changes_nothing():
+    still = one([1.0, 0.5], variation=Variation(seed=9))
+    np.testing.assert_array_equal(still.times[0], one([1.0, 0.5]).times[0])
+
+
+def test_noise_does_not_depend_on_the_step():
+    variation = Variation(seed=1, noise=3.0)
+    coarse, fine = (one([0.5], variation=variation, dt=dt).times[0] for dt in (5e-5, 2.5e-5))
+    np.testing.assert_allclose(coarse, fine, atol=2e-5)
+
+
+def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
+    flat, up = np.diag([0.04, 0.05, -0.1]), np.array([0.0, 0.0, 1.0])
+    reference = {
+        "reference_depth": 0.2,
+        "reference_types": TYPES,
+        "reference_strain": np.array([flat] * 4),
+        "reference_normals": np.array([up] * 4),
+    }
+    strain = (RAMP / 0.2)[:, None, None, None] * np.array([flat] * 5)
+    of_site = ("SAI", "SAI", "FAI", "SAI", "FAI")
+    x_in = displacements(strain, np.array([up] * 5), of_site, **reference)
+    np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
+    both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
+    single = from_strain(
+        TIME, strain[:, [0, 2]], np.array([up] * 2), ("SAI", "FAI"), **reference, check=False
+    )
+    np.testing.assert_array_equal(both.count(), single.count())
+
+
+class Other:
+    """A membrane of another kind."""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"unit": [0, 2]}, "each of 1 units has one or more; received \\[0, 2\\]"),
+        ({"unit": [0.0, 0.5]}, "index of its unit"),
+        ({"types": ()}, "each of 0 units"),
+        ({"types": ("SA",)}, "Did you mean"),
+        ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),
+        ({"rectifier": "none"}, "rectifier: expected one of"),
+        ({"delays": -1.0}, "delays: expected one or 1 times"),
+        ({"names": ("a", "b")}, "names: expected 1"),
+        ({"rule": "first", "membrane": Other()}, "races HodgkinHuxley membranes alone"),
+    ],
+)
+def test_unusable_units_are_refused(change, message):
+    options = {"types": ("SAI",), "unit": [0, 0]} | change
+    with pytest.raises(InputError, match=message):
+        simulate_units(TIME, np.zeros((len(TIME), 2)), **options)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"seed": -1}, "seed: expected a whole number"),
+        ({"seed": 1, "noise": -1.0}, "noise: expected"),
+        ({"seed": 1, "spread": np.inf}, "spread: expected"),
+    ],
+)
+def test_unusable_variations_are_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        Variation(**values)
+
+
+def test_the_membrane_can_be_the_standard_one():
+    fast = one([1.0], membrane=HodgkinHuxley(rate_divisor=1.0)).times[0]
+    assert len(fast) > 2 * len(one([1.0]).times[0])

@@ -1,0 +1,198 @@
+"""A user's series to spikes: what is read, what fires, and a sentence for what cannot be used."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from fefinger import spikes
+from fefinger.__main__ import main
+from fefinger.checks import InputError
+from fefinger.neural.afferents import simulate
+from fefinger.neural.endorgans import TYPES
+from fefinger.neural.trains import SpikeTrains
+
+
+TIME = np.append(np.linspace(0, 0.1, 501), np.linspace(0.1, 0.5, 9)[1:])
+PRESS = np.where(TIME < 0.1, 0.5 * (1 - np.cos(np.pi * TIME / 0.1)), 1.0)
+
+
+def write(path, header, *columns):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(zip(*(map(repr, map(float, c)) for c in columns), strict=True))
+    return str(path)
+
+
+@pytest.fixture
+def press(tmp_path):
+    return write(tmp_path / "press.csv", ("time", "displacement_mm"), TIME, PRESS)
+
+
+def test_one_column_drives_a_unit_of_every_type(press):
+    trains = spikes.fire(spikes.read(press))
+    expected = simulate(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
+    assert trains.types == trains.names == TYPES
+    assert expected.count().min() > 0
+    for a, b in zip(trains.times, expected.times, strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert trains.notes == expected.notes
+
+
+@pytest.mark.parametrize(
+    ("time", "name", "values", "length"),
+    [
+        ("time_ms", "displacement_um", 1e3 * PRESS, None),
+        ("time_s", "left_displacement_m", 1e-3 * PRESS, None),
+        ("time", "strain", PRESS / 2.5, 2.5),
+    ],
+)
+def test_units_of_the_header_are_converted(time, name, values, length, press, tmp_path):
+    scale = 1e3 if time == "time_ms" else 1.0
+    path = write(tmp_path / "other.csv", (name, time), values, scale * TIME)
+    other = spikes.fire(spikes.read(path), ("SAI", "FAI"), length=length)
+    expected = spikes.fire(spikes.read(press), ("SAI", "FAI"))
+    np.testing.assert_allclose(other.x_in, expected.x_in, rtol=1e-12)
+    for a, b in zip(other.times, expected.times, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+
+
+def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
+    header = ("time", "FAI_displacement_mm", "tip_displacement_mm")
+    path = write(tmp_path / "two.csv", header, TIME, PRESS, 0.5 * PRESS)
+    trains = spikes.fire(spikes.read(path), ("SAI", "SAII"))
+    assert trains.types == ("FAI", "SAI", "SAII")
+    assert trains.names == (
+        *("FAI_displacement_mm", "tip_displacement_mm:SAI", "tip_displacement_mm:SAII"),
+    )
+    np.testing.assert_allclose(trains.x_in, np.outer(PRESS, [1, 0.5, 0.5]))
+
+
+def test_a_series_that_starts_pressed_is_noted(tmp_path):
+    path = write(tmp_path / "late.csv", ("time", "displacement_mm"), [0, 0.5], [1, 1])
+    trains = spikes.fire(spikes.read(path), ("SAI",))
+    assert any("takes for a jump from 0" in note for note in trains.notes)
+
+
+@pytest.mark.parametrize(("rate", "kind"), [(1000, "FAII"), (30, "FAI"), (5, "SAII")])
+def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, kind, tmp_path):
+    frequency = rate / 8
+    time = np.arange(0, 6 / frequency, 1 / rate)
+    wave = 0.5 * (1 - np.cos(2 * np.pi * frequency * time))
+    signals = spikes.read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
+    with pytest.raises(InputError, match=f"too coarse for {kind}"):
+        spikes.fire(signals, (kind,))
+    assert len(spikes.fire(signals, (kind,), corners=True)) == 1
+
+
+@pytest.mark.parametrize("kind", ["SAI", "SAII"])
+def test_slow_units_take_slow_signals_from_few_samples(kind, tmp_path):
+    time = np.arange(0, 60, 1.0)
+    wave = 0.5 * (1 - np.cos(2 * np.pi * time / 30))
+    path = write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave)
+    assert len(spikes.fire(spikes.read(path), (kind,)).times[0]) > 0
+
+
+def test_uneven_samples_and_jumps_are_welcome(tmp_path):
+    time, x = [0, 0.1, 0.1, 0.4], [0, 0, 0.4, 0.4]
+    path = write(tmp_path / "jump.csv", ("time", "displacement_mm"), time, x)
+    trains = spikes.fire(spikes.read(path))
+    assert trains.count().min() > 0
+    assert np.all(np.concatenate(trains.times) > 0.1)
+
+
+def unusable(text, tmp_path):
+    path = tmp_path / "series.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time,displacement_mm\n0,0\n2,1\n1,1\n", "row 3: expected times that never decrease"),
+        ("time,displacement_mm\n0,0\n1,nan\n", "row 2, column displacement_mm: .* received 'nan'"),
+        ("time,displacement_mm\n0,0\n1,\n", "expected a finite number, received ''"),
+        ("time,displacement_mm\n0,0\n1\n", "row 2: expected 2 values, received 1"),
+        ("time,displacement_mm\n0,0\n1,500\n", "at most 10 mm, received 500 mm"),
+        ("time,strain\n0,0\n1,20\n", "at most 1, received 20"),
+        ("time\n0\n1\n", "a column of a signal beside the time"),
+        ("displacement_mm\n0\n1\n", "expected one column named time, time_s, time_ms"),
+        ("time,time_ms,strain\n0,0,0\n1,1,1\n", "expected one column named"),
+        ("time,force_N\n0,0\n1,1\n", "column 'force_N': expected a name that ends with"),
+        ("time,displacemnt_mm\n0,0\n1,1\n", "Did you mean 'displacement_mm'"),
+        ("time,displacement_mm\n0,0\n", "expected a header and two rows or more"),
+        ("time,displacement_mm\n1,0\n1,1\n", "span more than 0 s"),
+        ("", "received 0 lines"),
+    ],
+)
+def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
+    with pytest.raises(InputError, match=message):
+        spikes.read(unusable(text, tmp_path))
+
+
+def test_files_that_are_no_text_are_refused(tmp_path):
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
+    for name in ("binary.csv", "missing.csv"):
+        with pytest.raises(InputError, match="cannot read it"):
+            spikes.read(tmp_path / name)
+
+
+def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
+    text = "\ufefftime, displacement_mm\n\n0, 0\n1, 0.5\n\n"
+    signals = spikes.read(unusable(text, tmp_path))
+    np.testing.assert_array_equal(signals.time, [0, 1])
+    np.testing.assert_array_equal(signals.drive[:, 0], [0, 0.5])
+
+
+def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
+    with pytest.raises(InputError, match=r"--type: expected one of .* Did you mean 'SAI'"):
+        spikes.fire(spikes.read(press), ("SA1",))
+    strain = spikes.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
+    with pytest.raises(InputError, match="--length: column 'strain' is a strain"):
+        spikes.fire(strain)
+    with pytest.raises(InputError, match="--length: expected a finite number mm above 0"):
+        spikes.fire(strain, length=-1.0)
+
+
+def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["spikes", "--from", press, "--type", "SAI", "--json", "-o", str(out)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert list(record) == ["units", "notes", "files"]
+    (unit,) = record["units"]
+    trains = SpikeTrains.from_npz(out / "spikes.npz")
+    assert unit["spikes"] == trains.count()[0] > 1
+    assert unit["mean_rate_Hz"] == pytest.approx(unit["spikes"] / 0.5)
+    assert unit["peak_rate_Hz"] == pytest.approx(1 / np.diff(trains.times[0]).min())
+    assert unit["first_spike_s"] == trains.times[0][0]
+    assert record["files"] == [str(out / name) for name in spikes.FILES]
+    assert len((out / "spikes.csv").read_text().splitlines()) == 1 + unit["spikes"]
+
+
+def test_the_command_prints_a_table_and_its_notes(tmp_path, capsys):
+    path = write(tmp_path / "rest.csv", ("time", "displacement_mm"), [0, 0.2], [1e-4, 1e-4])
+    assert main(["spikes", "--from", path, "--type", "SAII"]) == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines()[0].split() == [
+        "unit",
+        "type",
+        "spikes",
+        "mean",
+        "Hz",
+        "peak",
+        "Hz",
+        "first",
+        "s",
+    ]
+    assert "SAII  SAII  0" in out
+    assert "jump from 0" in out
+    assert err == ""
+
+
+def test_the_command_exits_with_2_on_unusable_input(press, tmp_path, capsys):
+    assert main(["spikes", "--from", press, "--type", "RA"]) == 2
+    assert "error: --type: expected one of" in capsys.readouterr().err
+    assert main(["spikes"]) == 2
