@@ -1,0 +1,110 @@
+"""The outcome of the validation suites as files: `validation.json` and a self-contained page.
+
+The page says what passed, what is documented (fefinger is right and the print is known to be
+elsewhere) and what failed, case by case.
+"""
+
+import json
+import math
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fefinger import page
+
+
+VERDICTS = ("pass", "documented", "fail")
+
+Figures = Mapping[str, Sequence[tuple[str, Any]]]
+"""Captions and matplotlib Figures by the name of the suite that drew them."""
+
+
+def save(record: dict[str, Any], folder: Path, figures: Figures) -> None:
+    """Write `validation.json` and `validation.html` into a folder that exists.
+
+    `record` is what `validation.suites.as_json` returns.
+    """
+    texts = {
+        "validation.html": html(record, figures),
+        "validation.json": json.dumps(record, indent=1) + "\n",
+    }
+    for name, text in texts.items():
+        new = folder / f".{name}.new"
+        new.write_text(text, encoding="utf-8")
+        new.replace(folder / name)
+
+
+def html(record: dict[str, Any], figures: Figures) -> str:
+    """Return the page on `record`, with the figures of its suites."""
+    suites = [_suite(suite, figures.get(suite["suite"], ())) for suite in record["suites"]]
+    total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
+    return page.render(
+        "validation.html",
+        answer=_answer(total),
+        verdicts=VERDICTS,
+        total=total,
+        suites=suites,
+        provenance=list(_provenance()),
+    )
+
+
+def _answer(total: dict[str, int]) -> str:
+    """Return the outcome in one or two sentences."""
+    said = f"Of {sum(total.values())} comparisons {total['pass']} pass."
+    if total["documented"]:
+        said += (
+            f" In {total['documented']} more fefinger is within its tolerance and the published "
+            "number is not."
+        )
+    return f"{said} {total['fail'] or 'None'} failed."
+
+
+def _suite(suite: dict[str, Any], figures: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    cases = suite["cases"]
+    verdicts = [case["verdict"] for case in cases]
+    return {
+        "name": suite["suite"],
+        "counts": {key: verdicts.count(key) for key in VERDICTS},
+        "rows": list(_rows(cases)),
+        "figures": [{"caption": text, "source": page.svg(drawn)} for text, drawn in figures],
+    }
+
+
+def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Give one row per case; a note that holds for several in a row follows the last of them."""
+    for case, following in zip(cases, [*cases[1:], {}], strict=True):
+        limit = case["tolerance"]
+        notes = [case.get(key) or "" for key in ("erratum", "reason")]
+        last = notes != [following.get(key) or "" for key in ("erratum", "reason")]
+        printed = case.get("printed")
+        yield {
+            "name": case["name"],
+            "value": _number(case["value"], limit),
+            "expected": _number(case["expected"], limit),
+            "tolerance": f"{limit:.2g}",
+            "printed": "" if printed is None else f"{printed:g}",
+            "unit": "" if case["unit"] == "1" else case["unit"],
+            "source": case["source"],
+            "verdict": case["verdict"],
+            "erratum": notes[0] if last else "",
+            "reason": notes[1] if last else "",
+        }
+
+
+def _number(value: float, tolerance: float) -> str:
+    """Return a value with the digits that its tolerance can tell apart."""
+    if not math.isfinite(value) or tolerance <= 0:
+        return f"{value:.6g}"
+    digits = 1 - math.floor(math.log10(tolerance))
+    small = digits > 5
+    return f"{value:.3g}" if small and abs(value) < 1e-3 else f"{value:.{min(max(digits, 0), 9)}f}"
+
+
+def _provenance() -> Iterator[tuple[str, str]]:
+    yield "date", datetime.now(UTC).isoformat(timespec="seconds")
+    yield "machine", f"{platform.machine()}, Python {platform.python_version()}"
+    for name in ("fefinger", "numpy", "scipy", "scikit-fem"):
+        yield name, version(name)

@@ -1,0 +1,16 @@
+"""Suite `thesis`: the tables, figures and numbers of Pawluk (1997) that the equations give."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from fefinger.validation import thesis_lumped, thesis_tables
+from fefinger.validation.case import Case
+
+
+PARTS = (thesis_tables, thesis_lumped)
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield the cases of all parts."""
+    for part in PARTS:
+        yield from part.cases(quick=quick)
