@@ -1,6 +1,4 @@
-"""Where the indenter touches the finger, and where the end organs lie below it."""
-
-from collections.abc import Sequence
+"""Where the indenter touches the finger."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +8,11 @@ from fefinger.fem.body import Body
 from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
-from fefinger.records import Sites
+from fefinger.mechanics._touch import STANDARD, direction
 from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
 
 
 Array = NDArray[np.float64]
-
-STANDARD = Flat(angle=30.0)
-"""The plate whose first touch is the origin, and whose small press is the reference of strain."""
 
 
 def obstacle(indenter: Indenter, body: Body) -> Obstacle:
@@ -41,20 +36,6 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
         origin, axis = _pad_point(body, indenter.at)
     radii = np.array(_radii(indenter))
     return _touching(Obstacle(axis, origin, radii), body, "indenter.at")
-
-
-def direction(flat: Flat) -> Array:
-    """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
-    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
-    up = np.cos(angle)
-    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
-
-
-def sites(touch: Obstacle, types: Sequence[str], depths: Sequence[float]) -> Sites:
-    """Return one site per type at its depth under the first touch, along the inward normal."""
-    depth = np.asarray(depths, dtype=np.float64)
-    points = touch.origin + depth[:, None] * touch.axis
-    return Sites(points, np.tile(-touch.axis, (len(depth), 1)), depth, tuple(types))
 
 
 def _radii(indenter: Sphere | Ellipsoid) -> tuple[float, float, float]:

@@ -16,10 +16,10 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
-from fefinger.library import receptors
 from fefinger.mechanics import _placing
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
@@ -34,7 +34,6 @@ REACH = 1.25  # candidate vertices are those whose gap at first touch is below t
 GROW = 1.4  # factor on the reach when contact meets the border of the candidates
 ATTEMPTS = 4
 FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finger's thickness
-REFERENCE_DEPTH = 0.5  # mm, of the small flat press that sets the length of a strain
 FRAMES_MOVING, FRAMES_RESTING = 20, 6
 
 
@@ -101,8 +100,9 @@ class _Contact:
 
 def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: Stages) -> _Contact:
     """Solve the contact, with more candidate vertices as long as it meets their rim."""
-    sites = _sites(scene, touch) if scene.ask.strain or scene.ask.spikes else None
-    where = sites.points if sites else np.empty((0, 3))
+    asked_sites = scene.ask.strain or scene.ask.spikes
+    organs = sites(scene, touch.origin, touch.axis) if asked_sites else None
+    where = organs.points if organs else np.empty((0, 3))
     probe = strain_at(finger.space, where, medial=finger.half)
     depth_control = scene.motion.control == "depth"
     value = scene.motion.value(time)
@@ -132,7 +132,7 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
             message = "indenter: expected contact with the finger, but it never touches"
             raise InputError(message)
         if not (pressed & candidates.edge).any():
-            return _Contact(touch, reduced, sites, time, history)
+            return _Contact(touch, reduced, organs, time, history)
         reach *= GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
@@ -149,21 +149,14 @@ def _check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) 
         raise InputError(message)
 
 
-def _sites(scene: Scene, touch: Obstacle) -> Sites:
-    """Return one site per type that is asked for (all four when only strain is)."""
-    depths = {kind: organ.depth for kind, organ in receptors().items()} | dict(scene.ask.depths)
-    types = scene.ask.spikes or tuple(depths)
-    return _placing.sites(touch, types, [depths[kind] for kind in types])
-
-
 def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | None:
     """Press the standard plate a little; on the scene's own patch if that is the same plate."""
     if contact.sites is None:
         return None
-    touch = _placing.obstacle(_placing.STANDARD, finger)
-    central = _sites(scene, touch)
+    touch = _placing.obstacle(STANDARD, finger)
+    central = sites(scene, touch.origin, touch.axis)
     reduced = contact.reduced
-    if scene.indenter != _placing.STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
+    if scene.indenter != STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)

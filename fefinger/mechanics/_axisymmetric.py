@@ -1,0 +1,233 @@
+"""From an axisymmetric elastic contact and a scene to a response, through `theory/ting.py`.
+
+The finger is a body with one G whose pad is a sphere; its contact grows in circles.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, sites
+from fefinger.records import Pad, Progress, Reference, Response, Sites
+from fefinger.scene import Flat, Scene
+from fefinger.stages import Stages
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
+
+
+class Contact(Protocol):
+    """A contact of the relaxed body, by the depth (n,) mm of the indenter."""
+
+    def force(self, depth: Array) -> Array:
+        """Return the force (n,) in mN."""
+
+    def depth(self, force: float) -> float:
+        """Return the depth in mm under a force in mN."""
+
+    def radius(self, depth: Array) -> Array:
+        """Return the contact radius (n,) in mm."""
+
+    def load(self, depth: Array, r: Array) -> Array:
+        """Return the force (n, m) in mN within the distances r (m,) mm of the axis."""
+
+    def strain(self, depth: Array, r: Array, z: Array) -> Array:
+        """Return e_r, e_t, e_z, e_rz (n, m, 4) at r, z (m,) mm, z > 0 below the surface."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First touch: where (3,) mm, and the unit inward normal of the pad (3,) there."""
+
+    origin: Array
+    axis: Array
+
+
+def touch(scene: Scene) -> Touch | None:
+    """Return the first touch on the spherical pad, or None if the place is not on it."""
+    upright = direction(STANDARD)
+    center = scene.finger.pad_radius * upright
+    at = getattr(scene.indenter, "at", None)
+    if isinstance(scene.indenter, Flat):
+        axis = direction(scene.indenter)
+    elif at is None:
+        axis = upright
+    else:
+        across = (center[:2] - np.asarray(at)) / scene.finger.pad_radius
+        if across @ across >= 1:
+            return None
+        axis = np.append(across, np.sqrt(1 - across @ across))
+    return Touch(center - scene.finger.pad_radius * axis, axis)
+
+
+def press(
+    scene: Scene,
+    contact: Contact,
+    plate: Contact,
+    progress: Progress | None = None,
+    *,
+    mechanics: str,
+    notes: tuple[str, ...],
+    numbers: dict[str, float],
+) -> Response:
+    """Answer the scene with the elastic `contact`; `plate` is that of the same finger and a plate.
+
+    The first touch must lie on the pad (`touch`).
+    """
+    from fefinger.theory.ting import press_by_depth, press_by_force, radius_nodes
+
+    stages = Stages(progress)
+    first = touch(scene)
+    assert first is not None
+    prony = scene.finger.prony
+    with stages.stage("contact"):
+        time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+        value = scene.motion.value(time)
+        if scene.motion.control == "depth":
+            nodes = radius_nodes(float(value.max()))
+            history = press_by_depth(prony, time, value, nodes)
+        else:
+            force = value / NEWTON_PER_MILLINEWTON
+            nodes = radius_nodes(contact.depth(float(force.max())) * (1 + 1e-9))
+            instantaneous = contact.force(nodes) / prony.long_time
+            history = press_by_force(prony, time, force, nodes, lambda depth: instantaneous)
+        force = history.stress(contact.force(nodes)) / prony.long_time * NEWTON_PER_MILLINEWTON
+    pad = pressure = None
+    if scene.ask.pressure:
+        with stages.stage("pressure"):
+            last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
+            reach = float(contact.radius(nodes[last : last + 1])[0])
+            pad, cells = _pad(first, reach, scene.finger.pad_radius)
+            load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
+            rings = history.stress(load / cells.areas) / prony.long_time
+            pressure = rings[:, cells.ring]
+    organs = reference = strain = None
+    if scene.ask.strain or scene.ask.spikes:
+        with stages.stage("strain"):
+            organs = sites(scene, first.origin, first.axis)
+            r, z, frames = _cylinder(first, organs)
+            strain = turned(history.strain(contact.strain(nodes, r, z)), frames)
+            reference = _reference(scene, plate)
+    area = np.pi * contact.radius(history.edge) ** 2
+    middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
+    return Response(
+        mechanics=mechanics,
+        time=time,
+        depth=history.depth,
+        force=force,
+        contact_area=area if scene.ask.pressure else None,
+        centroid=middle if scene.ask.pressure else None,
+        pad=pad,
+        pressure=pressure,
+        sites=organs,
+        strain=strain,
+        reference=reference,
+        fields=None,
+        status=f"Solved: closed forms at {len(nodes)} contact radii, {len(time)} time steps.",
+        seconds=stages.seconds,
+        notes=notes,
+        numbers=numbers,
+    )
+
+
+def turned(components: Array, frames: Array) -> Array:
+    """Return tensors (n_t, m, 3, 3) from e_r, e_t, e_z, e_rz (n_t, m, 4).
+
+    frames (m, 3, 3) hold the unit vectors of r, t and z as rows.
+    """
+    radial, around, inward = np.moveaxis(frames, 1, 0)
+
+    def outer(a: Array, b: Array) -> Array:
+        return a[:, :, None] * b[:, None, :]
+
+    slanted = outer(radial, inward) + outer(inward, radial)
+    parts = [outer(radial, radial), outer(around, around), outer(inward, inward), slanted]
+    basis = np.stack(parts, axis=1).reshape(-1, 4, 9)
+    tensors = np.matmul(np.moveaxis(components, 1, 0), basis)
+    return np.moveaxis(tensors, 0, 1).reshape(*components.shape[:2], 3, 3)
+
+
+def _reference(scene: Scene, plate: Contact) -> Reference:
+    """Press the standard plate a little on the relaxed finger."""
+    standard = Touch(np.zeros(3), direction(STANDARD))
+    central = sites(scene, standard.origin, standard.axis)
+    r, z, frames = _cylinder(standard, central)
+    strain = turned(plate.strain(np.array([REFERENCE_DEPTH]), r, z), frames)[0]
+    return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
+
+
+def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
+    """Return r, z (m,) of the sites about the axis of the contact, and their frames (m, 3, 3).
+
+    z is the depth below the skin, which the half-space has flat.
+    """
+    offset = organs.points - first.origin
+    across = offset - np.outer(offset @ first.axis, first.axis)
+    r = np.linalg.norm(across, axis=1)
+    side = _sideways(first.axis)[0]
+    away = r > 1e-12 * (1.0 + np.abs(offset).max())
+    radial = np.where(away[:, None], across / np.where(away, r, 1.0)[:, None], side)
+    axis = np.broadcast_to(first.axis, radial.shape)
+    return (
+        np.where(away, r, 0.0),
+        organs.depths,
+        np.stack([radial, np.cross(axis, radial), axis], 1),
+    )
+
+
+def _sideways(axis: Array) -> tuple[Array, Array]:
+    """Return two unit vectors (3,) at right angles to the axis, the first near x."""
+    first = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Rings about the axis: outer edges (n,) mm, areas (n,) mm², and the ring of each point."""
+
+    edges: Array
+    areas: Array
+    ring: NDArray[np.int64]
+
+
+def _pad(first: Touch, reach: float, radius: float) -> tuple[Pad, _Cells]:
+    """Return points on the spherical pad out to `reach` mm: the middle, then rings of sectors.
+
+    The pressure at a point is the mean over its cell, so that the sum of pressure times area is
+    the force.
+    """
+    edges = reach * np.arange(1, RINGS + 1) / RINGS
+    areas = np.pi * np.diff(edges**2, prepend=0.0)
+    r = np.repeat((edges[1:] + edges[:-1]) / 2, SECTORS)
+    angle = np.tile(2 * np.pi * np.arange(SECTORS) / SECTORS, RINGS - 1)
+    one, two = _sideways(first.axis)
+    across = np.outer(r * np.cos(angle), one) + np.outer(r * np.sin(angle), two)
+    across = np.concatenate([np.zeros((1, 3)), across])
+    drop = np.concatenate([[0.0], r**2 / (2 * radius)])
+    normals = across / radius - first.axis
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    ring = np.concatenate([[0], np.repeat(np.arange(1, RINGS), SECTORS)])
+    share = np.concatenate([[1], np.full((RINGS - 1) * SECTORS, SECTORS)])
+    points = first.origin + across + drop[:, None] * first.axis
+    pad = Pad(points, areas[ring] / share, normals, _triangles())
+    return pad, _Cells(edges, areas, ring)
+
+
+def _triangles() -> NDArray[np.int64]:
+    """Return the triangles (n, 3) between the points of the pad."""
+    here = np.arange(SECTORS)
+    after = (here + 1) % SECTORS
+    fan = np.column_stack([np.zeros(SECTORS, np.int64), after + 1, here + 1])
+    strips = [fan]
+    for inner in 1 + SECTORS * np.arange(RINGS - 2):
+        outer = inner + SECTORS
+        strips.append(np.column_stack([inner + here, inner + after, outer + here]))
+        strips.append(np.column_stack([inner + after, outer + after, outer + here]))
+    return np.concatenate(strips)

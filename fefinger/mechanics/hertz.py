@@ -1,0 +1,245 @@
+"""Hertz contact of a relaxing half-space, as an answer to a scene: milliseconds.
+
+`theory/hertz.py` is the formula, `validation/hertz.py` the proof of the finite elements against it.
+`theory/ting.py` makes it right on unloading, loss of contact and touching again.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fefinger.indenter import ANGLES
+from fefinger.mechanics import _axisymmetric
+from fefinger.mechanics._axisymmetric import Array
+from fefinger.mechanics._timeline import time_grid
+from fefinger.records import Progress, Refusal, Response
+from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+name = "hertz"
+
+THIN = 0.1
+"""Contact radius over the thickness of the tissue, beyond which the bone is felt."""
+
+STIFFENING = 1.127
+"""First coefficient of the force on an incompressible layer bonded to a rigid base, against a
+half-space: P / P_Hertz = 1 + 1.127 chi + ..., with chi = sqrt(R depth) / thickness."""
+
+CONTRAST = 1.1
+"""Skin modulus over subcutaneous modulus, beyond which a homogeneous body is no answer."""
+
+STEEP = 0.4
+"""Contact radius over the radius of the object: there the force on a sphere is 2 % below that on
+the paraboloid of Hertz."""
+
+FITTED = (20.0, 40.0)
+"""Angles in degrees at which the one radius of the pad was fitted (Pawluk 1997, Table 3.2)."""
+
+NEAR = 2.0
+"""Distance in mm from the first touch of the 30 degree plate within which the radius holds."""
+
+NOTES = (
+    "The finger is a homogeneous half-space: no bone, no skin, no nail; a real finger is stiffer.",
+    "The pad is a sphere of one effective radius; its pressure is symmetric about the first touch.",
+    "Hertz: small strain, a contact small against the radii, no friction, a rigid object.",
+    "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
+    "convolved with the creep function.",
+    "Quasi-static: no inertia and no waves.",
+)
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """The relaxed finger under an object: relative radius R mm, modulus E kPa, poisson."""
+
+    relative_radius: float
+    modulus: float
+    poisson: float
+
+    @property
+    def _slope(self) -> float:
+        """Force over depth^(3/2)."""
+        plane = self.modulus / (1 - self.poisson**2)
+        return 4 / 3 * plane * float(np.sqrt(self.relative_radius))
+
+    def force(self, depth: Array) -> Array:
+        """Return the force (n,) in mN."""
+        return self._slope * depth**1.5
+
+    def depth(self, force: float) -> float:
+        """Return the depth in mm under a force in mN."""
+        return float((force / self._slope) ** (2 / 3))
+
+    def radius(self, depth: Array) -> Array:
+        """Return the contact radius (n,) in mm."""
+        return np.sqrt(self.relative_radius * depth)
+
+    def load(self, depth: Array, r: Array) -> Array:
+        """Return the force (n, m) in mN within the distances r (m,) mm of the axis."""
+        square = np.maximum(self.relative_radius * depth, 1e-300)[:, None]
+        outside = np.maximum(1 - r**2 / square, 0.0) ** 1.5
+        return self.force(depth)[:, None] * (1 - outside)
+
+    def strain(self, depth: Array, r: Array, z: Array) -> Array:
+        """Return e_r, e_t, e_z, e_rz (n, m, 4) of Huber's field at r, z (m,) mm, z > 0."""
+        from fefinger.theory.hertz import Hertz
+
+        strain = np.zeros((len(depth), len(r), 4))
+        for row, reached in zip(strain, depth, strict=True):
+            if reached > 0:
+                field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
+                row[:] = self._hooke(field.stress(r, z)).T
+        return strain
+
+    def _hooke(self, stress: Array) -> Array:
+        """Return the strain (4, m) of the stress sigma_r, sigma_t, sigma_z, tau_rz (4, m)."""
+        trace = stress[:3].sum(axis=0)
+        strain = (1 + self.poisson) * stress
+        strain[:3] -= self.poisson * trace
+        return strain / self.modulus
+
+
+def tissue(finger: Finger) -> tuple[float, float]:
+    """Return modulus in kPa and Poisson's ratio of the one tissue that stands for skin and pulp.
+
+    Under a contact wider than the skin is thick, the layers bear the same pressure one after the
+    other, so the compliances average, weighted by thickness; and so do Poisson's ratios.
+    """
+    skin, rest = finger.skin, finger.subcutaneous
+    part = (skin.thickness or 0.0) / finger.pulp
+    modulus = 1 / (part / skin.modulus + (1 - part) / rest.modulus)
+    return modulus, part * skin.poisson + (1 - part) * rest.poisson
+
+
+def object_radius(scene: Scene) -> float:
+    """Return the radius of the object in mm where it touches, that of the rounder side; or inf."""
+    indenter = scene.indenter
+    if isinstance(indenter, Ellipsoid):
+        across, along, height = indenter.radii
+        return min(across**2, along**2) / height
+    return indenter.radius if isinstance(indenter, Sphere) else float("inf")
+
+
+def half_space(scene: Scene) -> HalfSpace:
+    """Return the half-space that stands for the finger under the object of the scene."""
+    from fefinger.theory.curvature import equivalent_radius, relative_radius
+
+    pad, indenter = scene.finger.pad_radius, scene.indenter
+    if isinstance(indenter, Ellipsoid):
+        height = indenter.radii[2]
+        sides = [relative_radius(pad, radius**2 / height) for radius in indenter.radii[:2]]
+        return HalfSpace(equivalent_radius(*sides), *tissue(scene.finger))
+    return HalfSpace(relative_radius(pad, object_radius(scene)), *tissue(scene.finger))
+
+
+def refuse(scene: Scene) -> tuple[Refusal, ...]:
+    """Return why it should not answer."""
+    unable = []
+    if scene.ask.fields:
+        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    if _axisymmetric.touch(scene) is None:
+        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
+    doubts = [*_doubts_of_size(scene), *_doubts_of_place(scene)]
+    return (
+        *(Refusal(name, "ability", reason) for reason in unable),
+        *(Refusal(name, "accuracy", reason) for reason in doubts),
+    )
+
+
+def cost(scene: Scene) -> float:
+    """Return the expected wall time in s, from a count of operations."""
+    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
+    return 0.05 + 5e-5 * steps
+
+
+def error(scene: Scene) -> tuple[float, str]:
+    """Return the expected relative error of the force, and where it comes from.
+
+    The bone makes the force 1 + 1.127 chi times that of Hertz, and more where chi is not small; the
+    skin leaves the modulus open between those of the two tissues.
+    """
+    stiffer = STIFFENING * _thinness(scene)
+    modulus, _ = tissue(scene.finger)
+    ends = (scene.finger.skin.modulus, scene.finger.subcutaneous.modulus)
+    spread = max(abs(1 - modulus / end) for end in ends)
+    source = "first order of the exact bonded layer, and the range of the tissue moduli"
+    return stiffer / (1 + stiffer) + spread, source
+
+
+def respond(scene: Scene, progress: Progress | None = None) -> Response:
+    """Answer the scene with the fields of Hertz and Huber.
+
+    Raises
+    ------
+    ValueError
+        If the motion cannot be followed; `refuse` tells what else it cannot do.
+    """
+    body = half_space(scene)
+    plate = HalfSpace(scene.finger.pad_radius, body.modulus, body.poisson)
+    modulus = f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
+    notes: tuple[str, ...] = (
+        *NOTES,
+        modulus + "the compliances of skin and pulp averaged by thickness.",
+    )
+    if isinstance(scene.indenter, Ellipsoid):
+        notes = (*notes, "The elliptic contact is a circular one of the equivalent radius.")
+    numbers = {
+        "relative_radius_mm": body.relative_radius,
+        "modulus_kPa": body.modulus,
+        "poisson": body.poisson,
+        "contact_radius_over_thickness": _thinness(scene),
+    }
+    kept: dict[str, Any] = {"mechanics": name, "notes": notes, "numbers": numbers}
+    return _axisymmetric.press(scene, body, plate, progress, **kept)
+
+
+def _deepest(scene: Scene) -> float:
+    """Return the largest depth in mm, of a motion under force control when it has crept."""
+    if scene.motion.control == "depth":
+        return scene.motion.peak
+    return half_space(scene).depth(scene.motion.peak / NEWTON_PER_MILLINEWTON)
+
+
+def _widest(scene: Scene) -> float:
+    return float(half_space(scene).radius(np.array(_deepest(scene))))
+
+
+def _thinness(scene: Scene) -> float:
+    return _widest(scene) / scene.finger.pulp
+
+
+def _doubts_of_size(scene: Scene) -> list[str]:
+    doubts = []
+    thin = _thinness(scene)
+    if thin > THIN:
+        reason = f"contact radius / tissue thickness = {thin:.2g} > {THIN:g}: with the bone below "
+        doubts.append(f"{reason}it takes more than {1 + STIFFENING * thin:.2g} times the force")
+    contrast = scene.finger.skin.modulus / scene.finger.subcutaneous.modulus
+    if max(contrast, 1 / contrast) > CONTRAST:
+        reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
+        doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
+    steep = _widest(scene) / object_radius(scene)
+    if steep > STEEP:
+        doubts.append(
+            f"contact radius / radius of the object = {steep:.2g} > {STEEP:g}: it is no paraboloid"
+        )
+    return doubts
+
+
+def _doubts_of_place(scene: Scene) -> list[str]:
+    indenter = scene.indenter
+    if isinstance(indenter, Flat):
+        doubts = []
+        if not FITTED[0] <= indenter.angle <= FITTED[1]:
+            reason = f"angle = {indenter.angle:g} degrees, of {ANGLES[0]:g} to {ANGLES[1]:g}, is "
+            doubts.append(f"{reason}outside {FITTED[0]:g} to {FITTED[1]:g}, where R was fitted")
+        if indenter.tilt:
+            doubts.append(f"tilt = {indenter.tilt:g} > 0 degrees: R is that of the middle")
+        return doubts
+    at = getattr(indenter, "at", None) or (0.0, 0.0)
+    away = float(np.hypot(*at))
+    if away > NEAR:
+        return [f"distance of indenter.at from the middle = {away:.2g} > {NEAR:g} mm: R is unknown"]
+    return []

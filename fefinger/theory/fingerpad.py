@@ -1,0 +1,136 @@
+"""The distributed pressure of the fingerpad: Hertz contact with the modulus t(u), and its memory.
+
+p(r, x) = t(x) c(r, x), with t(u) = (b/m) [exp(m u) - 1] and c = 4 sqrt(R x - r²) / (pi R), so that
+2 G_shear = t, E* = 2 t and E = 1.5 t. Lengths in mm, pressures and t in kPa, forces in mN.
+t depends on the depth of the whole finger: it describes one press, not a material.
+Source: Pawluk (1997), chapter 3, Eq. 3.7 to 3.17.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.ting import ContactHistory, press_by_depth, radius_nodes
+
+
+Array = NDArray[np.float64]
+
+Reading = Literal["relaxed", "instantaneous"]
+
+
+@dataclass(frozen=True)
+class Fingerpad:
+    """A row of Table 3.2 and one of Table 3.1.
+
+    Parameters
+    ----------
+    radius, m, b
+        Effective radius R in mm, m in 1/mm, b in kPa/mm as printed.
+    prony
+        Relaxation G.
+    reading
+        What the printed b is: "relaxed", c0 b, as the text says that c0 b was fitted and as only
+        so the lumped response agrees; or "instantaneous", as the table calls it.
+
+    Raises
+    ------
+    ValueError
+        A parameter that is not above 0, or another reading.
+    """
+
+    radius: float
+    m: float
+    b: float
+    prony: Prony
+    reading: Reading = "relaxed"
+
+    def __post_init__(self) -> None:
+        """Check every parameter."""
+        if not min(self.radius, self.m, self.b) > 0:
+            msg = (
+                f"fingerpad: expected a radius, m and b above 0, received {self.radius}, "
+                f"{self.m} and {self.b}"
+            )
+            raise ValueError(msg)
+        if self.reading not in ("relaxed", "instantaneous"):
+            msg = f"reading: expected 'relaxed' or 'instantaneous', received {self.reading!r}"
+            raise ValueError(msg)
+
+    @property
+    def instantaneous_b(self) -> float:
+        """The b of the instantaneous response in kPa/mm."""
+        return self.b / self.prony.long_time if self.reading == "relaxed" else self.b
+
+    def stiffness(self, depth: ArrayLike) -> Array:
+        """Return t (Eq. 3.11) in kPa at the depth u >= 0 in mm; 0 out of contact."""
+        reach = np.maximum(np.asarray(depth, float), 0.0)
+        return np.asarray(self.instantaneous_b / self.m * np.expm1(self.m * reach))
+
+    def modulus(self, depth: ArrayLike) -> Array:
+        """Return Young's modulus 1.5 t of the incompressible tissue at a depth in kPa."""
+        return 1.5 * self.stiffness(depth)
+
+    def contact_radius(self, depth: ArrayLike) -> Array:
+        """Return a = sqrt(R x) (Eq. 3.8) in mm."""
+        return np.sqrt(self.radius * np.maximum(np.asarray(depth, float), 0.0))
+
+    def pressure(self, r: ArrayLike, depth: ArrayLike) -> Array:
+        """Return the instantaneous p(r, x) (Eq. 3.10) in kPa, of the broadcast shape."""
+        r, depth = np.asarray(r, float), np.asarray(depth, float)
+        inside = np.maximum(self.radius * depth - r**2, 0.0)
+        return self.stiffness(depth) * 4 / (np.pi * self.radius) * np.sqrt(inside)
+
+    def relaxed_pressure(self, r: ArrayLike, depth: ArrayLike) -> Array:
+        """Return the steady pressure p_ss = c0 p (Eq. 3.17) in kPa."""
+        return self.prony.long_time * self.pressure(r, depth)
+
+    def force(self, depth: ArrayLike) -> Array:
+        """Return T(x) of Eq. 3.16 in mN: (8/3) sqrt(R) x^(3/2) t(x) in closed form."""
+        reach = np.maximum(np.asarray(depth, float), 0.0)
+        return 8 / 3 * np.sqrt(self.radius) * reach**1.5 * self.stiffness(reach)
+
+    def depth_at(self, force: ArrayLike, *, relaxed: bool = False) -> Array:
+        """Return the depth in mm at which T, or c0 T if `relaxed`, is the force in mN."""
+        force = np.asarray(force, float) / (self.prony.long_time if relaxed else 1.0)
+        if (force < 0).any():
+            msg = "force: expected none below 0 mN"
+            raise ValueError(msg)
+        low, high = np.zeros_like(force), np.full_like(force, 1 / self.m)
+        while (self.force(high) < force).any():
+            high = high * 2
+        for _ in range(60):
+            middle = (low + high) / 2
+            short = self.force(middle) < force
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        return np.asarray((low + high) / 2)
+
+    def press(self, time: ArrayLike, depth: ArrayLike, *, count: int = 256) -> ContactHistory:
+        """Return the contact history for depths (n_t,) mm, right on unloading (see `ting`).
+
+        Its stress of `pressure(r, nodes[:, None])` and of `force(nodes)` are the answers. As t is
+        no material, a contact that shrinks is read as that of a body with the elastic curve T.
+        """
+        deepest = float(np.max(np.asarray(depth, float)))
+        return press_by_depth(self.prony, time, depth, radius_nodes(deepest, count))
+
+    def pressure_as_printed(self, time: ArrayLike, depth: ArrayLike, r: ArrayLike) -> Array:
+        """Return the pressure (n_t, m) kPa at r (m,) mm by Eq. 3.13 as printed.
+
+        Right only while the contact grows. On unloading it keeps the memory of places that have
+        left the contact and pulls there; here for that comparison alone.
+        """
+        table = self.pressure(np.asarray(r, float), np.asarray(depth, float)[:, None])
+        return hereditary_integral(self.prony, time, table)
+
+    def lumped_ratio(self, depth: ArrayLike, m: float, b: float) -> Array:
+        """Return the lumped T of Eq. 3.4 over that of Eq. 3.16 at depths > 0 in mm.
+
+        m in 1/mm and b in N/mm are those of Table 2.1. It would be 1 if both chapters described
+        one finger: T of Eq. 3.16 starts as x^(5/2), and its m is not that of Eq. 3.4.
+        """
+        depth = np.asarray(depth, float)
+        lumped = 1e3 * b / m * np.expm1(m * depth)
+        return np.asarray(lumped / self.force(depth))

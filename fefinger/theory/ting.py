@@ -1,0 +1,217 @@
+"""Viscoelastic contact through any number of loadings and unloadings, for a body with one G.
+
+Every nested axisymmetric contact is a sum of flat punches of growing radius (Mossakovskii, Jaeger).
+With Phi(d) the share of all punches wider than the contact at the elastic depth d, the elastic
+contact has Phi = depth - d where it touches. Relaxation acts on each d alone: there Phi_q, the
+share of the displacement, is depth - d in contact, and Phi_p, the integral of G(t - s) dPhi_q(s),
+the share of the stress, is zero out of contact. So each d is a spring that relaxes and can only
+push, on a half-space, a layer or a stack alike. For one maximum of the contact this is the
+solution of Ting (1966) and Graham, P(t) = integral to t1 of G(t - s) dP_e; with more maxima it
+holds for repeated contact, of tissue that has not yet recovered.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ContactHistory:
+    """A contact through time, from which every quantity of the elastic contact gets its history.
+
+    time (n_t,) s; depth (n_t,) mm; nodes (n,) mm, elastic depths, first 0; stressed and strained
+    (n_t, n) mm, the shares Phi_p and Phi_q at the nodes; edge (n_t,) mm, the elastic depth whose
+    contact is the present one, 0 out of contact.
+    """
+
+    time: Array
+    depth: Array
+    nodes: Array
+    stressed: Array
+    strained: Array
+    edge: Array
+
+    def stress(self, elastic: ArrayLike) -> Array:
+        """Return the history (n_t, ...) of a force, pressure or stress.
+
+        `elastic` (n, ...) is its value at the nodes in the body of the modulus at t = 0.
+        """
+        return self._history(self.stressed, elastic)
+
+    def strain(self, elastic: ArrayLike) -> Array:
+        """Return the history (n_t, ...) of a strain or displacement from its elastic values."""
+        return self._history(self.strained, elastic)
+
+    def _history(self, shares: Array, elastic: ArrayLike) -> Array:
+        elastic = np.asarray(elastic, float)
+        if len(elastic) != len(self.nodes):
+            msg = (
+                f"elastic: expected {len(self.nodes)} values at the nodes, received {len(elastic)}"
+            )
+            raise ValueError(msg)
+        weights = -np.diff(shares, axis=1) / np.diff(self.nodes)
+        steps = np.diff(elastic, axis=0)
+        flat = weights @ steps.reshape(len(steps), -1)
+        return np.asarray(flat.reshape(len(self.time), *elastic.shape[1:]))
+
+
+def radius_nodes(deepest: float, count: int = 256) -> Array:
+    """Return `count` + 1 depths from 0 to `deepest` mm whose Hertz contact radii are even.
+
+    The elastic force is joined by straight lines between them: with 256, Hertz's force is right to
+    1e-5 at the deepest and to 1e-3 at a hundredth of it.
+    """
+    return deepest * np.linspace(0.0, 1.0, count + 1) ** 2
+
+
+def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array) -> ContactHistory:
+    """Return the contact history of an indenter that is moved.
+
+    Parameters
+    ----------
+    prony
+        Relaxation G of the whole body.
+    time, depth
+        (n_t,) s and mm, joined by straight lines; at rest before, so a first depth above 0 is a
+        jump. Below 0 the indenter is off the surface at rest.
+    nodes
+        (n,) mm, rising from 0 to at least the largest depth.
+
+    Raises
+    ------
+    ValueError
+        Shapes that do not match, times that decrease, or nodes that do not reach the depth.
+
+    Notes
+    -----
+    Each exponential of G is exact over a step in which its share is linear; where contact begins
+    or ends inside a step, that is an error of second order in the step.
+    """
+    time, depth = _signal("depth", time, depth)
+    return _march(prony, time, nodes, lambda step, g, onset: float(depth[step]))
+
+
+def press_by_force(
+    prony: Prony,
+    time: ArrayLike,
+    force: ArrayLike,
+    nodes: Array,
+    elastic_force: Callable[[Array], Array],
+) -> ContactHistory:
+    """Return the contact history of an indenter that is pushed with `force` (n_t,) >= 0.
+
+    `elastic_force` gives the force against the depth in mm for the modulus at t = 0, rising ever
+    more steeply. With no force the indenter rests where it just touches.
+
+    Raises
+    ------
+    ValueError
+        As `press_by_depth`; also for a force below zero.
+    """
+    time, force = _signal("force", time, force)
+    if force.min() < 0:
+        msg = f"force: expected none below 0 (a contact cannot pull), received {force.min():g}"
+        raise ValueError(msg)
+    stiffness = spring_weights(elastic_force(nodes), nodes)
+
+    def balance(step: int, g: float, onset: Array) -> float:
+        """Solve sum of stiffness * max(0, g depth - onset) = force, which bends at each onset."""
+        order = np.argsort(onset[:-1])
+        sorted_onset, weight = onset[:-1][order], stiffness[order]
+        slope, moment = np.cumsum(weight), np.cumsum(weight * sorted_onset)
+        bends = slope * sorted_onset - moment
+        last = max(int(np.searchsorted(bends, force[step], side="right")) - 1, 0)
+        return float((force[step] + moment[last]) / slope[last] / g)
+
+    return _march(prony, time, nodes, balance)
+
+
+def spring_weights(elastic_force: Array, nodes: Array) -> Array:
+    """Return the stiffness (n - 1,) of the spring at each node but the last.
+
+    They are the changes of slope of the force (n,) joined by straight lines over the nodes.
+    """
+    slopes = np.diff(elastic_force) / np.diff(nodes)
+    weights = np.diff(np.concatenate([[0.0], slopes]))
+    if weights[0] <= 0 or weights.min() < -1e-9 * slopes.max():
+        msg = "elastic_force: expected a force that rises ever more steeply with the depth"
+        raise ValueError(msg)
+    return weights
+
+
+def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> Array:
+    """Return the integral of J(t - s) d signal(s), J the creep inverse of G.
+
+    It is the elastic force that has the contact of a force-controlled history, as long as the
+    contact grows: a(t) and depth(t) are those of P_e(depth) = creep_integral(P).
+    Arguments as `hereditary_integral`.
+    """
+    ceiling, weights, rates = prony.creep()
+    signal = np.asarray(signal, float)
+    if not len(rates):
+        return hereditary_integral(prony, time, signal) / prony.long_time
+    total = float(weights.sum())
+    transient = Prony((0.5, *(0.5 * weights / total)), tuple(rates))
+    decaying = 2 * hereditary_integral(transient, time, signal) - signal
+    return np.asarray(ceiling * signal - total * decaying)
+
+
+def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
+    time, values = np.asarray(time, float), np.asarray(values, float)
+    if time.ndim != 1 or time.shape != values.shape or not len(time):
+        msg = f"{name}: expected one per time, received {values.shape} for times {time.shape}"
+        raise ValueError(msg)
+    if not (np.isfinite(time).all() and np.isfinite(values).all() and (np.diff(time) >= 0).all()):
+        msg = f"{name}: expected finite values at times that never decrease"
+        raise ValueError(msg)
+    return time, values
+
+
+def _march(
+    prony: Prony, time: Array, nodes: Array, depth_at: Callable[[int, float, Array], float]
+) -> ContactHistory:
+    """March all springs; `depth_at(step, g, onset)` gives the depth, contact is g depth > onset."""
+    nodes = np.asarray(nodes, float)
+    if len(nodes) < 2 or nodes[0] != 0 or (np.diff(nodes) <= 0).any():
+        msg = "nodes: expected depths that start at 0 and rise"
+        raise ValueError(msg)
+    weights, rates = np.array(prony.weights), np.array(prony.v)
+    exponent = np.multiply.outer(np.diff(time, prepend=time[0]), rates)
+    decays = np.exp(-exponent)
+    ramps = np.where(exponent > 0, -np.expm1(-exponent) / np.where(exponent > 0, exponent, 1), 1)
+    gains = weights[0] + ramps @ weights[1:]
+    memory, share = np.zeros((len(rates), len(nodes))), np.zeros(len(nodes))
+    stressed, strained = np.empty((len(time), len(nodes))), np.empty((len(time), len(nodes)))
+    depth, edge = np.empty(len(time)), np.empty(len(time))
+    for step, (g, decay, ramp) in enumerate(zip(gains, decays, ramps, strict=True)):
+        past = (weights[1:] * decay) @ memory - (weights[1:] @ ramp) * share
+        onset = g * nodes - past
+        depth[step] = depth_at(step, g, onset)
+        push = g * depth[step] - onset
+        stressed[step] = np.maximum(push, 0.0)
+        strained[step] = (stressed[step] - past) / g
+        memory = decay[:, None] * memory + ramp[:, None] * (strained[step] - share)
+        share = strained[step]
+        edge[step] = _edge(nodes, push)
+    if depth.max() > nodes[-1] * (1 + 1e-12):
+        msg = f"nodes: expected depths up to {depth.max():g} mm, received up to {nodes[-1]:g} mm"
+        raise ValueError(msg)
+    return ContactHistory(time, depth, nodes, stressed, strained, edge)
+
+
+def _edge(nodes: Array, push: Array) -> float:
+    """Return the depth at which the push falls to zero."""
+    if push[0] <= 0:
+        return 0.0
+    outside = int(np.argmax(push <= 0))
+    if outside == 0:
+        return float(nodes[-1])
+    part = push[outside - 1] / (push[outside - 1] - push[outside])
+    return float(nodes[outside - 1] + part * (nodes[outside] - nodes[outside - 1]))

@@ -1,0 +1,281 @@
+"""The mechanics `hertz`: strain through loading, hold, release and creep, balance, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import scenes
+from fefinger.checks import InputError
+from fefinger.mechanics import _axisymmetric, hertz
+from fefinger.mechanics._axisymmetric import Touch, turned
+from fefinger.records import Sites
+from fefinger.theory.hertz import Hertz
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+FINGER = ff.Finger.subject("a.h.")
+ASK = ff.Ask(fields=False)
+PRONY = FINGER.prony
+BODY = hertz.HalfSpace(14.0, *hertz.tissue(FINGER))
+
+
+def scene(**parts):
+    given = {"finger": FINGER, "motion": ff.RampHold(20, 0.5, hold=1.0), "ask": ASK}
+    return ff.Scene(**(given | parts))
+
+
+def elastic(depths):
+    """Strain (n, 4, 3, 3) at the four end organs of the elastic finger at the depths."""
+    organ = hertz.respond(scene()).sites
+    frame = np.stack([np.eye(3)[0], np.eye(3)[1], -organ.normals[0]])
+    values = BODY.strain(np.asarray(depths), np.zeros(4), organ.depths)
+    axis = np.outer(frame[2], frame[2])
+    across = values[..., :1, None] * (np.eye(3) - axis)
+    return across + values[..., 2:3, None] * axis
+
+
+# Strain
+
+
+def test_on_loading_and_hold_strain_is_the_elastic_field_at_the_present_depth():
+    answer = hertz.respond(scene())
+    want = elastic(answer.depth)
+    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+    holding = answer.time >= answer.time[-1] - 1.0
+    assert np.ptp(answer.strain[holding], axis=0).max() < 1e-12
+    assert np.ptp(answer.force[holding]) > 0.3 * answer.force.max()  # while the force relaxes
+
+
+def test_after_release_a_residual_strain_remains_and_fades_without_pressure():
+    release = ff.Sampled([0, 0.1, 0.2, 0.3, 1.3], depth=[0, 0.5, 0.5, -0.2, -0.2])
+    answer = hertz.respond(scene(motion=release))
+    off = answer.time > 0.3
+    peak = np.abs(answer.strain).max()
+    size = np.abs(answer.strain[off]).max(axis=(1, 2, 3))
+    assert size[0] > 0.02 * peak
+    assert (np.diff(size) < 0).all()
+    assert size[-1] < 0.5 * size[0]
+    assert np.abs(answer.pressure[off]).max() == answer.force[off].max() == 0
+    assert np.isnan(answer.centroid[off]).all()
+    assert answer.contact_area[off].max() == 0
+
+
+def test_touching_the_dent_again_is_weaker_than_touching_rested_skin():
+    again = ff.Sampled([0, 0.1, 0.3, 0.4, 0.42, 0.5], depth=[0, 0.5, 0.5, 0, 0, 0.4])
+    answer = hertz.respond(scene(motion=again))
+    rested = hertz.respond(scene(motion=ff.Sampled([0, 0.08], depth=[0, 0.4])))
+    assert 0 < answer.force[-1] < 0.9 * rested.force[-1]
+    lower = answer.strain[-1, 0] - rested.strain[-1, 0]
+    assert np.abs(lower).max() < 0.1 * np.abs(rested.strain[-1, 0]).max()
+
+
+def test_at_fixed_force_strain_and_depth_creep_as_the_creep_function_says():
+    answer = hertz.respond(scene(motion=ff.ForceRampHold(5, 0.3, hold=20.0)))
+    holding = answer.time >= answer.time[-1] - 20.0
+    assert answer.force[holding] == pytest.approx(0.3, rel=1e-9)
+    assert (np.diff(answer.depth[holding]) > 0).all()
+    assert answer.depth[-1] == pytest.approx(BODY.depth(300.0), rel=1e-3)  # relaxed by then
+    want = elastic(answer.depth)
+    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.48, 0.5])
+def test_strain_is_the_gradient_of_the_displacement(poisson):
+    field = Hertz(12.0, 0.4, 50.0, poisson)
+    r, z = np.array([0.7, 2.0, 3.1]), np.array([0.4, 1.2, 0.6])
+    step = 1e-5
+
+    def slopes(dr, dz):
+        right, left = field.displacement(r + dr, z + dz), field.displacement(r - dr, z - dz)
+        return (right - left) / (2 * step)
+
+    along, down = slopes(step, 0), slopes(0, step)
+    around = field.displacement(r, z)[0] / r
+    want = np.stack([along[0], around, down[1], (down[0] + along[1]) / 2], axis=-1)
+    body = hertz.HalfSpace(12.0, 50.0, poisson)
+    got = body.strain(np.array([0.4]), r, z)[0]
+    assert got == pytest.approx(want, abs=1e-7)
+    if poisson == 0.5:
+        assert got[:, :3].sum(axis=1) == pytest.approx(0, abs=1e-14)
+
+
+def test_components_turn_into_the_tensors_of_the_frame_of_the_finger():
+    first = Touch(np.array([1.0, 2.0, 3.0]), np.array([-0.48, 0.6, 0.64]))
+    rng = np.random.default_rng(5)
+    depths = rng.uniform(0.5, 3, 6)
+    across = np.cross(first.axis, rng.normal(size=(6, 3)))
+    across[0] = 0
+    points = first.origin + across + depths[:, None] * first.axis
+    organs = Sites(points, np.tile(-first.axis, (6, 1)), depths, ("SAI",) * 6)
+    r, _, frames = _axisymmetric._cylinder(first, organs)
+    assert r == pytest.approx(np.linalg.norm(across, axis=1))
+    assert frames @ np.moveaxis(frames, 1, 2) == pytest.approx(np.tile(np.eye(3), (6, 1, 1)))
+    components = rng.normal(size=(2, 6, 4))
+    tensors = turned(components, frames)
+    back = np.einsum("sai,tsij,sbj->tsab", frames, tensors, frames)
+    want = np.zeros((2, 6, 3, 3))
+    want[..., [0, 1, 2], [0, 1, 2]] = components[..., :3]
+    want[..., 0, 2] = want[..., 2, 0] = components[..., 3]
+    assert back == pytest.approx(want, abs=1e-12)
+
+
+# Force, pressure, area
+
+
+MOTIONS = [
+    ff.RampHold(20, 0.5, hold=1.0),
+    ff.Trapezoid(20, 0.5, hold=0.1),
+    ff.RampSinusoid(20, 0.4, amplitude=0.3, frequency=8, cycles=3),
+    ff.ForceTrapezoid(2, 0.3, hold=0.1),
+]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
+def test_pressure_never_pulls_and_adds_up_to_the_force(motion):
+    answer = hertz.respond(scene(motion=motion))
+    assert answer.pressure.min() >= 0
+    total = 1e-3 * answer.pressure @ answer.pad.areas
+    assert total == pytest.approx(answer.force, abs=1e-9 * answer.force.max())
+    assert 0.99 < answer.contact_area.max() / answer.pad.areas.sum() < 1 + 1e-9
+    value = motion.value(answer.time)
+    told = answer.depth if motion.control == "depth" else answer.force
+    assert told == pytest.approx(value, abs=1e-9)
+    edges = answer.pad.points[answer.pad.triangles]
+    flat = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+    assert (flat @ answer.pad.normals[0] > 0).all()
+    assert 0.85 < np.linalg.norm(flat, axis=1).sum() / 2 / answer.pad.areas.sum() < 1.05
+
+
+def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_force_of_hertz():
+    answer = hertz.respond(scene())
+    relaxed = [1e-3 * Hertz(14.0, d, BODY.modulus, BODY.poisson).force for d in answer.depth]
+    want = hereditary_integral(PRONY, answer.time, relaxed) / PRONY.long_time
+    assert answer.force == pytest.approx(want, abs=2e-5 * want.max())
+    assert answer.contact_area == pytest.approx(np.pi * 14.0 * answer.depth, abs=1e-2)
+
+
+def test_the_pressure_in_the_middle_is_the_integral_of_that_of_hertz_over_its_cell():
+    answer = hertz.respond(scene())
+    radius = np.sqrt(answer.pad.areas[0] / np.pi)
+    x, weight = np.polynomial.legendre.leggauss(60)
+    r = radius * (x + 1) / 2
+    mean = [
+        weight @ (r * Hertz(14.0, d, BODY.modulus, BODY.poisson).pressure(r)) / radius if d else 0.0
+        for d in answer.depth
+    ]
+    want = hereditary_integral(PRONY, answer.time, mean) / PRONY.long_time
+    assert answer.pressure[:, 0] == pytest.approx(want, abs=1e-3 * want.max())
+
+
+# Place and object
+
+
+def test_the_object_touches_where_it_is_put_and_the_same_pad_answers():
+    middle = hertz.respond(scene(indenter=ff.Sphere(5.0)))
+    aside = hertz.respond(scene(indenter=ff.Sphere(5.0, at=(1.0, -1.5))))
+    assert aside.force == pytest.approx(middle.force)
+    assert aside.centroid[-1] == pytest.approx([1.0, -1.5])
+    assert middle.centroid[-1] == pytest.approx([0.0, 0.0])
+    round_one = hertz.respond(scene(indenter=ff.Ellipsoid((5.0, 5.0, 5.0))))
+    assert round_one.force == pytest.approx(middle.force)
+    plate = hertz.respond(scene(indenter=ff.Sphere(1e9)))
+    assert plate.force == pytest.approx(hertz.respond(scene()).force)
+    assert middle.force[-1] < 0.6 * plate.force[-1]
+
+
+def test_a_plate_at_another_angle_touches_the_tip_side():
+    answer = hertz.respond(scene(indenter=ff.Flat(angle=40)))
+    assert answer.centroid[-1, 0] > 1
+    assert answer.force == pytest.approx(hertz.respond(scene()).force)
+    assert answer.sites.normals[0] == pytest.approx(
+        [np.sin(np.radians(40)), 0, -np.cos(np.radians(40))]
+    )
+
+
+def test_the_reference_is_the_small_plate_on_the_same_finger():
+    answer = hertz.respond(scene(indenter=ff.Sphere(5.0)))
+    plate = hertz.respond(scene(motion=ff.RampHold(20, 0.5, hold=0.1)))
+    assert answer.reference.strain == pytest.approx(plate.strain[-1], abs=1e-12)
+    assert answer.reference.types == plate.sites.types
+
+
+# Refusals, error, planning
+
+
+def test_the_tissue_that_stands_for_two_is_between_them_and_exact_for_one():
+    modulus, poisson = hertz.tissue(FINGER)
+    assert modulus == pytest.approx(1 / (0.2 / 102.4 + 0.8 / 34))
+    assert poisson == pytest.approx(0.48)
+    assert hertz.tissue(ff.Finger.subject("a.h.", tissue="saal2017")) == pytest.approx((50, 0.4))
+
+
+def test_the_first_coefficient_of_the_layer_is_the_integral_of_its_kernel():
+    """P / P_Hertz = 1 + 2/pi integral of (1 - L) chi, L the bonded incompressible layer."""
+    x, weight = np.polynomial.legendre.leggauss(200)
+    x, weight = 10 * (x + 1), 10 * weight
+    kernel = (2 * np.sinh(2 * x) - 4 * x) / (2 * np.cosh(2 * x) + 4 * x**2 + 2)
+    assert 2 / np.pi * weight @ (1 - kernel) == pytest.approx(hertz.STIFFENING, abs=5e-4)
+
+
+REFUSED = [
+    ({"ask": ff.Ask()}, "ability", "ask.fields: it has no mesh"),
+    ({}, "accuracy", "contact radius / tissue thickness = 0.53 > 0.1"),
+    ({}, "accuracy", "skin modulus / subcutaneous modulus = 3,"),
+    ({"indenter": ff.Sphere(1.0)}, "accuracy", "contact radius / radius of the object = 0.68"),
+    ({"indenter": ff.Flat(angle=45)}, "accuracy", "angle = 45 degrees"),
+    ({"indenter": ff.Flat(tilt=5)}, "accuracy", "tilt = 5 > 0"),
+    ({"indenter": ff.Sphere(5.0, at=(3.0, 0.0))}, "accuracy", "from the middle = 3 > 2 mm"),
+]
+
+
+@pytest.mark.parametrize(("parts", "about", "reason"), REFUSED)
+def test_a_refusal_quotes_the_number_that_broke(parts, about, reason):
+    refusals = hertz.refuse(scene(**parts))
+    assert any(refusal.about == about and reason in refusal.reason for refusal in refusals)
+
+
+def test_a_place_beyond_the_pad_is_beyond_its_ability():
+    tiny = replace(FINGER, pad_radius=4.0)
+    refusals = hertz.refuse(scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0))))
+    assert any("indenter.at" in refusal.reason for refusal in refusals)
+
+
+def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
+    plan = ff.explain(scenes.load("flat-press"))
+    assert plan.mechanics == "linear"
+    rung = next(rung for rung in plan.rungs if rung.mechanics == "hertz")
+    assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
+
+
+def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
+    soft = ff.Finger.subject("a.h.", tissue="saal2017")
+    light = scene(finger=soft, indenter=ff.Sphere(1.0), motion=ff.Ramp(1, 0.05, corner=0))
+    assert hertz.error(light)[0] == pytest.approx(1.127 * np.sqrt(0.05 * 14 / 15) / 5, rel=0.06)
+    assert ff.explain(light).mechanics == "hertz"
+    deeper = replace(light, motion=ff.Ramp(1, 0.5, corner=0))
+    assert ff.explain(deeper).mechanics == "linear"
+    with pytest.raises(InputError, match="no mesh"):
+        ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")
+
+
+def test_named_it_runs_to_the_spikes_and_records_what_it_would_have_refused():
+    asked = scene(motion=ff.RampHold(60, 1.5, hold=0.5), ask=replace(ASK, spikes=("SAI", "FAI")))
+    result = ff.run(asked, mechanics="hertz")
+    assert result.plan.overridden
+    assert result.spikes.count().min() >= 1
+    assert any("39.24 kPa" in note for note in result.notes)
+
+
+def test_what_is_not_asked_is_none():
+    bare = hertz.respond(scene(ask=ff.Ask(pressure=False, strain=False, fields=False)))
+    for absent in ("pad", "pressure", "contact_area", "centroid", "sites", "strain", "fields"):
+        assert getattr(bare, absent) is None
+
+
+def test_without_relaxation_it_is_hertz_on_the_way_back_too():
+    stiff = replace(FINGER, prony=Prony((1.0,), ()))
+    answer = hertz.respond(scene(finger=stiff, motion=ff.Trapezoid(20, 0.5, hold=0.1)))
+    want = 1e-3 * BODY.force(np.maximum(answer.depth, 0))
+    assert answer.force == pytest.approx(want, abs=2e-5 * want.max())
