@@ -77,8 +77,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Give one row per case; a note that holds for several in a row follows the last of them."""
     for case, following in zip(cases, [*cases[1:], {}], strict=True):
         limit = case["tolerance"]
-        notes = [case.get(key) or "" for key in ("erratum", "reason")]
-        last = notes != [following.get(key) or "" for key in ("erratum", "reason")]
+        notes = {key: case.get(key, "") for key in ("erratum", "reason")}
         printed = case.get("printed")
         yield {
             "name": case["name"],
@@ -89,18 +88,15 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
             "unit": "" if case["unit"] == "1" else case["unit"],
             "source": case["source"],
             "verdict": case["verdict"],
-            "erratum": notes[0] if last else "",
-            "reason": notes[1] if last else "",
-        }
+        } | {key: "" if following.get(key) == note else note for key, note in notes.items()}
 
 
 def _number(value: float, tolerance: float) -> str:
-    """Return a value with the digits that its tolerance can tell apart."""
-    if not math.isfinite(value) or tolerance <= 0:
+    """Return a value with the digits that its tolerance can tell apart, six at most."""
+    if not math.isfinite(value) or not tolerance > 0:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(tolerance))
-    small = digits > 5
-    return f"{value:.3g}" if small and abs(value) < 1e-3 else f"{value:.{min(max(digits, 0), 9)}f}"
+    return f"{value:.6g}" if digits > 6 else f"{value:.{max(digits, 0)}f}"
 
 
 def _provenance() -> Iterator[tuple[str, str]]:

@@ -1,13 +1,12 @@
 """Suite `thesis`: the tables, figures and numbers of Pawluk (1997) that the equations give."""
 
 from collections.abc import Iterator
-from typing import Any
 
-from fefinger.validation import thesis_lumped, thesis_tables
+from fefinger.validation import thesis_energy, thesis_lumped, thesis_tables
 from fefinger.validation.case import Case
 
 
-PARTS = (thesis_tables, thesis_lumped)
+PARTS = (thesis_tables, thesis_lumped, thesis_energy)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
