@@ -217,6 +217,28 @@ def view(folder: str, field: str | None, at: float | None, screenshot: str | Non
 
 
 @cli.command()
+@click.argument("data", metavar="DATA.csv")
+@click.option("--terms", default=3, type=click.IntRange(1, 5), help="Exponentials in G, 3.")
+@_output("fit.json and fit.csv")
+@_json
+def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
+    """Identify the lumped finger from a ramp and hold.
+
+    DATA.csv has the columns time (s), position (mm) and force (N).
+    """
+    from fefinger import fitting
+    from fefinger.files import output_folder
+
+    folder = None if output is None else output_folder(output)
+    found = fitting.fit(data, terms=terms)
+    files = [] if folder is None else fitting.save(found, folder)
+    if as_json:
+        console.print_json(fitting.record(found) | {"files": files})
+    else:
+        click.echo("\n".join([fitting.summary(found), *(f"file  {file}" for file in files)]))
+
+
+@cli.command()
 @click.argument("suites", nargs=-1)
 @click.option("--quick", is_flag=True, help="Leave out what takes longer than seconds.")
 @_output("validation.json and validation.html")

@@ -12,7 +12,7 @@ from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
 
-LADDER = ("hertz", "linear")
+LADDER = ("lumped", "hertz", "linear")
 
 
 class Mechanics(Protocol):

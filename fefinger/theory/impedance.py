@@ -64,4 +64,4 @@ def decibel(z: ArrayLike) -> NDArray[np.float64]:
 
 def phase(z: ArrayLike) -> NDArray[np.float64]:
     """Return the phase in degrees."""
-    return np.degrees(np.angle(z))
+    return np.degrees(np.angle(np.asarray(z)))

@@ -209,4 +209,4 @@ def _mean_decay(x: Array) -> Array:
 def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:
     """Yield q_0 = start and q_(n+1) = decay_n q_n + gain_n."""
     pairs = zip(decay.tolist(), gain.tolist(), strict=True)
-    return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)  # type: ignore
+    return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)

@@ -79,8 +79,7 @@ def test_the_swing_doubles_with_frequency_as_long_as_the_skin_is_glued(case, mon
 
     def ratio():
         slow, fast = (
-            vibration(*AH, offset=offset, peak_to_peak=swing, frequency=f)
-            for f in (1, 128)
+            vibration(*AH, offset=offset, peak_to_peak=swing, frequency=f) for f in (1, 128)
         )
         return fast.peak_to_peak / slow.peak_to_peak, fast.contact
 

@@ -8,9 +8,7 @@ from fefinger.theory import impedance
 from fefinger.theory.lumped import Spring
 
 
-SUBJECTS = {
-    name: (Spring(row.b, row.m), row.prony) for name, row in library.pawluk_bulk().items()
-}
+SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in library.pawluk_bulk().items()}
 MEANS = SUBJECTS["means"]
 EVERY = pytest.mark.parametrize(("spring", "prony"), SUBJECTS.values(), ids=SUBJECTS)
 

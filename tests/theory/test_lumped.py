@@ -102,9 +102,9 @@ def test_a_small_sinusoid_gives_the_spectrum_of_the_relaxation():
     turn = np.arange(cycles * n + 1) / n
     x = 1.5 + 1e-5 * np.sin(2 * np.pi * turn)
     # Long relaxed: the slow part of the offset has gone before the sinusoid starts.
-    force = lumped.force(
-        spring, prony, np.r_[0.0, 100 + turn / frequency], np.r_[1.5, x]
-    )[-n - 1 : -1]
+    force = lumped.force(spring, prony, np.r_[0.0, 100 + turn / frequency], np.r_[1.5, x])[
+        -n - 1 : -1
+    ]
     phasor = 2 / n * np.sum(force * np.exp(-2j * np.pi * turn[-n - 1 : -1]))
     preload = prony.long_time * float(spring.force(1.5))
     z = impedance.impedance(spring, prony, frequency, preload)

@@ -1,0 +1,250 @@
+"""Fit the lumped finger to a user's ramp and hold: `fefinger fit DATA.csv`.
+
+The file has the columns time (s), position (mm, growing into the finger) and force (N, positive in
+compression), named in its first line; others are ignored. Both identifications of
+`theory/identify.py` are made, with their uncertainties.
+"""
+
+import csv
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.theory import identify, lumped, ramphold
+from fefinger.theory.identify import Identification
+
+
+Array = NDArray[np.float64]
+
+UNITS = {"time": "s", "position": "mm", "force": "N"}
+WAYS = ("thesis", "joint")
+PARAMETER_UNITS = {"b": "N/mm", "m": "1/mm", "x0": "mm", "c": "", "v": "1/s"}
+
+LIKELY = {
+    "position": ("travel", 0.05, 50.0, (("m", 0.0, 0.05), ("um", 50.0, math.inf))),
+    "force": (
+        "largest force",
+        0.02,
+        50.0,
+        (("kN", 0.0, 0.02), ("grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
+    ),
+    "time": ("duration", 0.05, 1000.0, (("minutes", 0.0, 0.05), ("ms", 1000.0, math.inf))),
+}
+"""What a column amounts to, its range for a finger, and the unit that values outside it are in."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A record, (n_t,) each, and what the two ways of identification found in it."""
+
+    time: Array
+    position: Array
+    force: Array
+    thesis: Identification
+    joint: Identification
+
+
+def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
+    """Return both identifications of the record in a CSV file, with `terms` exponentials.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read or used; the message names column and row.
+    ConvergenceError
+        A fit that does not converge.
+    """
+    time, position, force = read(file)
+    try:
+        found = [
+            way(time, position, force, terms=terms) for way in (identify.thesis, identify.joint)
+        ]
+    except ValueError as error:
+        msg = f"{file}: {error}"
+        raise InputError(msg) from None
+    except RuntimeError as error:
+        msg = f"{file}: {error}"
+        raise ConvergenceError(msg) from None
+    return Fit(time, position, force, *found)
+
+
+def read(file: str | Path) -> tuple[Array, Array, Array]:
+    """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked."""
+    head, rows = _rows(Path(file))
+    where = {name: _column(str(file), head, name) for name in UNITS}
+    table = np.array([_numbers(str(file), i, row, head, where) for i, row in rows])
+    time, position, force = table.reshape(-1, len(where)).T
+    _check_times(str(file), time, [i for i, _ in rows])
+    for name, values in zip(UNITS, (time, position, force), strict=True):
+        _check_unit(str(file), name, values)
+    _check_signs(str(file), position, force)
+    return time - time[0], position, force
+
+
+def _rows(file: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Return the names of the columns, and the lines below with their number."""
+    try:
+        with file.open(newline="", encoding="utf-8-sig") as stream:
+            lines = list(enumerate(csv.reader(stream), start=1))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        msg = f"{file}: expected a CSV file, which cannot be read: {error}"
+        raise InputError(msg) from None
+    lines = [(i, row) for i, row in lines if any(cell.strip() for cell in row)]
+    if len(lines) < 2:
+        msg = f"{file}: expected the columns {', '.join(UNITS)} and rows below, found none"
+        raise InputError(msg)
+    return [cell.strip() for cell in lines[0][1]], lines[1:]
+
+
+def _column(file: str, head: list[str], name: str) -> int:
+    """Return where the column called `name` is; its name may end in its unit."""
+    found = [i for i, cell in enumerate(head) if cell.lower().startswith(name)]
+    if len(found) != 1:
+        which = "none" if not found else f"{len(found)}: {', '.join(head[i] for i in found)}"
+        msg = (
+            f"{file}: expected one column {name!r} ({UNITS[name]}) in the first line, "
+            f"found {which} in {','.join(head)!r}"
+        )
+        raise InputError(msg)
+    unit = head[found[0]][len(name) :].strip(" _-()[]/,")
+    if unit and unit.lower() != UNITS[name].lower():
+        msg = f"{file}: column {head[found[0]]!r}: expected {name} in {UNITS[name]}; convert it"
+        raise InputError(msg)
+    return found[0]
+
+
+def _numbers(
+    file: str, line: int, row: list[str], head: list[str], where: dict[str, int]
+) -> list[float]:
+    if len(row) != len(head):
+        msg = f"{file}: line {line}: expected {len(head)} values, received {len(row)}: {row}"
+        raise InputError(msg)
+    values = []
+    for name, column in where.items():
+        try:
+            value = float(row[column])
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            msg = f"{file}: line {line}: expected a finite {name}, received {row[column]!r}"
+            raise InputError(msg)
+        values.append(value)
+    return values
+
+
+def _check_times(file: str, time: Array, lines: list[int]) -> None:
+    wrong = np.flatnonzero(np.diff(time) <= 0)
+    if wrong.size:
+        i = int(wrong[0]) + 1
+        what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
+        msg = (
+            f"{file}: line {lines[i]}: expected a time above {time[i - 1]:g} s, received {what}, "
+            f"{time[i]:g}; sort the rows and keep one of each time"
+        )
+        raise InputError(msg)
+
+
+def _check_unit(file: str, name: str, values: Array) -> None:
+    what, low, high, others = LIKELY[name]
+    size = float(np.abs(values).max() if name == "force" else np.ptp(values))
+    if low <= size <= high:
+        return
+    likely = next(unit for unit, least, most in others if least <= size <= most)
+    msg = (
+        f"{file}: {name}: expected {UNITS[name]}, with a {what} of {low:g} to {high:g}, received "
+        f"{size:.3g}, as if it were in {likely}; convert the column"
+    )
+    raise InputError(msg)
+
+
+def _check_signs(file: str, position: Array, force: Array) -> None:
+    if force.max() < -force.min():
+        msg = f"{file}: force: expected pressing to be positive, received up to {force.min():.3g} N"
+        raise InputError(msg)
+    if position[force.argmax()] < np.median(position[: max(1, len(position) // 100)]):
+        msg = (
+            f"{file}: position: expected it to grow into the finger, but it falls while the force "
+            "rises; change its sign"
+        )
+        raise InputError(msg)
+
+
+def record(found: Fit) -> dict[str, Any]:
+    """Return what `fit --json` prints: value and one standard deviation of every parameter."""
+    return {
+        "samples": len(found.time),
+        **{way: _identification(getattr(found, way)) for way in WAYS},
+    }
+
+
+def _identification(found: Identification) -> dict[str, Any]:
+    return {
+        "parameters": {
+            name: {
+                "value": value,
+                "uncertainty": found.uncertainty[name],
+                "unit": PARAMETER_UNITS.get(name, PARAMETER_UNITS.get(name[0], "")),
+            }
+            for name, value in found.parameters.items()
+        },
+        "mse_percent": 100 * found.mse,
+        "vaf_stiffness": found.vaf_stiffness,
+        "vaf_hold": found.vaf_hold,
+        "warnings": list(found.warnings),
+    }
+
+
+def summary(found: Fit) -> str:
+    """Return the same as text: the joint fit beside the procedure of the thesis."""
+    from fefinger.console import table
+
+    ways = {way: record(found)[way] for way in ("joint", "thesis")}
+    rows = [
+        [name, first["unit"], *(_with_spread(way["parameters"][name]) for way in ways.values())]
+        for name, first in ways["joint"]["parameters"].items()
+    ]
+    rows.append(["mse", "%", *(f"{way['mse_percent']:.3g}" for way in ways.values())])
+    heading = ["", "unit", "ramp and hold together", "procedure of the thesis"]
+    lines = [table(rows, heading), f"\n{ADVICE}"]
+    for name, way in ways.items():
+        lines += [f"warning ({name}): {sentence}" for sentence in way["warnings"]]
+    return "\n".join(lines)
+
+
+def _with_spread(parameter: dict[str, Any]) -> str:
+    return f"{parameter['value']:.4g} +- {parameter['uncertainty']:.2g}"
+
+
+ADVICE = (
+    "T(x) = (b/m) [exp(m (x - x0)) - 1] and G(t) = c0 + sum ci exp(-vi t) (Pawluk 1997, Eq. 2.1 to "
+    "2.3); +- is one\nstandard deviation. Use the left column: the thesis takes the ramp for "
+    "instantaneous, so its b is low and\nits c0 high by much more than the uncertainty says."
+)
+
+
+def save(found: Fit, folder: Path) -> list[str]:
+    """Write `fit.json` and `fit.csv` into an existing folder.
+
+    The table has the record up to the end of the hold, with the smoothed position by which both
+    models move, and their forces.
+    """
+    used = ramphold.split(found.time, found.position, found.force)
+    position = ramphold.smooth_position(used)
+    models = [
+        lumped.force(way.spring, way.prony, used.time, position)
+        for way in (found.joint, found.thesis)
+    ]
+    columns = np.column_stack([used.time, position, used.force, *models])
+    new = {name: folder / f".{name}.new" for name in ("fit.json", "fit.csv")}
+    new["fit.json"].write_text(json.dumps(record(found), indent=1) + "\n", encoding="utf-8")
+    heading = "time_s,position_mm,force_N,joint_N,thesis_N"
+    np.savetxt(new["fit.csv"], columns, "%.9g", ",", header=heading, comments="")
+    for name, path in new.items():
+        path.replace(folder / name)
+    return [str(folder / name) for name in new]

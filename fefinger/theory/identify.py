@@ -1,0 +1,321 @@
+"""Identification of the lumped finger from a ramp and hold: the thesis's way and an unbiased one.
+
+`thesis` takes the ramp for the instantaneous response and the hold for the relaxation after a step
+(Pawluk 1997, section 2.4.1). Neither is: at 60 mm/s a finger has relaxed to 69 to 74 % of T on the
+way, so b comes out 33 to 43 % low and c0 high. `joint` fits Eq. 2.3 to ramp and hold together.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.theory.lumped import Spring, force
+from fefinger.theory.ramphold import (
+    RAMP_POINTS,
+    SMOOTHING,
+    RampHold,
+    accounted,
+    averages,
+    derivative,
+    mse,
+    smooth,
+    split,
+)
+from fefinger.theory.relaxation import Prony
+
+
+Array = NDArray[np.float64]
+
+TERMS = 3
+FASTEST = 300.0  # 1/s, where the search for the rates starts
+LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
+APART = 2.0  # ratio of successive rates below which they cannot be told apart
+CUT = SMOOTHING // 2 + 1  # samples before the hold into which smoothing carries it
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a fit found.
+
+    `uncertainty` holds one standard deviation of b (N/mm), m (1/mm), x0 (mm), c0, c1, ... and v1,
+    ... (1/s), from the Jacobian and the scatter about the fit: it knows nothing of bias. `mse` is
+    that of Eq. 2.5 over ramp and hold, as a fraction; `vaf_stiffness` and `vaf_hold` the variance
+    accounted for of the stiffness against the force (None where it was not fitted) and of the
+    hold. `warnings` are sentences.
+    """
+
+    spring: Spring
+    prony: Prony
+    uncertainty: dict[str, float]
+    mse: float
+    vaf_hold: float
+    vaf_stiffness: float | None = None
+    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The parameters by the names that `uncertainty` uses; x0 and the weights included."""
+        weights = {f"c{i}": c for i, c in enumerate(self.prony.weights)}
+        rates = {f"v{i}": v for i, v in enumerate(self.prony.v, start=1)}
+        spring = {"b": self.spring.b, "m": self.spring.m, "x0": self.spring.x0}
+        return spring | weights | rates
+
+
+def thesis(
+    time: ArrayLike, position: ArrayLike, force: ArrayLike, *, terms: int = TERMS
+) -> Identification:
+    """Return the identification of the thesis from (n_t,) s, mm and N.
+
+    A 9 point average, the derivative by 5 points, a line through stiffness against force (Eq. 2.4)
+    for m and b, x0 by least squares with these, and `terms` exponentials through the hold.
+
+    Raises
+    ------
+    ValueError
+        A record without a usable ramp and hold (see `ramphold.split`).
+    """
+    record = split(time, position, force)
+    m, b, spread, vaf_stiffness = _line(record)
+    x0, x0_spread = _touch(record, m, b)
+    prony, hold_spread, vaf_hold = _relaxation(record, terms)
+    spring = Spring(b, m, x0)
+    return Identification(
+        spring=spring,
+        prony=prony,
+        uncertainty={"b": spread[1], "m": spread[0], "x0": x0_spread} | hold_spread,
+        mse=mse(record, spring, prony),
+        vaf_hold=vaf_hold,
+        vaf_stiffness=vaf_stiffness,
+        warnings=_warnings(record, prony, hold_spread),
+    )
+
+
+def joint(
+    time: ArrayLike, position: ArrayLike, force: ArrayLike, *, terms: int = TERMS
+) -> Identification:
+    """Return the fit of Eq. 2.3 to ramp and hold together, from (n_t,) s, mm and N.
+
+    Every sample is weighted by the noise of the force and, through the stiffness, of the position,
+    as found in the record itself.
+
+    Raises
+    ------
+    ValueError
+        A record without a usable ramp and hold.
+    RuntimeError
+        A fit that does not converge.
+    """
+    from scipy.optimize import least_squares
+
+    record = split(time, position, force)
+    t, x, f, size = averages(record)
+    guess = thesis(time, position, force, terms=terms)
+    values = _packed(Spring(1.5 * guess.spring.b, guess.spring.m, guess.spring.x0), guess.prony)
+    for _ in range(2):  # the weights need the stiffness, and the stiffness the weights
+        spring, prony = _unpacked(values)
+        stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
+        sigma = np.hypot(record.force_noise, stiffness * record.position_noise)
+        sigma = np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size)
+
+        def residual(values: Array, sigma: Array = sigma) -> Array:
+            return (force_of(values, t, x) - f) / sigma
+
+        found = least_squares(residual, values, x_scale="jac", xtol=1e-12, max_nfev=200)
+        if not found.success:
+            msg = (
+                f"joint: the fit did not converge in {found.nfev} evaluations "
+                f"({found.message}); fit fewer terms than {terms}, or a longer hold"
+            )
+            raise RuntimeError(msg)
+        values = found.x
+    spring, prony = _unpacked(values)
+    covariance = _covariance(found.jac, found.fun, at_least=1.0)
+    order = np.argsort(prony.v)[::-1]
+    prony = _sorted(prony, order)
+    spread = _spread(spring, prony, covariance, order)
+    hold = t >= record.time[record.hold]
+    return Identification(
+        spring=spring,
+        prony=prony,
+        uncertainty=spread,
+        mse=mse(record, spring, prony),
+        vaf_hold=accounted(f[hold], force_of(values, t, x)[hold]),
+        warnings=_warnings(record, prony, spread),
+    )
+
+
+def force_of(values: Array, time: Array, position: Array) -> Array:
+    """Return Eq. 2.3 for the parameters (log b, log m, x0, log ci/c0 ..., log vi ...)."""
+    return force(*_unpacked(values), time, position)
+
+
+def _line(record: RampHold) -> tuple[float, float, tuple[float, float], float]:
+    """Return m, b, their standard deviations and the variance accounted for (Eq. 2.4)."""
+    t, x, f, _ = averages(record)
+    if record.hold - record.touch <= RAMP_POINTS:  # few samples: smooth them as the thesis does
+        part = slice(record.touch, record.hold - CUT)
+        x, f = (smooth(values)[part] for values in (record.position, record.force))
+    else:
+        part = (t >= record.time[record.touch]) & (t < record.time[record.hold - CUT])
+        x, f = x[part], f[part]
+    k, f = derivative(x, f), f[2:-2]
+    design = np.column_stack([f, np.ones_like(f)])
+    (m, b), *_ = np.linalg.lstsq(design, k, rcond=None)
+    if not min(m, b) > 0:
+        msg = (
+            f"stiffness against force: expected a rising line above 0, found m = {m:.3g} 1/mm and "
+            f"b = {b:.3g} N/mm; is this a ramp into a finger, sampled fast enough?"
+        )
+        raise ValueError(msg)
+    rest = k - design @ (m, b)
+    deviation = np.sqrt(np.diag(np.linalg.inv(design.T @ design)) * (rest @ rest) / (len(k) - 2))
+    return float(m), float(b), (float(deviation[0]), float(deviation[1])), accounted(k, k - rest)
+
+
+def _touch(record: RampHold, m: float, b: float) -> tuple[float, float]:
+    """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation."""
+    from scipy.optimize import least_squares
+
+    x, f = record.position[: record.hold], record.force[: record.hold]
+    start = float(x[record.touch : record.hold].min())
+
+    def residual(x0: Array) -> Array:
+        return Spring(b, m, float(x0[0])).force(x) - f
+
+    found = least_squares(residual, [start], x_scale="jac")
+    return float(found.x[0]), float(np.sqrt(_covariance(found.jac, found.fun)[0, 0]))
+
+
+def _relaxation(record: RampHold, terms: int) -> tuple[Prony, dict[str, float], float]:
+    """Return G from the hold alone, its standard deviations and the variance accounted for."""
+    from scipy.optimize import least_squares, nnls
+
+    t, _, f, size = (values[-_groups(record) :] for values in averages(record))
+    t = t - record.time[record.hold]
+    root = np.sqrt(size)
+
+    def basis(log_rates: Array) -> Array:
+        rates = np.exp(np.append(-np.inf, log_rates))
+        return np.exp(-np.multiply.outer(t, rates))
+
+    def residual(values: Array) -> Array:
+        amplitudes = np.exp(np.clip(values[: terms + 1], -40, 40))
+        return root * (basis(np.clip(values[terms + 1 :], -20, 20)) @ amplitudes - f)
+
+    rates = np.log(np.geomspace(FASTEST, 4.0 / record.hold_seconds, terms))
+    amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
+    start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
+    found = least_squares(residual, start, x_scale="jac", max_nfev=500)
+    order = np.argsort(found.x[terms + 1 :])[::-1]
+    amplitudes = np.exp(np.clip(found.x[: terms + 1], -40, 40))
+    prony = _sorted(
+        Prony(tuple(amplitudes / amplitudes.sum()), tuple(np.exp(found.x[terms + 1 :]))), order
+    )
+    covariance = _covariance(found.jac, found.fun)
+    share = _rows(order, terms, offset=1)
+    weights = np.array(prony.weights)
+    jacobian = np.diag(weights) - np.outer(weights, weights)
+    deviation = _deviation(jacobian, covariance[np.ix_(share, share)])
+    spread = {f"c{i}": value for i, value in enumerate(deviation)}
+    for i, row in enumerate(order, start=1):
+        spread[f"v{i}"] = prony.v[i - 1] * float(np.sqrt(covariance.diagonal()[terms + 1 + row]))
+    return prony, spread, accounted(f, f + residual(found.x) / root)
+
+
+def _groups(record: RampHold) -> int:
+    """Return how many of the averages are in the hold."""
+    return int(np.sum(averages(record)[0] >= record.time[record.hold]))
+
+
+def _packed(spring: Spring, prony: Prony) -> Array:
+    weights = np.maximum(prony.weights, 1e-6)
+    shares = np.log(weights[1:] / weights[0])
+    return np.concatenate([np.log([spring.b, spring.m]), [spring.x0], shares, np.log(prony.v)])
+
+
+def _unpacked(values: Array) -> tuple[Spring, Prony]:
+    terms = (len(values) - 3) // 2
+    shares = np.exp(np.clip(np.append(0.0, values[3 : 3 + terms]), -40, 40))
+    rates = np.exp(np.clip(values[3 + terms :], -20, 20))
+    b, m = np.exp(np.clip(values[:2], -20, 4))
+    return Spring(float(b), float(m), float(values[2])), Prony(
+        tuple(shares / shares.sum()), tuple(rates)
+    )
+
+
+def _sorted(prony: Prony, order: NDArray[np.intp]) -> Prony:
+    """Return the terms in `order`, fastest first as the tables of the thesis have them."""
+    c, v = prony.weights, prony.v
+    return Prony((c[0], *(c[1 + i] for i in order)), tuple(v[i] for i in order))
+
+
+def _rows(order: NDArray[np.intp], terms: int, *, offset: int) -> list[int]:
+    """Return the rows of the sorted weights, after `offset` rows of others."""
+    return [*range(offset), *(offset + int(i) for i in order)]
+
+
+def _spread(
+    spring: Spring, prony: Prony, covariance: Array, order: NDArray[np.intp]
+) -> dict[str, float]:
+    """Return one standard deviation of every parameter of `joint`."""
+    deviation = np.sqrt(np.diag(covariance))
+    terms = len(prony.v)
+    shares = [3 + int(i) for i in order]
+    weights = np.array(prony.weights)
+    jacobian = -np.outer(weights, weights[1:])
+    jacobian[1:] += np.diag(weights[1:])
+    of_weights = _deviation(jacobian, covariance[np.ix_(shares, shares)])
+    spread = {
+        "b": spring.b * float(deviation[0]),
+        "m": spring.m * float(deviation[1]),
+        "x0": float(deviation[2]),
+    }
+    spread |= {f"c{i}": value for i, value in enumerate(of_weights)}
+    rates = enumerate(order, start=1)
+    return spread | {f"v{i}": prony.v[i - 1] * float(deviation[3 + terms + j]) for i, j in rates}
+
+
+def _deviation(jacobian: Array, covariance: Array) -> list[float]:
+    with np.errstate(invalid="ignore"):
+        spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian))
+    return [float(value) if np.isfinite(value) else np.inf for value in spread]
+
+
+def _covariance(jacobian: Array, residual: Array, at_least: float = 0.0) -> Array:
+    """Return the covariance of the parameters; infinite where the data say nothing.
+
+    The scatter of the residual about the fit scales it, but counts as `at_least`: where the noise
+    is known and smoothing has made the residual smaller, 1 keeps what smoothing cannot remove.
+    """
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    _, singular, vectors = np.linalg.svd(jacobian / scale, full_matrices=False)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = (vectors.T / singular**2) @ vectors
+    scatter = max(at_least, float(residual @ residual) / max(1, len(residual) - len(scale)))
+    return np.where(np.isfinite(inverse), inverse, np.inf) * scatter / np.outer(scale, scale)
+
+
+def _warnings(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str, ...]:
+    """Return what the data do not decide, as sentences."""
+    found = []
+    for i, (weight, rate) in enumerate(zip(prony.weights[1:], prony.v, strict=True), start=1):
+        doubt = spread[f"v{i}"]
+        if not doubt < LOOSE * rate or weight < 2 * spread[f"c{i}"]:
+            found.append(
+                f"term {i} is not identified: v{i} = {rate:.3g} +- {doubt:.2g} 1/s, c{i} = "
+                f"{weight:.3g} +- {spread[f'c{i}']:.2g}; fit fewer terms"
+            )
+        if rate * record.hold_seconds < 1:
+            found.append(
+                f"term {i} is slower than the hold: 1/v{i} = {1 / rate:.3g} s > "
+                f"{record.hold_seconds:.3g} s; it cannot be told from c0, hold longer"
+            )
+    for i, (fast, slow) in enumerate(zip(prony.v, prony.v[1:], strict=False), start=1):
+        if fast < APART * slow:
+            found.append(
+                f"terms {i} and {i + 1} are too close: v = {fast:.3g} and {slow:.3g} 1/s; "
+                "only their sum is known, fit fewer terms"
+            )
+    return tuple(found)

@@ -1,0 +1,202 @@
+"""The lumped finger as an answer to a scene: force and depth, quickly, and what it refuses."""
+
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import library, mechanics, report, scenes
+from fefinger.console import run_record, run_summary
+from fefinger.files import load
+from fefinger.mechanics import lumped
+from fefinger.theory import lumped as law
+
+
+FORCE_ONLY = ff.Ask(pressure=False, strain=False, fields=False)
+PROTOCOLS = tuple(name for name in scenes.names() if name[0] == "p" and name[1].isdigit())
+ROW = library.pawluk_bulk()["a.h."]
+AH = (law.Spring(ROW.b, ROW.m), ROW.prony)
+
+
+def scene(**parts):
+    whole = {
+        "finger": ff.Finger.subject("a.h."),
+        "indenter": ff.Flat(angle=30),
+        "motion": ff.RampHold(speed=60, depth=1.5, hold=5),
+        "ask": FORCE_ONLY,
+    }
+    return ff.Scene(**(whole | parts))
+
+
+MOTIONS = [
+    ff.RampHold(speed=60, depth=1.5, hold=5),
+    ff.Ramp(speed=0.2, depth=1.5),
+    ff.RampSinusoid(20, 1.5, amplitude=0.4, frequency=4, cycles=5),
+    ff.Trapezoid(speed=20, depth=1.5, hold=1),
+    ff.Sampled(time=(0.0, 0.1, 0.2, 1.0), depth=(-0.5, 1.0, -0.2, 1.2)),
+]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
+def test_the_force_is_that_of_much_finer_times(motion):
+    answer = lumped.respond(scene(motion=motion))
+    fine = np.unique(np.append(np.linspace(0, motion.duration, 200_001), answer.time))
+    exact = law.contact_force(*AH, fine, motion.value(fine))
+    off = np.abs(answer.force - np.interp(answer.time, fine, exact)).max()
+    assert off < lumped.NUMERICAL * exact.max()
+    assert answer.force.min() >= 0
+    np.testing.assert_array_equal(answer.depth, motion.value(answer.time))
+
+
+def test_under_force_control_the_depth_gives_the_force_back():
+    motion = ff.ForceRampHold(loading_rate=20, force=1, hold=3)
+    answer = lumped.respond(scene(motion=motion))
+    np.testing.assert_array_equal(answer.force, motion.value(answer.time))
+    back = law.force(*AH, answer.time, answer.depth)
+    assert np.abs(back - answer.force).max() < 5e-3
+    assert answer.depth[-1] > 1.15 * answer.depth[answer.time <= 0.06][-1]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
+def test_it_takes_less_than_10_ms_and_no_longer_than_it_says(motion):
+    asked = scene(motion=motion)
+    best = np.inf
+    for _ in range(5):
+        started = time.perf_counter()
+        lumped.respond(asked)
+        best = min(best, time.perf_counter() - started)
+    assert best < 0.01
+    assert best < lumped.cost(asked) + 1e-3
+
+
+def test_it_gives_force_and_depth_and_says_whose():
+    answer = lumped.respond(scene())
+    for absent in ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields"):
+        assert getattr(answer, absent) is None
+    assert "Table 2.1, a.h." in answer.sources["lumped"]
+    assert any("Table 2.1" in note and "not used" in note for note in answer.notes)
+    assert list(answer.seconds) == ["lumped"]
+
+
+@pytest.mark.parametrize("what", ["pressure", "strain", "fields"])
+def test_anything_beyond_force_is_beyond_it(what):
+    asked = scene(ask=replace(FORCE_ONLY, **{what: True}))
+    (refusal,) = lumped.refuse(asked)
+    assert refusal.about == "ability"
+    assert refusal.reason == f"ask.{what}: asked, but it gives force and depth alone"
+    assert ff.explain(asked).mechanics == "linear"
+
+
+def test_spikes_are_beyond_it():
+    asked = scene(ask=replace(FORCE_ONLY, spikes=("SAI",)))
+    assert [refusal.about for refusal in lumped.refuse(asked)] == ["ability"]
+
+
+DOUBTS = [
+    ({"indenter": ff.Sphere(radius=5)}, "indenter = sphere: it was measured with a flat plate"),
+    ({"indenter": ff.Flat(angle=10)}, "indenter.angle, tilt = 10, 0 degrees: it was measured at"),
+    ({"indenter": ff.Flat(angle=30, tilt=5)}, "indenter.angle, tilt = 30, 5 degrees"),
+    ({"finger": ff.Finger(14, 10)}, "finger.subject = None: Table 2.1 has d.p., d.s., a.h., p.w."),
+    (
+        {"finger": ff.Finger.subject("f.c.", width=14, thickness=10)},
+        "finger.subject = f.c.: Table 2.1 has",
+    ),
+    ({"finger": ff.Finger.subject("a.h.", width=15)}, "finger.width: changed"),
+    (
+        {"finger": ff.Finger.subject("a.h.", prony=ff.Prony((0.4, 0.6), (10.0,)))},
+        "finger.prony: changed, but the law is that of subject a.h.",
+    ),
+    ({"motion": ff.Ramp(60, 2.4)}, "relaxed force at 2.4 mm = 3.3 > 3 N"),
+    ({"motion": ff.ForceRampHold(5, 4, hold=1)}, "force = 4 > 3 N, the largest"),
+]
+
+
+@pytest.mark.parametrize(("parts", "reason"), DOUBTS)
+def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(parts, reason):
+    asked = scene(**parts)
+    (refusal,) = lumped.refuse(asked)
+    assert refusal.about == "accuracy"
+    assert refusal.reason.startswith(reason)
+    assert ff.explain(asked).mechanics == "linear"
+    named = ff.run(asked, mechanics="lumped")
+    assert named.plan.overridden == (refusal,)
+    assert named.force.max() > 0
+
+
+@pytest.mark.parametrize("subject", [name for name in library.pawluk_bulk() if name != "means"])
+@pytest.mark.parametrize("angle", [20, 40])
+def test_every_subject_of_the_table_is_answered_under_the_plate(subject, angle):
+    asked = scene(
+        finger=ff.Finger.subject(subject),
+        indenter=ff.Flat(angle=angle),
+        motion=ff.RampHold(60, 1.0, hold=5, corner=0),
+    )
+    assert lumped.refuse(asked) == ()
+    plan = ff.explain(asked)
+    assert plan.mechanics == "lumped"
+    assert "not comparable to the finite-element finger" in plan.chosen.evidence
+    row = library.pawluk_bulk()[subject]
+    peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
+    assert lumped.respond(asked).force.max() == pytest.approx(float(peak), rel=1e-9)
+
+
+def test_the_planner_asks_it_first():
+    assert mechanics.names()[0] == "lumped"
+    assert mechanics.get("lumped") is lumped
+
+
+@pytest.mark.parametrize("name", PROTOCOLS)
+def test_the_protocols_of_the_thesis_are_answered_without_a_mesh(name):
+    result = ff.run(name)
+    assert result.plan.mechanics == "lumped"
+    assert 0.5 < result.force.max() < 3.0
+
+
+def test_there_are_four_protocols():
+    assert [name[:2] for name in PROTOCOLS] == ["p1", "p2", "p3", "p4"]
+
+
+def test_the_repetitive_task_has_the_forces_of_the_recomputed_thesis():
+    result = ff.run("p4-repetitive-task")
+    cycle = result.time[-1] - np.linspace(0, 1, 1001)[:-1] / 16
+    force = np.interp(cycle, result.time, result.force)
+    assert np.ptp(force) == pytest.approx(0.820, rel=5e-3)
+    assert force.mean() == pytest.approx(0.492, rel=5e-3)
+
+
+def test_a_result_of_force_alone_can_be_saved_reported_and_loaded(tmp_path):
+    result = ff.run(scene())
+    written = result.save(str(tmp_path))
+    assert [file.rsplit("/", 1)[1] for file in written] == ["result.nc", "report.html"]
+    again = ff.load(str(tmp_path))
+    np.testing.assert_array_equal(again.force, result.force)
+    assert again.plan == result.plan
+    assert load(tmp_path).contact_area is None
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "not comparable to the finite-element finger" in html
+    assert "None" not in html
+    assert "pushes back with up to 1.25 N" in report.answer(result)
+    record = run_record(result, {}, [])
+    assert (record["contact_area_mm2"], record["centroid_mm"]) == (None, None)
+    assert "contact area" not in run_summary(result, {}, [])
+
+
+def test_a_run_of_force_alone_loads_no_mesh_no_elements_and_no_membranes():
+    """What `ask` may hold is checked against the names in neural; its simulation is not loaded."""
+    code = (
+        "import sys, fefinger as ff\n"
+        "assert ff.run('p2-ramp-and-hold').plan.mechanics == 'lumped'\n"
+        "print(*(name for name in sys.modules))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    heavy = ("scipy", "skfem", "numba", "trimesh", "pytetwild", "meshio", "matplotlib", "xarray")
+    parts = ("afferents", "membranes", "_hodgkin_huxley", "gains")
+    ours = [f"fefinger.neural.{part}" for part in parts]
+    assert "fefinger.mechanics.lumped" in loaded
+    assert not loaded & {*heavy, *ours, "fefinger.mechanics._press"}
+    assert not [name for name in loaded if name.startswith(("fefinger.mesh", "fefinger.fem"))]

@@ -1,0 +1,160 @@
+"""`fefinger fit`: from a CSV file to both identifications, and the sentences for unusable files."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from fefinger import fitting, library
+from fefinger.__main__ import main
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.theory import identify, synthetic
+from fefinger.theory.lumped import Spring
+
+
+ROW = library.pawluk_bulk()["a.h."]
+HEAD = "time,position,force"
+
+
+@pytest.fixture(scope="module")
+def samples():
+    """Return (n_t, 3): a trial of subject a.h. with the noise of the thesis, touched at 0.5 mm."""
+    made = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0, hold=5)
+    return np.column_stack([made.time, made.position, made.force])
+
+
+@pytest.fixture(scope="module")
+def file(samples, tmp_path_factory):
+    return write(tmp_path_factory.mktemp("data") / "trial.csv", samples)
+
+
+def write(path, table, head=HEAD):
+    np.savetxt(path, table, "%.7g", ",", header=head, comments="")
+    return path
+
+
+def test_fit_finds_the_subject_and_shows_the_bias_of_the_thesis(file, capsys):
+    assert main(["fit", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found) == ["samples", "thesis", "joint", "files"]
+    b, c0 = (found["joint"]["parameters"][name] for name in ("b", "c0"))
+    assert b["unit"] == "N/mm"
+    assert abs(b["value"] - 0.18) < 4 * b["uncertainty"] < 0.02
+    assert abs(c0["value"] - 0.25) < 4 * c0["uncertainty"] < 0.02
+    assert found["thesis"]["parameters"]["b"]["value"] < 0.7 * 0.18
+    assert found["thesis"]["parameters"]["c0"]["value"] > 1.3 * 0.25
+    assert found["joint"]["mse_percent"] < found["thesis"]["mse_percent"] < 5
+    assert found["thesis"]["vaf_stiffness"] > 0.95
+    assert found["joint"]["vaf_stiffness"] is None
+    assert found["joint"]["warnings"] == []
+
+
+def test_fit_prints_both_ways_and_writes_the_record_with_both_models(file, capsys, tmp_path):
+    assert main(["fit", str(file), "-o", str(tmp_path / "out")]) == 0
+    out, err = capsys.readouterr()
+    for words in ("ramp and hold together", "procedure of the thesis", "+-", "N/mm", "mse"):
+        assert words in out
+    assert err == ""
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fit.csv", "fit.json"]
+    with open(tmp_path / "out" / "fit.csv", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    measured, joint = (
+        np.array([float(row[name]) for row in rows]) for name in ("force_N", "joint_N")
+    )
+    assert np.sqrt(np.mean((measured - joint) ** 2)) < 9e-3  # 3 mN, and 8 N/mm times 1 um
+    saved = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert saved["joint"]["parameters"]["m"]["value"] == pytest.approx(2.1, rel=0.01)
+
+
+def test_columns_may_stand_in_any_order_with_units_and_others_between(samples, tmp_path, file):
+    swapped = np.column_stack([samples[:, 2], np.ones(len(samples)), samples[:, [1, 0]]])
+    path = write(tmp_path / "a.csv", swapped, "Force (N),angle,position_mm,time [s]")
+    for got, expected in zip(fitting.read(path), fitting.read(file), strict=True):
+        np.testing.assert_array_equal(got, expected)
+
+
+def test_two_terms_are_two(file):
+    assert len(fitting.fit(file, terms=2).joint.prony.v) == 2
+
+
+def changed(samples, column, change):
+    table = samples.copy()
+    table[:, column] = change(table[:, column])
+    return table
+
+
+def swap(samples):
+    table = samples.copy()
+    table[[100, 200]] = table[[200, 100]]
+    return table
+
+
+def repeat(samples):
+    return np.insert(samples, 100, samples[99], axis=0)
+
+
+TABLES = {
+    "position in m": (lambda s: changed(s, 1, lambda x: x / 1e3), r"position: expected mm.* in m;"),
+    "position in um": (lambda s: changed(s, 1, lambda x: x * 1e3), r"position: .* in um;"),
+    "force in g": (lambda s: changed(s, 2, lambda f: f * 102), r"force: .*in grams of force;"),
+    "force in mN": (lambda s: changed(s, 2, lambda f: f * 1e3), r"force: .*in mN;"),
+    "time in ms": (lambda s: changed(s, 0, lambda t: t * 1e3), r"time: .*in ms;"),
+    "pulling": (lambda s: changed(s, 2, lambda f: -f), "expected pressing to be positive"),
+    "outward": (lambda s: changed(s, 1, lambda x: -x), "change its sign"),
+    "unsorted": (swap, r"line 103: expected a time above .* received an earlier time"),
+    "repeated": (repeat, r"line 102: expected a time above .* received a repeated time"),
+    "few": (lambda s: s[:30], "at least 40 samples|duration"),
+    "coarse": (lambda s: s[::200], "ramp in contact: expected at least 20 samples"),
+    "no hold": (lambda s: np.column_stack([s[:400, 0] * 5, s[:400, 1:]])[:330], "hold: expected"),
+    "still": (lambda s: changed(s, 1, lambda x: x * 0), "as if it were in m"),
+}
+
+
+@pytest.mark.parametrize(("spoil", "message"), TABLES.values(), ids=TABLES)
+def test_a_table_that_cannot_be_used_is_refused_with_what_is_wrong(
+    samples, tmp_path, spoil, message
+):
+    with pytest.raises(InputError, match=message):
+        fitting.fit(write(tmp_path / "bad.csv", spoil(samples)))
+
+
+TEXTS = {
+    "empty": ("", "expected the columns time, position, force and rows below"),
+    "no rows": (HEAD, "rows below, found none"),
+    "no force": ("time,position\n0,1\n", r"one column 'force' \(N\) in the first line, found none"),
+    "two forces": ("time,position,force_a,force_b\n0,1,2,3\n", "found 2: force_a, force_b"),
+    "no header": ("0,1,2\n1,2,3\n", "one column 'time'"),
+    "other unit": ("time_ms,position,force\n0,1,2\n", "column 'time_ms': expected time in s"),
+    "unequal": (f"{HEAD}\n0,1,2\n1,2\n", "line 3: expected 3 values, received 2"),
+    "missing": (f"{HEAD}\n0,1,2\n1,,3\n", "line 3: expected a finite position, received ''"),
+    "text": (f"{HEAD}\n0,1,2\n1,2,x\n", "line 3: expected a finite force, received 'x'"),
+    "nan": (f"{HEAD}\n0,1,2\n1,nan,2\n", "line 3: expected a finite position, received 'nan'"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), TEXTS.values(), ids=TEXTS)
+def test_a_file_that_is_no_record_is_refused_on_the_command_line(capsys, tmp_path, text, message):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        fitting.read(path)
+    assert main(["fit", str(path), "--json"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"error: {path}: ")
+
+
+def test_a_file_that_is_not_there_is_refused(capsys, tmp_path):
+    assert main(["fit", str(tmp_path / "none.csv")]) == 2
+    assert "expected a CSV file, which cannot be read" in capsys.readouterr().err
+
+
+def test_a_fit_that_does_not_converge_says_so(file, monkeypatch):
+    def fail(*record, **options):
+        msg = "joint: the fit did not converge"
+        raise RuntimeError(msg)
+
+    monkeypatch.setattr(identify, "joint", fail)
+    with pytest.raises(ConvergenceError, match="did not converge"):
+        fitting.fit(file)
