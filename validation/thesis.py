@@ -2,11 +2,17 @@
 
 from collections.abc import Iterator
 
-from fefinger.validation import thesis_energy, thesis_lumped, thesis_tables
+from fefinger.validation import (
+    thesis_energy,
+    thesis_fit,
+    thesis_lumped,
+    thesis_pressure,
+    thesis_tables,
+)
 from fefinger.validation.case import Case
 
 
-PARTS = (thesis_tables, thesis_lumped, thesis_energy)
+PARTS = (thesis_tables, thesis_lumped, thesis_energy, thesis_pressure, thesis_fit)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
