@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.checks import InputError
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, sites
 from fefinger.records import Pad, Progress, Reference, Response, Sites
@@ -78,13 +79,21 @@ def press(
 ) -> Response:
     """Answer the scene with the elastic `contact`; `plate` is that of the same finger and a plate.
 
-    The first touch must lie on the pad (`touch`).
+    Raises
+    ------
+    InputError
+        If the indenter is placed beyond the pad.
     """
     from fefinger.theory.ting import press_by_depth, press_by_force, radius_nodes
 
     stages = Stages(progress)
     first = touch(scene)
-    assert first is not None
+    if first is None:
+        msg = (
+            f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
+            f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
+        )
+        raise InputError(msg)
     prony = scene.finger.prony
     with stages.stage("contact"):
         time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)

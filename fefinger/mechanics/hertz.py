@@ -173,8 +173,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     Raises
     ------
-    ValueError
-        If the motion cannot be followed; `refuse` tells what else it cannot do.
+    InputError
+        If the indenter is placed beyond the pad.
     """
     body = half_space(scene)
     plate = HalfSpace(scene.finger.pad_radius, body.modulus, body.poisson)

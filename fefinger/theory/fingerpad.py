@@ -6,12 +6,13 @@ t depends on the depth of the whole finger: it describes one press, not a materi
 Source: Pawluk (1997), chapter 3, Eq. 3.7 to 3.17.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.theory.curvature import relative_radius
 from fefinger.theory.relaxation import Prony, hereditary_integral
 from fefinger.theory.ting import ContactHistory, press_by_depth, radius_nodes
 
@@ -106,6 +107,23 @@ class Fingerpad:
             short = self.force(middle) < force
             low, high = np.where(short, middle, low), np.where(short, high, middle)
         return np.asarray((low + high) / 2)
+
+    def against(self, radius: float) -> "Fingerpad":
+        """Return the same pad under a sphere of a radius in mm (Eq. 3.19); hollow below 0."""
+        return replace(self, radius=relative_radius(self.radius, radius))
+
+    def on_compliant(self, deformation: ArrayLike, plane_modulus: float) -> tuple[Array, Array]:
+        """Return depth x in mm and force in mN on an elastic object of E* = `plane_modulus` kPa.
+
+        `deformation` u in mm is the pad's own share of the depth, which sets t (section 3.5 and
+        its note 1). Both bodies share one Hertz contact, so their shares are as 1 / E*, with
+        E* = 2 t(u) for the pad: x = u (1 + 2 t(u) / E*). On a rigid object x = u.
+        """
+        u = np.maximum(np.asarray(deformation, float), 0.0)
+        pad = 2 * self.stiffness(u)
+        depth = u * (1 + pad / plane_modulus)
+        together = pad / (1 + pad / plane_modulus)
+        return depth, np.asarray(4 / 3 * together * np.sqrt(self.radius) * depth**1.5)
 
     def press(self, time: ArrayLike, depth: ArrayLike, *, count: int = 256) -> ContactHistory:
         """Return the contact history for depths (n_t,) mm, right on unloading (see `ting`).

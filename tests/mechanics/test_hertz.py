@@ -8,11 +8,13 @@ import pytest
 import fefinger as ff
 from fefinger import scenes
 from fefinger.checks import InputError
-from fefinger.mechanics import _axisymmetric, hertz
+from fefinger.mechanics import _axisymmetric, hertz, linear
 from fefinger.mechanics._axisymmetric import Touch, turned
 from fefinger.records import Sites
+from fefinger.theory import ting
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.ting import radius_nodes
 
 
 FINGER = ff.Finger.subject("a.h.")
@@ -238,8 +240,11 @@ def test_a_refusal_quotes_the_number_that_broke(parts, about, reason):
 
 def test_a_place_beyond_the_pad_is_beyond_its_ability():
     tiny = replace(FINGER, pad_radius=4.0)
-    refusals = hertz.refuse(scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0))))
-    assert any("indenter.at" in refusal.reason for refusal in refusals)
+    beyond = scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0)))
+    unable = [refusal for refusal in hertz.refuse(beyond) if refusal.about == "ability"]
+    assert "indenter.at" in unable[0].reason
+    with pytest.raises(InputError, match="expected a place on the pad"):
+        hertz.respond(beyond)
 
 
 def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
@@ -279,3 +284,26 @@ def test_without_relaxation_it_is_hertz_on_the_way_back_too():
     answer = hertz.respond(scene(finger=stiff, motion=ff.Trapezoid(20, 0.5, hold=0.1)))
     want = 1e-3 * BODY.force(np.maximum(answer.depth, 0))
     assert answer.force == pytest.approx(want, abs=2e-5 * want.max())
+
+
+def test_on_homogeneous_tissue_the_finite_elements_agree_within_the_stated_error():
+    """A small ball, pressed and released: mesh, contact and time of `linear` share nothing."""
+    soft = ff.Finger.subject("a.h.", tissue="saal2017", resolution="coarse")
+    ball = scene(finger=soft, indenter=ff.Sphere(3.0), motion=ff.Trapezoid(20, 0.3, hold=0.1))
+    mine, theirs = hertz.respond(ball), linear.respond(ball)
+    stiffer = theirs.force.max() / mine.force.max() - 1
+    assert 0 < stiffer < hertz.error(ball)[0]
+    apart = np.abs(theirs.force - mine.force)
+    assert apart.max() < hertz.error(ball)[0] * theirs.force.max()
+    lost = [answer.time[answer.force > 0][-1] for answer in (mine, theirs)]
+    assert lost[0] < mine.time[-1] - 1e-3  # before the ball is back
+    assert lost[1] == pytest.approx(lost[0], abs=1e-3)
+
+
+def test_spikes_do_not_depend_on_the_number_of_contact_radii(monkeypatch):
+    asked = scenes.load("press-to-1N", {"ask.fields": False})
+    counts = []
+    for count in (64, 256):
+        monkeypatch.setattr(ting, "radius_nodes", lambda deepest, n=count: radius_nodes(deepest, n))
+        counts.append(ff.run(asked, mechanics="hertz").spikes.count().tolist())
+    assert counts[0] == counts[1]

@@ -1,0 +1,142 @@
+"""Parameters from readings of the tactile array, by the procedure of the thesis.
+
+A Hertz pressure is blurred by the elements, and a simplex search finds the parameters that leave
+the smallest squared error over the whole press. Lengths in mm, pressures and moduli in kPa.
+Source: Pawluk (1997), section 3.4.2 and appendix A.3.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.theory.curvature import series_modulus
+from fefinger.theory.sensor import blurred
+
+
+Array = NDArray[np.float64]
+
+SENSOR_MODULUS = 1000.0
+"""Modulus of the cover of the array in kPa, taken as an incompressible half-space (A.3)."""
+
+BALL = (31.0, 540.0)
+"""Radius in mm and modulus in kPa of the rubber ball of appendix A.3."""
+
+TABLE = 120  # contact radii and distances at which the blurred pressure is tabulated
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters by name, and the error as the thesis defines it (Eq. 2.5), a fraction."""
+
+    parameters: dict[str, float]
+    error: float
+
+
+class BlurredCap:
+    """The blurred sqrt(a² - r²) in mm, tabulated for contact radii a and distances r (mm)."""
+
+    def __init__(self, widest: float, farthest: float, sigma: float = 0.96) -> None:
+        from scipy.interpolate import RectBivariateSpline
+
+        radii = np.linspace(0.0, widest, TABLE)
+        distances = np.linspace(0.0, farthest, TABLE)
+        rows = [blurred(_cap(a), a, distances, sigma) for a in radii.tolist()]
+        self.widest = widest
+        self._spline = RectBivariateSpline(radii, distances, np.array(rows))
+
+    def __call__(self, radius: ArrayLike, r: ArrayLike) -> Array:
+        """Return the blurred cap for contact radii and distances, of their broadcast shape."""
+        return np.asarray(self._spline(radius, r, grid=False))
+
+
+def _cap(a: float) -> Callable[[Array], Array]:
+    return lambda s: np.sqrt(np.maximum(a**2 - s**2, 0.0))
+
+
+def fit_fingerpad(
+    depth: ArrayLike,
+    pressure: ArrayLike,
+    distance: ArrayLike,
+    *,
+    start: tuple[float, float, float] = (14.0, 3.0, 1.5),
+    sigma: float = 0.96,
+) -> Fit:
+    """Return R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm of a slow press (Eq. 3.17, 3.18).
+
+    Parameters
+    ----------
+    depth, pressure
+        (n_t, n) mm, at the time when each element was read, and kPa.
+    distance
+        (n,) mm of the elements from the center of contact.
+    start
+        First guess of R, c0 b and m.
+
+    Raises
+    ------
+    ValueError
+        If the search does not end, or shapes do not match.
+    """
+
+    def predict(radius: float, b: float, m: float, reach: Array, cap: BlurredCap) -> Array:
+        a = np.minimum(np.sqrt(radius * reach), cap.widest)
+        return 4 * b / (np.pi * radius * m) * np.expm1(m * reach) * cap(a, distance)
+
+    return _search(predict, ("radius", "c0_b", "m"), start, depth, pressure, distance, sigma)
+
+
+def fit_ball(
+    depth: ArrayLike,
+    pressure: ArrayLike,
+    distance: ArrayLike,
+    *,
+    sensor_modulus: float = SENSOR_MODULUS,
+    start: tuple[float, float] = BALL,
+    sigma: float = 0.96,
+) -> Fit:
+    """Return radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
+
+    The array is an incompressible half-space of `sensor_modulus`, as in the thesis; a 2 mm cover
+    on a rigid plane is in truth much stiffer. Arguments and errors as `fit_fingerpad`.
+    """
+
+    def predict(radius: float, modulus: float, reach: Array, cap: BlurredCap) -> Array:
+        plane = series_modulus((modulus, 0.5), (sensor_modulus, 0.5))
+        a = np.minimum(np.sqrt(radius * reach), cap.widest)
+        return 2 * plane / (np.pi * radius) * cap(a, distance)
+
+    return _search(predict, ("radius", "modulus"), start, depth, pressure, distance, sigma)
+
+
+def _search(
+    predict: Callable[..., Array],
+    names: tuple[str, ...],
+    start: tuple[float, ...],
+    depth: ArrayLike,
+    pressure: ArrayLike,
+    distance: ArrayLike,
+    sigma: float,
+) -> Fit:
+    from scipy.optimize import minimize
+
+    depth, pressure = np.asarray(depth, float), np.asarray(pressure, float)
+    if pressure.shape != depth.shape or depth.shape[1:] != np.shape(distance):
+        msg = f"depth: expected the shape of the pressure {pressure.shape}, received {depth.shape}"
+        raise ValueError(msg)
+    reach = np.maximum(depth, 0.0)
+    widest = float(np.sqrt(4 * start[0] * reach.max()))
+    cap = BlurredCap(widest, float(np.max(np.asarray(distance))), sigma)
+
+    def squares(logarithms: Array) -> float:
+        return float(np.sum((predict(*np.exp(logarithms), reach, cap) - pressure) ** 2))
+
+    options = {"xatol": 1e-7, "fatol": 1e-10, "maxiter": 4000, "maxfev": 4000}
+    found = minimize(squares, np.log(start), method="Nelder-Mead", options=options)
+    values = np.exp(found.x)
+    if not found.success or values[0] * reach.max() > widest**2:
+        msg = f"fit: the search ended at {values.tolist()} without a minimum; give a nearer start"
+        raise ValueError(msg)
+    spread = float(np.sum((pressure - pressure.mean()) ** 2))
+    return Fit(dict(zip(names, values.tolist(), strict=True)), float(found.fun) / spread)

@@ -1,0 +1,284 @@
+"""The tactile array: blur, skew, noise, isobars, profiles, deconvolution, and the fits from it."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+from scipy.signal import butter, lfilter
+
+from fefinger import library
+from fefinger.theory.curvature import at_depth, series_modulus
+from fefinger.theory.fingerpad import Fingerpad
+from fefinger.theory.hertz import Hertz
+from fefinger.theory.sensor import (
+    ArraySensor,
+    blurred,
+    centroid,
+    isobar,
+    radial_profile,
+    sharpen,
+    two_pole,
+)
+from fefinger.theory.sensor_fit import BlurredCap, fit_ball, fit_fingerpad
+
+
+SENSOR = ArraySensor()
+PLANE = series_modulus((570.0, 0.5), (1000.0, 0.5))
+BALL = Hertz(32.6, 0.59, PLANE, 0.0)  # the fitted ball on the compliant array
+DISTANCE = np.hypot(*SENSOR.positions.T)
+
+
+def grid(step, half=8.0):
+    line = np.arange(-half + step / 2, half, step)
+    points = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    return points, np.full(len(points), step**2), np.hypot(*points.T)
+
+
+# Elements
+
+
+def test_elements_are_where_the_thesis_has_them():
+    assert SENSOR.positions.shape == (64, 2)
+    assert np.unique(SENSOR.positions).tolist() == [-7, -5, -3, -1, 1, 3, 5, 7]
+    assert SENSOR.delays[-1] == pytest.approx(4.9e-3, abs=0.03e-3)  # "about 5 ms"
+
+
+def test_coupling_between_elements_is_one_gaussian_told_in_two_ways():
+    """Chapter 3: "less than 11 %"; appendix A: under 8 % and 1 % of the signal (A5-9)."""
+    weights = SENSOR.weights(SENSOR.positions[27:28], np.array([1.0]))[:, 0].reshape(8, 8)
+    near = weights[2:5, 2:5] / weights[3, 3]
+    assert near[1, 0] == pytest.approx(0.1142, abs=5e-5)
+    share = near / near.sum()
+    assert share[1] == pytest.approx([0.0756, 0.662, 0.0756], abs=1e-3)
+    assert share[0, 0] == pytest.approx(0.0086, abs=5e-5)
+
+
+def test_an_even_pressure_is_read_as_it_is_and_blur_conserves_the_force():
+    points, areas, r = grid(0.5, half=12.0)
+    felt = SENSOR.weights(points, areas) @ np.full(len(points), 7.0)
+    assert felt == pytest.approx(7.0, rel=1e-6)
+    x, weight = np.polynomial.legendre.leggauss(60)
+    around = 6.0 * (x + 1)
+    ring = 2 * np.pi * around * blurred(BALL.pressure, BALL.contact_radius, around)
+    assert 6.0 * weight @ ring == pytest.approx(BALL.force, rel=1e-6)
+    felt = SENSOR.weights(points, areas) @ BALL.pressure(r)
+    alias = 2 * np.exp(-2 * np.pi**2 * (SENSOR.sigma / SENSOR.pitch) ** 2)
+    assert felt.sum() * SENSOR.pitch**2 == pytest.approx(BALL.force, rel=alias)
+    assert alias < 0.025
+
+
+def test_the_radial_convolution_equals_the_plane_one():
+    points, areas, r = grid(0.05)
+    plane = SENSOR.weights(points, areas) @ BALL.pressure(r)
+    assert blurred(BALL.pressure, BALL.contact_radius, DISTANCE) == pytest.approx(plane, abs=3e-3)
+
+
+def test_without_blur_the_pressure_is_what_it_was():
+    r = np.array([0.0, 1.0, 3.0])
+    sharp = blurred(lambda s: 5.0 - 0.1 * s**2, 7.0, r, sigma=0.2)
+    assert sharp == pytest.approx(5.0 - 0.1 * (r**2 + 2 * 0.2**2), abs=1e-9)
+
+
+# The rubber ball
+
+
+LONG, SHORT = (0.05, 5e-4, 0.05, 5e-3), (0.5, 5e-3, 0.5, 5e-3)  # half of the last digit printed
+
+
+@pytest.mark.parametrize(
+    ("radius", "modulus", "sensor", "wanted", "digits"),
+    [
+        (31.0, 540.0, 1000.0, (467.5, 1.573, 41.1, 4.28), LONG),
+        (32.6, 570.0, 1000.0, (484.1, 1.670, 41.5, 4.39), LONG),
+        (31.0, 540.0, np.inf, (720.0, 2.42, 63.0, 4.28), SHORT),
+        (32.6, 570.0, np.inf, (760.0, 2.62, 65.0, 4.39), SHORT),
+    ],
+)
+def test_ball_under_half_spaces_is_that_of_the_reference(radius, modulus, sensor, wanted, digits):
+    plane = series_modulus((modulus, 0.5), (sensor, 0.5))
+    contact = at_depth(0.59, radius, plane)
+    got = (plane, contact.force / 1e3, contact.peak_pressure, contact.radius)
+    assert (np.abs(np.subtract(got, wanted)) <= digits).all()
+    assert contact.force / 1e3 != pytest.approx(1.8, rel=0.05)  # what the thesis measured
+
+
+def test_blurred_profile_of_the_ball_has_the_tails_of_the_reference():
+    wanted = [39.4, 38.1, 34.0, 25.7, 13.8, 4.1, 0.57]
+    got = blurred(BALL.pressure, BALL.contact_radius, np.arange(7.0))
+    assert got == pytest.approx(wanted, abs=0.06)
+    assert BALL.pressure(5.0) == 0
+    assert got[0] == pytest.approx(39.36, abs=5e-3)
+
+
+# Scan and noise
+
+
+def test_each_element_reads_the_pressure_of_its_own_moment():
+    points, areas, _ = grid(1.0, half=12.0)
+    time = np.linspace(0.0, 0.1, 21)
+    ramp = np.outer(30.0 * time, np.ones(len(points)))
+    reading = SENSOR.read(time, points, areas, ramp)
+    assert reading.pressure == pytest.approx(30.0 * reading.time, abs=1e-5)
+    assert reading.time[1] - reading.time[0] == pytest.approx(1 / 200)
+    assert reading.time.max() <= 0.1 < reading.time.max() + 1 / 200
+    within = np.diff(reading.time[0])
+    assert within == pytest.approx(1 / 12800)
+
+
+def test_noise_is_seeded_and_as_large_as_told():
+    points, areas, _ = grid(1.0)
+    time, still = np.array([0.0, 1.0]), np.zeros((2, len(points)))
+    first, same, other = (SENSOR.read(time, points, areas, still, seed=s) for s in (1, 1, 2))
+    assert (first.pressure == same.pressure).all()
+    assert (first.pressure != other.pressure).any()
+    assert first.pressure.std() == pytest.approx(0.5, rel=0.02)  # 12 736 readings
+    assert SENSOR.read(time, points, areas, still).pressure.any() == False  # noqa: E712
+    on_one = 0.5 * SENSOR.pitch**2 / 9.80665  # gram weight: the thesis says 1.2
+    assert on_one == pytest.approx(0.20, abs=5e-3)
+
+
+# Descriptors
+
+
+def test_centroid_finds_the_center_of_a_cap():
+    place = np.array([0.7, -1.3])
+    points, areas, _ = grid(0.25)
+    pressure = BALL.pressure(np.hypot(*(points - place).T))
+    felt = SENSOR.weights(points, areas) @ pressure
+    assert centroid(SENSOR.positions, felt) == pytest.approx(place, abs=0.02)
+    assert centroid(points, pressure * areas) == pytest.approx(place, abs=1e-3)
+    assert np.isnan(centroid(SENSOR.positions, np.zeros(64))).all()
+
+
+def test_isobars_of_a_cone_are_circles_and_close():
+    fine = ArraySensor(elements=80, pitch=0.2)
+    heights = 20 - 2 * np.hypot(*fine.positions.T)
+    line = isobar(fine.positions, fine.triangles, heights, 8.0)
+    assert np.hypot(*line.reshape(-1, 2).T) == pytest.approx(6.0, abs=2e-3)
+    length = np.linalg.norm(line[:, 1] - line[:, 0], axis=1).sum()
+    assert length == pytest.approx(12 * np.pi, rel=1e-3)
+    ends = np.round(line.reshape(-1, 2), 9)
+    _, count = np.unique(ends, axis=0, return_counts=True)
+    assert (count % 2 == 0).all()
+    assert isobar(fine.positions, fine.triangles, heights, 99.0).shape == (0, 2, 2)
+
+
+def test_profiles_keep_the_proximal_half_apart():
+    heights = np.where(SENSOR.positions[:, 0] < 0, 2.0, 1.0) * DISTANCE
+    distance, mean = radial_profile(SENSOR.positions, heights, np.arange(-10, 11, 2.0))
+    seen = np.isfinite(mean)
+    assert mean[seen] == pytest.approx(np.where(distance < 0, -2.0, 1.0)[seen] * distance[seen])
+    assert seen.sum() == 10
+    _, empty = radial_profile(SENSOR.positions, heights, [20.0, 21.0])
+    assert np.isnan(empty).all()
+
+
+def test_sharpening_takes_out_the_tails_as_far_as_the_noise_allows():
+    points, areas, r = grid(0.25)
+    clean = SENSOR.weights(points, areas) @ BALL.pressure(r)
+    noisy = clean + np.random.default_rng(4).normal(0, 0.5, 64)
+    found = sharpen(SENSOR, noisy)
+    assert found.residual == pytest.approx(0.5, rel=1e-3)
+    truth = BALL.pressure(np.hypot(*found.points.T))
+    line = np.unique(SENSOR.positions)
+    table = RegularGridInterpolator((line, line), noisy.reshape(8, 8), bounds_error=False)
+    within = np.abs(found.points).max(axis=1) < 7
+    as_read = table(found.points[within][:, ::-1])
+    error = np.sqrt(np.mean((found.pressure[within] - truth[within]) ** 2))
+    assert error < 0.75 * np.sqrt(np.mean((as_read - truth[within]) ** 2))
+    quiet = sharpen(ArraySensor(noise=0.05), clean)
+    better = np.sqrt(np.mean((quiet.pressure[within] - truth[within]) ** 2))
+    assert better < error
+    assert found.pressure @ found.areas == pytest.approx(BALL.force, rel=0.02)
+
+
+# Fits by the procedure of the thesis
+
+
+def press(pressure_at, depth_rate=0.2, deepest=2.3, seed=7):
+    """Return the depth at each reading of a slow press and the reading, one frame in 40."""
+    points, areas, r = grid(0.5)
+    time = np.linspace(0, deepest / depth_rate, 200)
+    reading = SENSOR.read(time, points, areas, pressure_at(r, depth_rate * time), seed=seed)
+    return depth_rate * reading.time[::40], reading.pressure[::40]
+
+
+ROW = Fingerpad(14.0, 1.9, 1.9, library.pawluk_relaxation()["a.h."])
+
+
+@pytest.fixture(scope="module")
+def slow():
+    return press(lambda r, depth: ROW.relaxed_pressure(r, depth[:, None]))
+
+
+def test_the_tabulated_cap_is_the_convolution():
+    cap = BlurredCap(8.0, 10.0)
+    r = np.array([0.0, 1.3, 4.9])
+    want = blurred(lambda s: np.sqrt(5.1**2 - s**2), 5.1, r)
+    assert cap(np.full(3, 5.1), r) == pytest.approx(want, abs=2e-4)
+
+
+def test_the_fit_returns_the_row_of_the_table_that_made_the_readings(slow):
+    found = fit_fingerpad(*slow, DISTANCE)
+    wanted = {"radius": 14.0, "c0_b": 1.9, "m": 1.9}
+    assert found.parameters == pytest.approx(wanted, rel=0.015)  # noise and a kinked time grid
+    assert found.error == pytest.approx(0.5**2 / slow[1].var(), rel=0.05)  # the noise alone
+
+
+@pytest.mark.parametrize("offset", [0.08, -0.08])
+def test_a_touch_found_80_um_off_moves_b_by_a_quarter_and_hides_in_the_error(slow, offset):
+    depth, pressure = slow
+    right = fit_fingerpad(depth, pressure, DISTANCE)
+    found = fit_fingerpad(depth + offset, pressure, DISTANCE)
+    assert found.error < right.error + 2e-4
+    change = found.parameters["c0_b"] / right.parameters["c0_b"] - 1
+    assert 0.2 < -np.sign(offset) * change < 0.3
+    moved = found.parameters["radius"] / right.parameters["radius"] - 1
+    assert 0.025 < -np.sign(offset) * moved < 0.05
+    assert abs(found.parameters["m"] / right.parameters["m"] - 1) < 0.025
+
+
+def test_the_fit_of_a_ball_returns_the_ball():
+    def pressure(r, depth):
+        inside = np.maximum(32.6 * depth[:, None] - r**2, 0)
+        return 2 * PLANE / (np.pi * 32.6) * np.sqrt(inside)
+
+    found = fit_ball(*press(pressure, deepest=0.7, seed=8), DISTANCE)
+    assert found.parameters == pytest.approx({"radius": 32.6, "modulus": 570.0}, rel=0.02)
+
+
+# The force filter
+
+
+def test_the_filter_is_a_butterworth_of_second_order():
+    rate = 2e6
+    time = np.arange(20001) / rate
+    signal = np.sin(2 * np.pi * 700 * time) + 0.3 * np.sin(2 * np.pi * 2500 * time)
+    b, a = butter(2, 1000, fs=rate)
+    want = lfilter(b, a, signal)
+    assert two_pole(time, signal) == pytest.approx(want, abs=1e-3)
+
+
+def test_the_filter_rests_on_a_constant_and_is_exact_for_any_step():
+    time = np.array([0.0, 1e-4, 3e-3, 0.5])
+    assert two_pole(time, np.full(4, 3.0)) == pytest.approx(3.0)
+    ramp = two_pole(time, time)
+    fine = np.unique(np.concatenate([time, np.linspace(0, 0.5, 3001)]))
+    assert ramp == pytest.approx(two_pole(fine, fine)[np.searchsorted(fine, time)], abs=1e-12)
+    assert ramp[-1] == pytest.approx(0.5 - np.sqrt(2) / (2 * np.pi * 1000))  # the delay of a ramp
+
+
+BAD = [
+    (lambda: ArraySensor(pitch=0.0), "sizes above 0"),
+    (lambda: SENSOR.weights([[0.0, 0.0]], [4.0]), "sides up to 1.44 mm"),
+    (lambda: SENSOR.weights([0.0, 0.0], [1.0]), "areas"),
+    (lambda: SENSOR.read([0, 1e-3], [[0, 0]], [1.0], np.zeros((2, 1))), "at least one frame"),
+    (lambda: SENSOR.read([0, 0], [[0, 0]], [1.0], np.zeros((2, 1))), "2 rising times"),
+    (lambda: sharpen(ArraySensor(noise=0.0), np.zeros(64)), "noise above 0"),
+    (lambda: fit_ball(np.ones((2, 3)), np.ones((2, 4)), np.ones(4)), "shape of the pressure"),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), BAD)
+def test_what_cannot_be_used_gets_a_sentence(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
