@@ -180,7 +180,6 @@ def _ratios() -> Iterator[Case]:
                     0.006 if reading == "relaxed" else 0.06,
                     "1",
                     "REFERENCE A5-6: Eq. 2.1 over Eq. 3.16",
-                    printed=1.0,
                     erratum=(
                         "Both chapters describe one finger, so this should be 1. The printed b of "
                         "Table 3.2 is 3 to 8 times too soft; read as c0 b, which is what the text "
