@@ -33,7 +33,7 @@ def figures() -> Iterator[tuple[str, Any]]:
         )
         yield (
             "Figure 3-3. Isobars 4 kPa apart at 0.54, 1.1 and 2.3 N. The model's are circles; the "
-            "measured ones are longer toward the wrist.",
+            "measured ones are not, from proximal to distal.",
             _isobars(),
         )
         yield (
