@@ -1,6 +1,7 @@
 """The fingertip: its size, its tissues and how it relaxes."""
 
 from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
 from typing import Any, Self
 
 from fefinger import library
@@ -31,6 +32,9 @@ class Finger:
         its subjects. The transverse radius follows from width and thickness.
     subject_name
         The subject of the thesis whose values these are, or None.
+    surface
+        File with the outer skin of the distal phalanx in mm (STL, PLY, OBJ; x distal, z dorsal), or
+        None for the parametric shape. Width and thickness then scale the bone inside.
     tissue
         Name of the set in the library that `skin` and `subcutaneous` are taken from by default.
     prony
@@ -54,6 +58,7 @@ class Finger:
     _: KW_ONLY
     pad_radius: float = _FROM_LIBRARY
     subject_name: str | None = None
+    surface: str | None = None
     tissue: str = "maeno1998"
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
@@ -78,6 +83,9 @@ class Finger:
         choice("finger.bone", self.bone, BONES)
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, RESOLUTIONS)
+        if self.surface is not None and not Path(self.surface).is_file():
+            msg = f"finger.surface: expected a file with a surface, found none at {self.surface!r}"
+            raise InputError(msg)
         self._check_layers()
 
     def _default(self, name: str, value: Any) -> None:

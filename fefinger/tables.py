@@ -54,7 +54,7 @@ def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
     found: dict[str, Any] = {
-        "finger": _finger(sub["finger"]),
+        "finger": _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"]),
         "motion": _motion(sub["motion"], folder),
         "ask": _record(Ask, "ask", sub["ask"]),
@@ -83,11 +83,13 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
     return dict(value)
 
 
-def _finger(table: dict[str, Any]) -> Finger:
+def _finger(table: dict[str, Any], folder: Path) -> Finger:
     names = [field.name for field in fields(Finger) if field.name != "subject_name"]
     reject_unknown("finger", table, (SUBJECT, *names))
     prony = _prony(table)
     subject = table.pop(SUBJECT, None)
+    if isinstance(table.get("surface"), str):
+        table["surface"] = str(folder / table["surface"])
     known = library.tissue_set(table.get("tissue", "maeno1998"))
     for layer in ("skin", "subcutaneous"):
         if layer in table:

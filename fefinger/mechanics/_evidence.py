@@ -7,13 +7,16 @@ from typing import Any
 from fefinger.data import report
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.scene import Scene
+from fefinger.scene import Ellipsoid, Flat, Indenter, Scene, Sphere
 
 
 LINEAR_STRAIN = 0.5
 """Depth over half the thickness of the finger, beyond which small strain is refused for accuracy.
 A convention of the field's rule of thumb (mean compression of a quarter), until finite strain
 measures it."""
+
+LINEAR_RADIUS = 2.0
+"""Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
 
 LINEAR_REPORT = "linear-mesh.json"
 
@@ -37,6 +40,28 @@ def linear_seconds(scene: Scene) -> float:
 
 
 def linear_error(scene: Scene) -> tuple[float, str]:
-    """Return the measured error of the force against the extrapolated mesh, and its source."""
-    row = linear()[scene.finger.resolution]
-    return float(row["force_error"]), f"reports/{LINEAR_REPORT} (mesh only, not the model)"
+    """Return the measured error of the force against the extrapolated mesh, and its source.
+
+    The error is that of the measured press next to the scene's: by angle for a plate, by the
+    smallest radius for a round indenter.
+    """
+    errors: dict[str, float | None] = linear()[scene.finger.resolution]["force_error"]
+    indenter = scene.indenter
+    if isinstance(indenter, Flat):
+        angles = {press: float(press[5:]) for press in errors if press.startswith("flat-")}
+        press = min(angles, key=lambda press: abs(angles[press] - indenter.angle))
+    else:
+        press = "sphere-5" if smallest_radius(indenter) >= 5 else "sphere-2"
+    error = errors[press]
+    source = f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
+    return float("inf") if error is None else error, source
+
+
+def smallest_radius(indenter: Indenter) -> float:
+    """Return the smallest radius of curvature in mm at the foremost point of a round indenter."""
+    if isinstance(indenter, Sphere):
+        return indenter.radius
+    if isinstance(indenter, Ellipsoid):
+        a, b, c = indenter.radii
+        return min(a, b) ** 2 / c
+    return float("inf")

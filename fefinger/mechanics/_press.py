@@ -109,9 +109,17 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
     if not depth_control:
         value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
     deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
-    reach = REACH * deepest
+    reach, known = REACH * deepest, 0
     for _ in range(ATTEMPTS):
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
+        if len(candidates.vertices) == known:
+            message = (
+                f"indenter: expected contact inside its outline, but it reaches the rim, beyond "
+                f"which the indenter turns away, with {known} vertices of the pad under it; press "
+                "less, or take a larger indenter or a finer mesh (finger.resolution)"
+            )
+            raise InputError(message)
+        known = len(candidates.vertices)
         with stages.stage("unit loads") as report:
             reduced = reduce(finger, candidates, probe, report)
         prony = scene.finger.prony

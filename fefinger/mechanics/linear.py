@@ -24,14 +24,16 @@ NOTES = (
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    if scene.motion.control == "force":
-        return ()
-    strain = scene.motion.peak / (scene.finger.thickness / 2)
-    limit = _evidence.LINEAR_STRAIN
-    if strain <= limit:
-        return ()
-    reason = f"depth / half thickness = {strain:.2g} > {limit:g}: small strain no longer holds"
-    return (Refusal(name, "accuracy", reason),)
+    found = []
+    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
+    if radius < least:
+        reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
+        found.append(Refusal(name, "accuracy", reason))
+    strain, limit = scene.motion.peak / (scene.finger.thickness / 2), _evidence.LINEAR_STRAIN
+    if scene.motion.control == "depth" and strain > limit:
+        reason = f"depth / half thickness = {strain:.2g} > {limit:g}: small strain no longer holds"
+        found.append(Refusal(name, "accuracy", reason))
+    return tuple(found)
 
 
 def cost(scene: Scene) -> float:

@@ -82,9 +82,9 @@ def _attempt(
     """Return one half mesh, measured but not judged."""
     inputs = shape.triangles(settings.facet)
     points, cells = tetrahedra(inputs, sizes(shape, settings), settings)
-    say(f"{len(cells)} cells; fitting the boundaries")
     tolerance = 1.6 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
     points, cells, region = _inside(shape, points, cells, tolerance)
+    say(f"{len(cells)} cells; fitting the boundaries")
     facets = topology.facet_sets(
         points, cells, region, cut=shape.cut, tolerance=tolerance, level=shape.skin.level
     )

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from fefinger.checks import ConvergenceError
 from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.record import BONE, REGIONS, FingerMesh, edges, volumes
+from fefinger.mesh.topology import parts
 
 
 Array = NDArray[np.float64]
@@ -77,6 +78,7 @@ def measure(
         "n_pad_vertices": len(pad),
         "soft_vertices": vertices,
         "taylor_hood_unknowns": 3 * (vertices + lines) + vertices,
+        "parts": {name: parts(cells[mesh.region == k]) for name, k in REGIONS.items()},
         "min_volume": float(volume.min()),
         "min_dihedral_deg": float(smallest.min()),
         "dihedral_1pct_deg": float(np.percentile(smallest, 1.0)),
@@ -104,6 +106,9 @@ def gate(quality: dict[str, Any]) -> None:
     if not quality["min_dihedral_deg"] >= MIN_DIHEDRAL:
         angle = quality["min_dihedral_deg"]
         faults.append(f"a dihedral angle of {angle:.2f} degrees, wanted {MIN_DIHEDRAL:g} or more")
+    for name, count in quality["parts"].items():
+        if count != 1:
+            faults.append(f"{name} in {count} parts, wanted one")
     for name, error in quality["volume_errors"].items():
         if not abs(error) <= VOLUME_ERROR:
             faults.append(

@@ -44,14 +44,13 @@ class Recipe:
     @classmethod
     def of(cls, finger: Any) -> "Recipe":
         """Return the recipe of a scene's finger (any record with the same fields)."""
-        surface = getattr(finger, "surface", None)
         return cls(
             finger.width,
             finger.thickness,
             pad_radius=finger.pad_radius,
             skin_thickness=finger.skin.thickness,
             resolution=finger.resolution,
-            surface=None if surface is None else str(surface),
+            surface=finger.surface,
         )
 
     def to_dict(self) -> dict[str, Any]:

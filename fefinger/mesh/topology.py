@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from fefinger.mesh.record import BONE, faces
 
@@ -30,6 +32,17 @@ def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, In
     other = np.where(count[inverse] == 2, total[inverse] - owner, 0)
     keep = (other == 0) | (owner < other)
     return all_faces[keep], owner[keep], other[keep]
+
+
+def parts(cells: Index) -> int:
+    """Return in how many parts the cells fall that hang together by faces."""
+    if not len(cells):
+        return 0
+    every = np.sort(faces(cells).reshape(-1, 3), axis=1)
+    _, face = np.unique(every, axis=0, return_inverse=True)
+    owner = np.repeat(np.arange(len(cells)), 4)
+    links = coo_array((np.ones(len(owner)), (owner, face.ravel())))
+    return int(connected_components(links @ links.T, directed=False)[0])
 
 
 def facet_sets(

@@ -84,7 +84,7 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     Raises
     ------
     ValueError
-        Times that decrease, values that are not finite, or shapes that do not match.
+        Arrays of two shapes or with values that are not finite, or times that decrease.
 
     Notes
     -----

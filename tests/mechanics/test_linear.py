@@ -11,7 +11,7 @@ from fefinger.checks import InputError
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
-from fefinger.mechanics import _placing, _press, _timeline, linear
+from fefinger.mechanics import _evidence, _placing, _press, _timeline, linear
 from fefinger.mesh.ready import ready
 from fefinger.motion import Motion
 from fefinger.records import Response
@@ -143,6 +143,35 @@ def test_what_is_not_asked_is_none() -> None:
     bare = linear.respond(scene(ask=asked))
     for absent in ("pad", "pressure", "contact_area", "centroid", "sites", "strain", "fields"):
         assert getattr(bare, absent) is None
+
+
+def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
+    for resolution, row in _evidence.linear().items():
+        mesh = ready(replace(FINGER, resolution=resolution), half=True)
+        assert row["mesh"]["mesh_sha256"] == mesh.fingerprint
+    motion = ff.RampHold(speed=60, depth=1.5, hold=5)
+    pressed = linear.respond(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
+    stated = _evidence.linear()["coarse"]["peak_force_N"]["flat-30"]
+    assert pressed.force.max() == pytest.approx(stated, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"indenter": ff.Sphere(radius=1)}, "radius = 1 mm < 2 mm"),
+        ({"motion": ff.Ramp(60, 2.6)}, "depth / half thickness = 0.52 > 0.5"),
+    ],
+)
+def test_accuracy_is_refused_with_the_number_that_broke(parts: dict, words: str) -> None:
+    (refusal,) = linear.refuse(scene(**parts))
+    assert refusal.about == "accuracy"
+    assert words in refusal.reason
+
+
+def test_an_indenter_that_the_mesh_does_not_resolve_is_never_answered_silently() -> None:
+    tiny = scene(indenter=ff.Sphere(radius=1), motion=ff.Ramp(60, 1.0))
+    with pytest.raises(InputError, match="a larger indenter or a finer mesh"):
+        linear.respond(tiny)
 
 
 @pytest.fixture(params=["ramp", "hold", "sinusoid"])

@@ -110,6 +110,7 @@ DOUBTS = [
         {"finger": ff.Finger.subject("a.h.", prony=ff.Prony((0.4, 0.6), (10.0,)))},
         "finger.prony: changed, but the law is that of subject a.h.",
     ),
+    ({"finger": ff.Finger.subject("a.h.", surface=__file__)}, "finger.surface: changed"),
     ({"motion": ff.Ramp(60, 2.4)}, "relaxed force at 2.4 mm = 3.3 > 3 N"),
     ({"motion": ff.ForceRampHold(5, 4, hold=1)}, "force = 4 > 3 N, the largest"),
 ]

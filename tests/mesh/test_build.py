@@ -60,6 +60,10 @@ def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
         points[cell[0]] = points[cell[1:]].mean(axis=0) * 0.999 + points[cell[0]] * 0.001
     if fault == "bone lost":
         return replace(mesh, region=np.where(mesh.region == 3, 2, mesh.region).astype(np.int8))
+    if fault == "stray":
+        region = mesh.region.copy()
+        region[np.argmin(points[mesh.cells].mean(axis=1)[:, 2])] = 2
+        return replace(mesh, region=region)
     if fault == "stretched":
         points *= [1.0, 1.1, 1.0]
     return replace(mesh, points=points)
@@ -71,6 +75,7 @@ def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
         ("inverted", "inverted or flat"),
         ("flat", "dihedral angle of .* wanted 8 or more"),
         ("bone lost", "bone volume -100.0% off"),
+        ("stray", "subcutaneous in 2 parts, wanted one"),
         ("stretched", "pad radius across the finger"),
     ],
 )
