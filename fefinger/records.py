@@ -122,8 +122,9 @@ class Response:
     """What a mechanics answers; what the scene did not ask for is None.
 
     time (n_t,) s; depth (n_t,) mm; force (n_t,) N on the whole finger along the indenter's
-    normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact;
-    pressure (n_t, n_pad) kPa; strain (n_t, n_sites, 3, 3), positive in tension.
+    normal; contact_area (n_t,) mm², that of the pad's vertices in contact; centroid (n_t, 2) mm in
+    x and y, nan out of contact; pressure (n_t, n_pad) kPa; strain (n_t, n_sites, 3, 3), positive
+    in tension.
     `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
     the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
     sizes of the problem; `sources` what it was computed from, such as the mesh and its hash.

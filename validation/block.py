@@ -97,6 +97,11 @@ class Block:
         """The contact force of the whole block in mN."""
         return 4 * float(self.patch.travel @ self.pressure)
 
+    @property
+    def area(self) -> float:
+        """The contact area of the whole block in mm²: that of the hats in contact."""
+        return 4 * float(self.patch.areas[self.pressure > 0].sum())
+
     def top(self) -> NDArray[np.int64]:
         """Triangles (n, 3) of the face z = 0."""
         facets = np.asarray(self.space.scalar.mesh.facets.T, dtype=np.int64)

@@ -5,8 +5,9 @@ proof.
 """
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
+import numpy as np
 from fefinger.validation.block import Block
 from fefinger.validation.case import Case
 
@@ -36,33 +37,31 @@ def peak_error(poisson: float, cells: int) -> float:
     return 100 * float(pressed.pressure.max() / pressed.hertz.peak_pressure - 1)
 
 
+def area_error(poisson: float, cells: int) -> float:
+    """Return the relative error of the contact area in %."""
+    pressed = block(poisson, cells)
+    return 100 * (pressed.area / (np.pi * pressed.hertz.contact_radius**2) - 1)
+
+
+MEASURES = {"force": force_error, "peak pressure": peak_error, "contact area": area_error}
+
+LIMITS = {
+    COARSE: {"force": 3.0, "peak pressure": 20.0, "contact area": 15.0},
+    QUICK: {"force": 1.0, "peak pressure": 6.0, "contact area": 12.0},
+    FINE: {"force": 0.3, "peak pressure": 3.0, "contact area": 8.0},
+}
+"""Largest errors in %. The area is that of whole hats, so it is good to a fraction of a cell."""
+
+SOURCE = (
+    "Hertz 1881: P = 4/3 E* sqrt(R) depth^1.5, p0 = 2 E* / pi sqrt(depth / R), area = pi R depth"
+)
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
-    """Yield force and peak pressure for every Poisson ratio; finer meshes when not quick."""
-    source = (
-        "Hertz 1881 (REFERENCE B1): P = 4/3 E* sqrt(R) depth^1.5, p0 = 2 E* / pi sqrt(depth / R)"
-    )
-    levels = (QUICK,) if quick else (COARSE, QUICK, FINE)
-    ratios = (0.3, 0.49) if quick else RATIOS
-    limits = {COARSE: (3.0, 20.0), QUICK: (1.0, 6.0), FINE: (0.3, 3.0)}
-    for nu in ratios:
-        for cells in levels:
-            force, peak = limits[cells]
-            where = f"nu {nu:g}, a / h = {cells}"
-            yield Case(
-                "hertz",
-                f"force error, {where}",
-                lambda n=nu, c=cells: force_error(n, c),
-                0.0,
-                force,
-                "%",
-                source,
-            )
-            yield Case(
-                "hertz",
-                f"peak pressure error, {where}",
-                lambda n=nu, c=cells: peak_error(n, c),
-                0.0,
-                peak,
-                "%",
-                source,
-            )
+    """Yield force, peak pressure and area for every Poisson ratio; finer meshes when not quick."""
+    for nu in (0.3, 0.49) if quick else RATIOS:
+        for cells in (QUICK,) if quick else LIMITS:
+            for quantity, error in MEASURES.items():
+                name = f"{quantity} error, nu {nu:g}, a / h = {cells}"
+                limit = LIMITS[cells][quantity]
+                yield Case("hertz", name, partial(error, nu, cells), 0.0, limit, "%", SOURCE)

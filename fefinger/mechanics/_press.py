@@ -17,6 +17,7 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
+from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
@@ -279,9 +280,5 @@ def _pad(finger: Body, contact: _Contact) -> tuple[Pad, NDArray[np.int64]]:
 
 
 def _notes(scene: Scene) -> tuple[str, ...]:
-    total = sum(scene.finger.prony.c)
     cut = "held" if scene.finger.cut == "fixed" else "free"
-    notes: tuple[str, ...] = (f"The proximal cut of the tissue is {cut}.",)
-    if abs(total - 1) > 1e-12:
-        notes = (*notes, f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).")
-    return notes
+    return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony))

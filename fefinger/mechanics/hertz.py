@@ -5,13 +5,13 @@
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from fefinger.indenter import ANGLES
 from fefinger.mechanics import _axisymmetric
 from fefinger.mechanics._axisymmetric import Array
+from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
@@ -47,6 +47,12 @@ NOTES = (
     "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
     "convolved with the creep function.",
     "Quasi-static: no inertia and no waves.",
+)
+
+
+ELLIPTIC = (
+    "The elliptic contact is a circular one of the equivalent radius: within 3.4 % of its depth "
+    "and 7 % of its peak pressure for relative radii up to 5 to 1."
 )
 
 
@@ -178,21 +184,22 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """
     body = half_space(scene)
     plate = HalfSpace(scene.finger.pad_radius, body.modulus, body.poisson)
-    modulus = f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
-    notes: tuple[str, ...] = (
-        *NOTES,
-        modulus + "the compliances of skin and pulp averaged by thickness.",
+    used = (
+        f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
+        "the compliances of skin and pulp averaged by thickness."
     )
+    notes = (*NOTES, used, *normalized(scene.finger.prony))
     if isinstance(scene.indenter, Ellipsoid):
-        notes = (*notes, "The elliptic contact is a circular one of the equivalent radius.")
+        notes = (*notes, ELLIPTIC)
     numbers = {
         "relative_radius_mm": body.relative_radius,
         "modulus_kPa": body.modulus,
         "poisson": body.poisson,
         "contact_radius_over_thickness": _thinness(scene),
     }
-    kept: dict[str, Any] = {"mechanics": name, "notes": notes, "numbers": numbers}
-    return _axisymmetric.press(scene, body, plate, progress, **kept)
+    return _axisymmetric.press(
+        scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
+    )
 
 
 def _deepest(scene: Scene) -> float:

@@ -182,6 +182,7 @@ def test_the_object_touches_where_it_is_put_and_the_same_pad_answers():
     assert middle.centroid[-1] == pytest.approx([0.0, 0.0])
     round_one = hertz.respond(scene(indenter=ff.Ellipsoid((5.0, 5.0, 5.0))))
     assert round_one.force == pytest.approx(middle.force)
+    assert hertz.ELLIPTIC in round_one.notes
     plate = hertz.respond(scene(indenter=ff.Sphere(1e9)))
     assert plate.force == pytest.approx(hertz.respond(scene()).force)
     assert middle.force[-1] < 0.6 * plate.force[-1]
@@ -271,6 +272,7 @@ def test_named_it_runs_to_the_spikes_and_records_what_it_would_have_refused():
     assert result.plan.overridden
     assert result.spikes.count().min() >= 1
     assert any("39.24 kPa" in note for note in result.notes)
+    assert any("weights sum to 0.99" in note for note in result.notes)
 
 
 def test_what_is_not_asked_is_none():
