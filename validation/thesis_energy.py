@@ -1,6 +1,7 @@
 """Chapter 2 of Pawluk (1997): energy and impedance of the lumped finger."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case
@@ -12,6 +13,7 @@ from fefinger.validation.thesis_lumped import (
     vibrated,
 )
 
+from fefinger.theory.ergonomics import tap
 from fefinger.theory.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.theory.relaxation import hereditary_integral
 
@@ -42,6 +44,7 @@ MAGNITUDES = {
 }
 """|Z| in N s/m by preload in N: frequency in Hz, right and by Eq. 2.12 (REFERENCE A5-4)."""
 
+TAPS = ((1, 41), (10, 44), (50, 46), (100, 45), (300, 33))  # mm/s, %
 RELAXED = 16.0  # s, after which the slowest exponential is below 1e-4
 SLOPES = ((30, 200, -17.5, 0.06), (1, 10, -17, 0.5), (200, 1e3, -19.9, 0.06))
 """Slope of |G| in dB per decade: from and to Hz, its value, its tolerance (REFERENCE A5-4)."""
@@ -76,10 +79,27 @@ def magnitude(preload: float, frequency: float) -> float:
     return 1e3 * float(np.abs(impedance(spring, prony, frequency, preload)))
 
 
+def tapped(speed: float) -> float:
+    """Return the dissipated share in % of a tap to 2 mm at a speed in mm/s, a.h."""
+    spring, prony = finger("a.h.")
+    return 100 * tap(spring, prony, depth=2.0, speed=speed).fraction
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the energy and the impedance of chapter 2."""
     yield from _energy()
     yield from _impedance()
+    for speed, expected in TAPS:
+        yield Case(
+            "thesis",
+            f"A5-9: dissipated in a tap to 2 mm at {speed} mm/s, a.h.",
+            partial(tapped, speed),
+            expected,
+            0.6,
+            "%",
+            "REFERENCE A5-9; measured taps dissipate 81 % (Jindrich et al. 2003)",
+            reason=DIGITS,
+        )
 
 
 def _energy() -> Iterator[Case]:
