@@ -256,9 +256,11 @@ def validate(suites: tuple[str, ...], quick: bool, output: str | None, as_json: 
         record = every.as_json(every.run(suites, quick=quick, progress=report or _silent))
     if folder is not None:
         from fefinger import validation_report
+        from fefinger.validation.provenance import provenance
 
         pictures = every.figures([suite["suite"] for suite in record["suites"]])
-        validation_report.save(record, folder, pictures)
+        words = ["fefinger validate", *suites, *(["--quick"] if quick else [])]
+        validation_report.save(record, folder, pictures, provenance(" ".join(words)))
     if as_json:
         console.print_json(record)
     else:

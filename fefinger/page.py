@@ -1,6 +1,7 @@
 """Self-contained HTML pages: a template and the style sheet of `templates/`, pictures inside."""
 
 import base64
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from typing import Any
 
@@ -27,6 +28,15 @@ def svg(drawn: Any) -> str:
 def png(data: bytes) -> str:
     """Return the bytes of a PNG file as the source of a picture in a page."""
     return "data:image/png;base64," + _base64(data)
+
+
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Give the entries of nested tables as (dotted name, text)."""
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", str(value)
 
 
 def _base64(data: bytes) -> str:

@@ -41,7 +41,7 @@ def write(result: Result, path: str | PathLike[str]) -> None:
         stages=page.svg(figures.stages(result)),
         notes=[*result.notes, *STANDING],
         folder="out",
-        provenance=list(_flat(result.provenance)),
+        provenance=list(page.flat(result.provenance)),
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")
@@ -200,15 +200,6 @@ def _units(result: Result) -> Iterator[dict[str, str]]:
             "block": f"{spikes.block_seconds[unit]:.3g}",
             "peak": f"{spikes.peak_mV[unit]:.3g}",
         }
-
-
-def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Give the entries of nested tables as (dotted name, text)."""
-    for name, value in table.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", str(value)
 
 
 def _time(seconds: float) -> str:

@@ -6,10 +6,7 @@ elsewhere) and what failed, case by case.
 
 import json
 import math
-import platform
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +19,17 @@ Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
 
-def save(record: dict[str, Any], folder: Path, figures: Figures) -> None:
+def save(
+    record: dict[str, Any], folder: Path, figures: Figures, provenance: Mapping[str, Any]
+) -> None:
     """Write `validation.json` and `validation.html` into a folder that exists.
 
-    `record` is what `validation.suites.as_json` returns.
+    `record` is what `validation.suites.as_json` returns; `provenance` maps names to texts or to
+    tables of texts.
     """
     texts = {
-        "validation.html": html(record, figures),
-        "validation.json": json.dumps(record, indent=1) + "\n",
+        "validation.html": html(record, figures, provenance),
+        "validation.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
     }
     for name, text in texts.items():
         new = folder / f".{name}.new"
@@ -37,7 +37,7 @@ def save(record: dict[str, Any], folder: Path, figures: Figures) -> None:
         new.replace(folder / name)
 
 
-def html(record: dict[str, Any], figures: Figures) -> str:
+def html(record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any]) -> str:
     """Return the page on `record`, with the figures of its suites."""
     suites = [_suite(suite, figures.get(suite["suite"], ())) for suite in record["suites"]]
     total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
@@ -47,7 +47,7 @@ def html(record: dict[str, Any], figures: Figures) -> str:
         verdicts=VERDICTS,
         total=total,
         suites=suites,
-        provenance=list(_provenance()),
+        provenance=list(page.flat(provenance)),
     )
 
 
@@ -97,10 +97,3 @@ def _number(value: float, tolerance: float) -> str:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(tolerance))
     return f"{value:.6g}" if digits > 6 else f"{value:.{max(digits, 0)}f}"
-
-
-def _provenance() -> Iterator[tuple[str, str]]:
-    yield "date", datetime.now(UTC).isoformat(timespec="seconds")
-    yield "machine", f"{platform.machine()}, Python {platform.python_version()}"
-    for name in ("fefinger", "numpy", "scipy", "scikit-fem"):
-        yield name, version(name)

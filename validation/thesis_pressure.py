@@ -73,8 +73,10 @@ PEAKS = (0.196, 0.333, 0.459, 0.655, 0.995)
 RADII = (1.0, 0.768, 0.654, 0.547, 0.444)
 
 
-UNLOADED = ((0.0, 0.08), (2.0, -0.02), (3.7, -0.75), (4.0, -0.69), (4.5, -0.40))
-"""Distance mm and pressure kPa by Eq. 3.13 after a partial retraction (REFERENCE A6-11)."""
+UNLOADED = {3.7: -0.75, 4.0: -0.69, 4.5: -0.40}
+"""Pressure kPa by Eq. 3.13 after a partial retraction, by distance mm (REFERENCE A6-11)."""
+
+PLACES = (0.0, 2.0, *UNLOADED)  # mm from the center
 
 
 @cache
@@ -133,14 +135,14 @@ def stiffness_line(subject: str) -> tuple[float, float]:
 
 @cache
 def retracted() -> tuple[Array, Array]:
-    """Return the pressures kPa at UNLOADED after 2 mm at 10 mm/s and back to 1 mm, means.
+    """Return the pressures kPa at PLACES after 2 mm at 10 mm/s and back to 1 mm, means.
 
     First by Eq. 3.13 as printed, then right; b as printed.
     """
     means = pad("means", "instantaneous")
     depth = np.concatenate([np.linspace(0.0, 2.0, 401), np.linspace(2.0, 1.0, 201)[1:]])
     time = np.arange(len(depth)) * 5e-4
-    r = np.array([place for place, _ in UNLOADED])
+    r = np.array(PLACES)
     history = means.press(time, depth)
     right = history.stress(means.pressure(r, history.nodes[:, None]))
     return means.pressure_as_printed(time, depth, r)[-1], right[-1]
@@ -296,11 +298,11 @@ def _goodwin() -> Iterator[Case]:
 
 
 def _unloading() -> Iterator[Case]:
-    for index, (r, expected) in enumerate(UNLOADED):
+    for r, expected in UNLOADED.items():
         yield Case(
             "thesis",
             f"A6-11: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
-            lambda i=index: float(retracted()[0][i]),
+            lambda r=r: float(retracted()[0][PLACES.index(r)]),
             expected,
             0.005,
             "kPa",
