@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
+    from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Progress, Response, Result
     from fefinger.scene import Scene
@@ -48,10 +49,14 @@ def run(
     if isinstance(scene, str | Path):
         scene = scenes.load(scene)
     plan = choose(scene, mechanics)
-    response = get(plan.mechanics).respond(scene, progress)
+    chosen = get(plan.mechanics)
+    response = chosen.respond(scene, progress)
     stages = Stages(progress)
     with stages.stage("neural"):
         spikes = fire(scene, response) if scene.ask.spikes else None
+    if spikes is not None:
+        with stages.stage("mesh check"):
+            spikes = _checked(spikes, chosen, scene)
     return Result(
         scene=scene,
         plan=plan,
@@ -85,6 +90,28 @@ def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
         generator=scene.ask.generator,
         positions=sites.points,
     )
+
+
+def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "SpikeTrains":
+    """Return the spikes with a note on whether their counts survive a coarser mesh."""
+    from dataclasses import replace
+
+    from fefinger.checks import InputError
+    from fefinger.neural.afferents import count_changes
+
+    coarser = chosen.coarser(scene)
+    if coarser is None:
+        return spikes
+    asked = replace(coarser, ask=replace(coarser.ask, fields=False, pressure=False))
+    mesh = f"the mesh is {coarser.finger.resolution}"
+    try:
+        again = fire(asked, chosen.respond(asked))
+    except InputError as error:
+        notes: tuple[str, ...] = (f"Spike counts were not checked when {mesh}: {error}",)
+    else:
+        changes = count_changes(spikes.names, spikes, again, mesh)
+        notes = changes or (f"All spike counts are the same when {mesh}.",)
+    return replace(spikes, notes=spikes.notes + notes)
 
 
 def _status(response: "Response", spikes: "SpikeTrains | None") -> str:

@@ -1,7 +1,7 @@
 """Interchangeable ways from a Scene to a Response, one file each, cheapest first.
 
-Each is a module with `name`, `refuse(scene)`, `cost(scene)`, `error(scene)` and
-`respond(scene, progress)`; see `Mechanics`.
+Each is a module with `name`, `refuse(scene)`, `cost(scene)`, `error(scene)`, `coarser(scene)`
+and `respond(scene, progress)`; see `Mechanics`.
 """
 
 from importlib import import_module
@@ -28,6 +28,9 @@ class Mechanics(Protocol):
 
     def error(self, scene: Scene) -> tuple[float, str]:
         """Return the expected relative error and the report that measured it."""
+
+    def coarser(self, scene: Scene) -> Scene | None:
+        """Return the scene on a coarser mesh, to see what depends on it; None if there is none."""
 
     def respond(self, scene: Scene, progress: Progress | None = None) -> Response:
         """Answer the scene."""

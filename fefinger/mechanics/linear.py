@@ -46,6 +46,19 @@ def error(scene: Scene) -> tuple[float, str]:
     return _evidence.linear_error(scene)
 
 
+def coarser(scene: Scene) -> Scene | None:
+    """Return the scene on the next coarser mesh, if that is at hand."""
+    from dataclasses import replace
+
+    from fefinger.mesh.ready import at_hand
+
+    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.resolution)
+    if below is None:
+        return None
+    finger = replace(scene.finger, resolution=below)
+    return replace(scene, finger=finger) if at_hand(finger) else None
+
+
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with finite elements.
 

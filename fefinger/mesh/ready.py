@@ -25,6 +25,12 @@ def ready(finger: Any, *, half: bool, progress: Callable[[str], None] | None = N
     return mesh if half else whole(mesh)
 
 
+def at_hand(finger: Any) -> bool:
+    """Return whether the mesh for a scene's finger is shipped or cached, and need not be built."""
+    recipe = Recipe.of(finger)
+    return shipped_path(recipe) is not None or cached_path(recipe).is_file()
+
+
 def shipped_path(recipe: Recipe) -> Path | None:
     """Return the file of the shipped mesh of a recipe, or None."""
     for sidecar in sorted(data_folder().glob("*.json")):

@@ -125,6 +125,16 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     assert min(counts[0]) >= 1
 
 
+def test_a_result_says_whether_the_spikes_survive_a_coarser_mesh() -> None:
+    standard = replace(FINGER, resolution="standard")
+    motion = ff.RampHold(speed=60, depth=1.0, hold=0.2)
+    asked = replace(ASK, pressure=False, spikes=("SAI", "FAI"))
+    checked = ff.run(scene(finger=standard, motion=motion, ask=asked), mechanics="linear")
+    assert any("when the mesh is coarse" in note for note in checked.notes)
+    unchecked = ff.run(scene(motion=motion, ask=asked), mechanics="linear")
+    assert not any("when the mesh is" in note for note in unchecked.notes)
+
+
 BAD = [
     ({"motion": ff.Ramp(60, 4.9)}, "tissue over the bone"),
     ({"indenter": ff.Sphere(radius=5, at=(12.0, 0.0))}, "expected a place"),
