@@ -31,6 +31,7 @@ TERMS = 3
 FASTEST = 300.0  # 1/s, where the search for the rates starts
 LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
 APART = 2.0  # ratio of successive rates below which they cannot be told apart
+STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
 CUT = SMOOTHING // 2 + 1  # samples before the hold into which smoothing carries it
 
 
@@ -39,10 +40,11 @@ class Identification:
     """What a fit found.
 
     `uncertainty` holds one standard deviation of b (N/mm), m (1/mm), x0 (mm), c0, c1, ... and v1,
-    ... (1/s), from the Jacobian and the scatter about the fit: it knows nothing of bias. `mse` is
-    that of Eq. 2.5 over ramp and hold, as a fraction; `vaf_stiffness` and `vaf_hold` the variance
-    accounted for of the stiffness against the force (None where it was not fitted) and of the
-    hold. `warnings` are sentences.
+    ... (1/s), from the Jacobian and the scatter about the fit, for white noise: it knows nothing of
+    bias, and a pulse of the blood pressure in the hold moves the rates by more than it says. `mse`
+    is that of Eq. 2.5 over ramp and hold, as a fraction; `vaf_stiffness` and `vaf_hold` the
+    variance accounted for of the stiffness against the force (None where it was not fitted) and of
+    the hold. `warnings` are sentences.
     """
 
     spring: Spring
@@ -154,7 +156,7 @@ def _line(record: RampHold) -> tuple[float, float, tuple[float, float], float]:
     """Return m, b, their standard deviations and the variance accounted for (Eq. 2.4)."""
     t, x, f, _ = averages(record)
     if record.hold - record.touch <= RAMP_POINTS:  # few samples: smooth them as the thesis does
-        part = slice(record.touch, record.hold - CUT)
+        part = _steady(record)
         x, f = (smooth(values)[part] for values in (record.position, record.force))
     else:
         part = (t >= record.time[record.touch]) & (t < record.time[record.hold - CUT])
@@ -171,6 +173,14 @@ def _line(record: RampHold) -> tuple[float, float, tuple[float, float], float]:
     rest = k - design @ (m, b)
     deviation = np.sqrt(np.diag(np.linalg.inv(design.T @ design)) * (rest @ rest) / (len(k) - 2))
     return float(m), float(b), (float(deviation[0]), float(deviation[1])), accounted(k, k - rest)
+
+
+def _steady(record: RampHold) -> slice:
+    """Return the part of the ramp in contact between the corners, where the speed is steady."""
+    part = slice(record.touch, record.hold - CUT)
+    speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
+    fast = np.flatnonzero(speed >= STEADY * np.median(speed))
+    return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)
 
 
 def _touch(record: RampHold, m: float, b: float) -> tuple[float, float]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger import library
-from fefinger.theory import identify, ramphold, synthetic
+from fefinger.theory import identify, lumped, ramphold, synthetic
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -106,6 +106,21 @@ def test_a_slow_ramp_of_many_samples_is_averaged_and_still_fits():
         expected = truth()[key]
         assert found.parameters[key] == pytest.approx(expected, abs=4 * found.uncertainty[key])
     assert identify.thesis(*trial(seed=0, speed=2.0, hold=4.0)).spring.b > 0
+
+
+def test_a_ramp_that_starts_and_stops_gently_is_identified_as_well():
+    """10 ms corners, from rest at touch: the thesis's line takes the steady part alone."""
+    spring, prony = AH
+    time = np.arange(0, 5.1, 1e-4)
+    speed = 60.0 * np.clip(np.minimum(time - 0.03, 0.07 - time) / 0.01, 0, 1)
+    position = spring.x0 + np.append(0.0, np.cumsum(speed[1:] + speed[:-1]) / 2 * 1e-4)
+    rng = np.random.default_rng(0)
+    force = lumped.force(spring, prony, time, position) + rng.normal(0, 3e-3, len(time))
+    data = time, position + rng.normal(0, 3e-3, len(time)), force
+    biased, cured = identify.thesis(*data), identify.joint(*data)
+    assert 0.6 < biased.spring.b / spring.b < 0.9
+    for key, value in truth().items():
+        assert abs(cured.parameters[key] - value) < 3.5 * cured.uncertainty[key], key
 
 
 def test_what_follows_the_hold_is_left_out():
