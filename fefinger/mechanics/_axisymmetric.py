@@ -4,7 +4,7 @@ The finger is a body with one G whose pad is a sphere; its contact grows in circ
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from fefinger.scene import Flat, Scene
 from fefinger.stages import Stages
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
+
+if TYPE_CHECKING:
+    from fefinger.theory.ting import ContactHistory
 
 Array = NDArray[np.float64]
 
@@ -84,8 +87,6 @@ def press(
     InputError
         If the indenter is placed beyond the pad.
     """
-    from fefinger.theory.ting import press_by_depth, press_by_force, radius_nodes
-
     stages = Stages(progress)
     first = touch(scene)
     if first is None:
@@ -94,55 +95,70 @@ def press(
             f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
         )
         raise InputError(msg)
-    prony = scene.finger.prony
     with stages.stage("contact"):
-        time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-        value = scene.motion.value(time)
-        if scene.motion.control == "depth":
-            nodes = radius_nodes(float(value.max()))
-            history = press_by_depth(prony, time, value, nodes)
-        else:
-            force = value / NEWTON_PER_MILLINEWTON
-            nodes = radius_nodes(contact.depth(float(force.max())) * (1 + 1e-9))
-            instantaneous = contact.force(nodes) / prony.long_time
-            history = press_by_force(prony, time, force, nodes, lambda depth: instantaneous)
-        force = history.stress(contact.force(nodes)) / prony.long_time * NEWTON_PER_MILLINEWTON
-    pad = pressure = None
+        history = _march(scene, contact)
+        force = history.stress(contact.force(history.nodes)) / scene.finger.prony.long_time
+    pad = pressure = area = middle = None
     if scene.ask.pressure:
         with stages.stage("pressure"):
-            last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
-            reach = float(contact.radius(nodes[last : last + 1])[0])
-            pad, cells = _pad(first, reach, scene.finger.pad_radius)
-            load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
-            rings = history.stress(load / cells.areas) / prony.long_time
-            pressure = rings[:, cells.ring]
+            pad, pressure = _pressure(scene, contact, first, history)
+            area = np.pi * contact.radius(history.edge) ** 2
+            middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
     organs = reference = strain = None
     if scene.ask.strain or scene.ask.spikes:
         with stages.stage("strain"):
             organs = sites(scene, first.origin, first.axis)
             r, z, frames = _cylinder(first, organs)
-            strain = turned(history.strain(contact.strain(nodes, r, z)), frames)
+            strain = turned(history.strain(contact.strain(history.nodes, r, z)), frames)
             reference = _reference(scene, plate)
-    area = np.pi * contact.radius(history.edge) ** 2
-    middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
+    radii, steps = len(history.nodes), len(history.time)
     return Response(
         mechanics=mechanics,
-        time=time,
+        time=history.time,
         depth=history.depth,
-        force=force,
-        contact_area=area if scene.ask.pressure else None,
-        centroid=middle if scene.ask.pressure else None,
+        force=force * NEWTON_PER_MILLINEWTON,
+        contact_area=area,
+        centroid=middle,
         pad=pad,
         pressure=pressure,
         sites=organs,
         strain=strain,
         reference=reference,
         fields=None,
-        status=f"Solved: closed forms at {len(nodes)} contact radii, {len(time)} time steps.",
+        status=f"Solved: the elastic contact at {radii} contact radii, {steps} time steps.",
         seconds=stages.seconds,
         notes=notes,
         numbers=numbers,
     )
+
+
+def _march(scene: Scene, contact: Contact) -> "ContactHistory":
+    """Follow the motion of the scene, by depth or by force."""
+    from fefinger.theory.ting import press_by_depth, press_by_force, radius_nodes
+
+    prony = scene.finger.prony
+    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    value = scene.motion.value(time)
+    if scene.motion.control == "depth":
+        return press_by_depth(prony, time, value, radius_nodes(float(value.max())))
+    force = value / NEWTON_PER_MILLINEWTON
+    nodes = radius_nodes(contact.depth(float(force.max())) * (1 + 1e-9))
+    return press_by_force(
+        prony, time, force, nodes, lambda depth: contact.force(depth) / prony.long_time
+    )
+
+
+def _pressure(
+    scene: Scene, contact: Contact, first: Touch, history: "ContactHistory"
+) -> tuple[Pad, Array]:
+    """Return the pad out to the widest contact and the pressure (n_t, n_pad) in kPa on it."""
+    nodes = history.nodes
+    last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
+    reach = float(contact.radius(nodes[last : last + 1])[0])
+    pad, cells = _pad(first, reach, scene.finger.pad_radius)
+    load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
+    rings = history.stress(load / cells.areas) / scene.finger.prony.long_time
+    return pad, rings[:, cells.ring]
 
 
 def turned(components: Array, frames: Array) -> Array:

@@ -11,10 +11,11 @@ import numpy as np
 from fefinger.indenter import ANGLES
 from fefinger.mechanics import _axisymmetric
 from fefinger.mechanics._axisymmetric import Array
+from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
-from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
+from fefinger.scene import Ellipsoid, Finger, Flat, Scene
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
@@ -119,15 +120,6 @@ def tissue(finger: Finger) -> tuple[float, float]:
     return modulus, part * skin.poisson + (1 - part) * rest.poisson
 
 
-def object_radius(scene: Scene) -> float:
-    """Return the radius of the object in mm where it touches, that of the rounder side; or inf."""
-    indenter = scene.indenter
-    if isinstance(indenter, Ellipsoid):
-        across, along, height = indenter.radii
-        return min(across**2, along**2) / height
-    return indenter.radius if isinstance(indenter, Sphere) else float("inf")
-
-
 def half_space(scene: Scene) -> HalfSpace:
     """Return the half-space that stands for the finger under the object of the scene."""
     from fefinger.theory.curvature import equivalent_radius, relative_radius
@@ -137,7 +129,7 @@ def half_space(scene: Scene) -> HalfSpace:
         height = indenter.radii[2]
         sides = [relative_radius(pad, radius**2 / height) for radius in indenter.radii[:2]]
         return HalfSpace(equivalent_radius(*sides), *tissue(scene.finger))
-    return HalfSpace(relative_radius(pad, object_radius(scene)), *tissue(scene.finger))
+    return HalfSpace(relative_radius(pad, smallest_radius(indenter)), *tissue(scene.finger))
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
@@ -227,7 +219,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
         doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
-    steep = _widest(scene) / object_radius(scene)
+    steep = _widest(scene) / smallest_radius(scene.indenter)
     if steep > STEEP:
         doubts.append(
             f"contact radius / radius of the object = {steep:.2g} > {STEEP:g}: it is no paraboloid"
@@ -236,17 +228,20 @@ def _doubts_of_size(scene: Scene) -> list[str]:
 
 
 def _doubts_of_place(scene: Scene) -> list[str]:
+    doubts = []
+    if scene.finger.surface is not None:
+        radius = f"{scene.finger.pad_radius:g} mm"
+        doubts.append(f"finger.surface: the scan is left out; pad_radius = {radius} stands for it")
     indenter = scene.indenter
     if isinstance(indenter, Flat):
-        doubts = []
         if not FITTED[0] <= indenter.angle <= FITTED[1]:
             reason = f"angle = {indenter.angle:g} degrees, of {ANGLES[0]:g} to {ANGLES[1]:g}, is "
             doubts.append(f"{reason}outside {FITTED[0]:g} to {FITTED[1]:g}, where R was fitted")
         if indenter.tilt:
             doubts.append(f"tilt = {indenter.tilt:g} > 0 degrees: R is that of the middle")
         return doubts
-    at = getattr(indenter, "at", None) or (0.0, 0.0)
-    away = float(np.hypot(*at))
+    away = float(np.hypot(*(getattr(indenter, "at", None) or (0.0, 0.0))))
     if away > NEAR:
-        return [f"distance of indenter.at from the middle = {away:.2g} > {NEAR:g} mm: R is unknown"]
-    return []
+        reason = f"distance of indenter.at from the middle = {away:.2g} > {NEAR:g} mm"
+        doubts.append(f"{reason}: R is that of the middle")
+    return doubts

@@ -239,6 +239,13 @@ def test_a_refusal_quotes_the_number_that_broke(parts, about, reason):
     assert any(refusal.about == about and reason in refusal.reason for refusal in refusals)
 
 
+def test_a_scan_is_refused_because_one_radius_stands_for_it(tmp_path):
+    file = tmp_path / "scan.stl"
+    file.touch()
+    refusals = hertz.refuse(scene(finger=replace(FINGER, surface=str(file))))
+    assert any("finger.surface" in refusal.reason for refusal in refusals)
+
+
 def test_a_place_beyond_the_pad_is_beyond_its_ability():
     tiny = replace(FINGER, pad_radius=4.0)
     beyond = scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0)))
@@ -260,7 +267,7 @@ def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
     light = scene(finger=soft, indenter=ff.Sphere(1.0), motion=ff.Ramp(1, 0.05, corner=0))
     assert hertz.error(light)[0] == pytest.approx(1.127 * np.sqrt(0.05 * 14 / 15) / 5, rel=0.06)
     assert ff.explain(light).mechanics == "hertz"
-    deeper = replace(light, motion=ff.Ramp(1, 0.5, corner=0))
+    deeper = replace(light, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0))
     assert ff.explain(deeper).mechanics == "linear"
     with pytest.raises(InputError, match="no mesh"):
         ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")

@@ -126,7 +126,7 @@ def test_modulus_at_the_peak_of_the_fast_ramps(reading):
 
 
 def test_stiffness_against_force_is_nearly_straight_with_another_slope_than_m():
-    """The claim that the distributed model keeps the form of the lumped one (A5-6)."""
+    """The claim that the distributed model keeps the form of the lumped one."""
     for name, slope in (("a.h.", 2.75), ("means", 2.5)):
         finger = pad(name)
         depth = np.linspace(0.05, float(finger.depth_at(3000)), 4000)

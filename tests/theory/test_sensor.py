@@ -43,7 +43,7 @@ def test_elements_are_where_the_thesis_has_them():
 
 
 def test_coupling_between_elements_is_one_gaussian_told_in_two_ways():
-    """Chapter 3: "less than 11 %"; appendix A: under 8 % and 1 % of the signal (A5-9)."""
+    """Chapter 3: "less than 11 %"; appendix A: under 8 % and 1 % of the signal."""
     weights = SENSOR.weights(SENSOR.positions[27:28], np.array([1.0]))[:, 0].reshape(8, 8)
     near = weights[2:5, 2:5] / weights[3, 3]
     assert near[1, 0] == pytest.approx(0.1142, abs=5e-5)
@@ -282,3 +282,16 @@ BAD = [
 def test_what_cannot_be_used_gets_a_sentence(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_the_blur_makes_the_semi_ellipse_of_hertz_look_like_a_parabola():
+    """The thesis calls its profiles parabolic; in Hertz it is the square of p that is."""
+    r = np.linspace(0, 0.95 * BALL.contact_radius, 60)
+    sharp, soft = BALL.pressure(r), blurred(BALL.pressure, BALL.contact_radius, r)
+
+    def misfit(profile, power):
+        line = np.polynomial.Polynomial.fit(r**2, profile**power, 1)
+        return np.std(np.maximum(line(r**2), 0) ** (1 / power) - profile) / profile.max()
+
+    assert misfit(sharp, 2) < 1e-9 < 0.02 < misfit(sharp, 1)
+    assert misfit(soft, 1) < 0.5 * misfit(soft, 2)

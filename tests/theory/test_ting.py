@@ -61,7 +61,7 @@ def disc(r, b):
 
 
 def bonded(x):
-    """Hankel compliance of an incompressible layer bonded to a rigid base (B6 of the reference)."""
+    """Hankel compliance of an incompressible layer bonded to a rigid base."""
     return (2 * np.sinh(2 * x) - 4 * x) / (2 * np.cosh(2 * x) + 4 * x**2 + 2)
 
 
@@ -239,7 +239,7 @@ def test_depth_control_of_the_depth_under_force_returns_the_force():
     ids=["t31", "t21"],
 )
 def test_the_contact_radius_creeps_as_the_reference_says(prony, ratios):
-    """REFERENCE B5, printed to three decimals."""
+    """Independent values to three decimals, of the Prony inversion and J^(1/3)."""
     asked = [0, 5e-3, 0.05, 0.5, 5.0, 200.0]
     time = np.unique(np.concatenate([asked, np.geomspace(1e-5, 200, 2000)]))
     nodes = radius_nodes(2.0, 500)
