@@ -9,6 +9,7 @@ from fefinger.validation import (
     thesis_figures,
     thesis_fit,
     thesis_lumped,
+    thesis_nerve,
     thesis_pressure,
     thesis_sensor,
     thesis_tables,
@@ -18,7 +19,7 @@ from fefinger.validation.case import Case
 
 PARTS = (
     *(thesis_tables, thesis_lumped, thesis_fit, thesis_energy, thesis_pressure),
-    thesis_sensor,
+    *(thesis_sensor, thesis_nerve),
 )
 
 
