@@ -58,7 +58,8 @@ HEAVY = (
 LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.console", "fefinger.scenes", "fefinger.scene"),
     *("fefinger.records", "fefinger.plan", "fefinger.run", "fefinger.mechanics.linear"),
-    *("fefinger.mechanics.lumped", "fefinger.mechanics.hertz"),
+    "fefinger.mechanics.hertz",
+    "fefinger.mechanics.lumped",
 )
 """Modules that load none of HEAVY, so that `fefinger --help` and `explain` are quick.
 

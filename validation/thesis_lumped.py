@@ -173,10 +173,10 @@ def _forces() -> Iterator[Case]:
             "REFERENCE A5-1: recomputed with steps of 0.1 ms",
             printed=printed,
             erratum=(
-                "Printed means are 2 to 7 % below and peak to peak 9 to 13 % above what the "
+                "Printed means are 2 to 6 % below, peak to peak 10 to 13 % above what the "
                 "printed parameters give. A convolution by rectangles with steps of 4 ms, the "
-                "fast time constant, gives 0.894 and 20.9 N peak to peak, so a coarse step is "
-                "likely; two-digit parameters allow the means."
+                "fast time constant, gives 0.894 and 20.9 N peak to peak: a "
+                "plausible cause, not a proven one. The means are within what two digits allow."
                 if printed is not None
                 else ""
             ),

@@ -166,6 +166,10 @@ def error(scene: Scene) -> tuple[float, str]:
     return stiffer / (1 + stiffer) + spread, source
 
 
+def coarser(scene: Scene) -> None:
+    """Return None: there is no mesh that the answer could depend on."""
+
+
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with the fields of Hertz and Huber.
 

@@ -68,6 +68,11 @@ def error(scene: Scene) -> tuple[float, str]:
     return NUMERICAL, EVIDENCE
 
 
+def coarser(scene: Scene) -> Scene | None:
+    """Return None: there is no mesh."""
+    return None
+
+
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with Eq. 2.3, or under force control with its inverse."""
     stages = Stages(progress)

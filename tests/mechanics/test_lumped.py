@@ -150,6 +150,14 @@ def test_the_planner_asks_it_first():
     assert mechanics.get("lumped") is lumped
 
 
+@pytest.mark.parametrize("name", mechanics.names())
+def test_every_mechanics_offers_what_the_protocol_names(name):
+    wanted = [member for member in vars(mechanics.Mechanics) if not member.startswith("_")]
+    assert {"refuse", "cost", "error", "coarser", "respond"} <= set(wanted)
+    for member in wanted:
+        assert callable(getattr(mechanics.get(name), member)), member
+
+
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_the_protocols_of_the_thesis_are_answered_without_a_mesh(name):
     result = ff.run(name)
