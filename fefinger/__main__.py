@@ -278,26 +278,26 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
 @cli.command()
 @click.argument("suites", nargs=-1)
 @click.option("--quick", is_flag=True, help="Leave out what takes longer than seconds.")
-@_output("validation.json")
+@_output("validation.json and validation.html")
 @_json
 def validate(suites: tuple[str, ...], quick: bool, output: str | None, as_json: bool) -> int:
     """Compare with theory and published numbers.
 
     Runs all suites, or the SUITES named.
     """
-    import json
-
     from fefinger.files import output_folder
-    from fefinger.validation.suites import as_json as plain
-    from fefinger.validation.suites import run as measure
+    from fefinger.validation import suites as every
 
     folder = None if output is None else output_folder(output)
     with console.progress() as report:
-        record = plain(measure(suites, quick=quick, progress=report or _silent))
+        record = every.as_json(every.run(suites, quick=quick, progress=report or _silent))
     if folder is not None:
-        new = folder / ".validation.json.new"
-        new.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-        new.replace(folder / "validation.json")
+        from fefinger import validation_report
+        from fefinger.validation.provenance import provenance
+
+        pictures = every.figures([suite["suite"] for suite in record["suites"]])
+        words = ["fefinger validate", *suites, *(["--quick"] if quick else [])]
+        validation_report.save(record, folder, pictures, provenance(" ".join(words)))
     if as_json:
         console.print_json(record)
     else:

@@ -3,17 +3,15 @@
 What the scene did not ask for has no section. Pictures are inside the page.
 """
 
-import base64
 import tempfile
 from collections.abc import Iterator
-from importlib import resources
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fefinger import figures, section, view
+from fefinger import figures, page, section, view
 from fefinger.records import Result
 from fefinger.scene import Ellipsoid, Flat, Sphere
 
@@ -29,15 +27,8 @@ STANDING = (
 
 def write(result: Result, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
-    from jinja2 import Environment
-    from markupsafe import Markup
-
-    folder = resources.files("fefinger.templates")
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"percent": _percent, "number": _number}
-    page = environment.from_string((folder / "report.html").read_text("utf-8"))
     html = page.render(
-        css=Markup((folder / "report.css").read_text("utf-8")),
+        "report.html",
         scene=result.scene,
         answer=answer(result),
         touch=_touch(result),
@@ -47,10 +38,10 @@ def write(result: Result, path: str | PathLike[str]) -> None:
         units=list(_units(result)),
         plan=result.plan,
         status=result.status,
-        stages=_svg(figures.stages(result)),
+        stages=page.svg(figures.stages(result)),
         notes=[*result.notes, *STANDING],
         folder="out",
-        provenance=list(_flat(result.provenance)),
+        provenance=list(page.flat(result.provenance)),
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")
@@ -134,7 +125,7 @@ def _parts(result: Result) -> Iterator[dict[str, Any]]:
             "The contact pressure at the largest force, looking at the pad along its z axis; "
             "lines are the mesh."
         )
-        map_ = "data:image/png;base64," + _base64(figures.png(figures.pressure_map(result)))
+        map_ = page.png(figures.png(figures.pressure_map(result)))
         yield {"key": "pressure", "title": "Pressure on the pad", "text": text, "narrow": True,
                "picture": map_}  # fmt: skip
     if result.contact_area is not None or result.centroid is not None:
@@ -159,7 +150,7 @@ def _parts(result: Result) -> Iterator[dict[str, Any]]:
 
 
 def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
-    return {"key": key, "title": title, "text": text, "picture": _svg(drawn)}
+    return {"key": key, "title": title, "text": text, "picture": page.svg(drawn)}
 
 
 def _section(result: Result) -> dict[str, Any]:
@@ -173,13 +164,13 @@ def _section(result: Result) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "picture.png")
         missing = view.section_png(result, path)
-        cut = "data:image/png;base64," + _base64(path.read_bytes())
+        cut = page.png(path.read_bytes())
         if missing:
             text = f"{text} {missing}"
         else:
             for field in ("pressure", view.DEFAULT):
                 view.screenshot(result, path, field)
-                source = "data:image/png;base64," + _base64(path.read_bytes())
+                source = page.png(path.read_bytes())
                 pictures.append({"source": source, "caption": _caption(result, field)})
     title = "A section through the finger"
     return {"key": "section", "title": title, "text": text, "picture": cut, "pictures": pictures}
@@ -209,31 +200,6 @@ def _units(result: Result) -> Iterator[dict[str, str]]:
             "block": f"{spikes.block_seconds[unit]:.3g}",
             "peak": f"{spikes.peak_mV[unit]:.3g}",
         }
-
-
-def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Give the entries of nested tables as (dotted name, text)."""
-    for name, value in table.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", str(value)
-
-
-def _svg(drawn: Any) -> str:
-    return "data:image/svg+xml;base64," + _base64(figures.svg(drawn).encode())
-
-
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}"
 
 
 def _time(seconds: float) -> str:

@@ -177,11 +177,15 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
         return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
 
     monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
+    monkeypatch.setattr(suites, "figures", lambda suites: {})
     for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
         monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
         assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
         assert json.loads(capsys.readouterr().out) == outcome(verdict)
-        assert json.loads((tmp_path / "validation.json").read_text()) == outcome(verdict)
+        written = json.loads((tmp_path / "validation.json").read_text())
+        assert written["provenance"]["command"] == "fefinger validate --quick"
+        assert written["suites"] == outcome(verdict)["suites"]
+        assert f">{verdict}<" in (tmp_path / "validation.html").read_text()
         assert main(["validate", "s"]) == status
         assert verdict in capsys.readouterr().out
 

@@ -30,6 +30,10 @@ STRANGERS = {
         ("fefinger.report", "fefinger.view", "fefinger.files", "fefinger.figures"),
         ("fefinger.fem", "fefinger.mechanics"),
     ),
+    **dict.fromkeys(
+        ("fefinger.page", "fefinger.validation_report"),
+        ("fefinger.fem", "fefinger.mechanics", "fefinger.theory", "fefinger.validation"),
+    ),
     "fefinger.scene": ("fefinger.mechanics", "fefinger.fem", "fefinger.mesh", "fefinger.records"),
     "fefinger.mesh": ("fefinger.fem", "fefinger.mechanics", "fefinger.neural", "fefinger.records"),
     "fefinger.records": ("fefinger.fem", "fefinger.mechanics", "fefinger.mesh"),

@@ -13,8 +13,8 @@ class Case:
     """One comparison.
 
     measure: gives fefinger's value; expected and tolerance (absolute) in `unit`; source: the
-    equation, table, program or second method behind `expected`; printed: a published value that is
-    known to be wrong, kept beside the right one.
+    equation, table, program or second method behind `expected`; printed: a published value, kept
+    beside the right one; erratum: a sentence on why the two differ; reason: why this tolerance.
     """
 
     suite: str
@@ -25,6 +25,8 @@ class Case:
     unit: str
     source: str
     printed: float | None = None
+    erratum: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,14 @@ Run as `python -m fefinger.validation.evidence reports`; it takes about five min
 """
 
 import json
-import platform
 import resource
-import subprocess
 import sys
 import time
-from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.provenance import provenance
 
 from fefinger import scenes
 from fefinger.checks import InputError
@@ -79,13 +76,9 @@ def report(resolutions: tuple[str, ...] = ("coarse", "standard", "fine")) -> dic
             error = None if force is None else round(abs(force / limit - 1), 5)
             rows[resolution]["force_error"][press] = error
     return {
-        "command": "python -m fefinger.validation.evidence reports",
+        **provenance("python -m fefinger.validation.evidence reports"),
         "scene": "flat-press, with the presses " + json.dumps(PRESSES),
         "extrapolation": f"order {ORDER:g} in the cell length from the two finest meshes",
-        "commit": _commit(),
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": f"{platform.machine()}, one BLAS thread",
-        "versions": {name: version(name) for name in ("fefinger", "numpy", "scipy", "scikit-fem")},
         "resolutions": rows,
     }
 
@@ -112,11 +105,6 @@ def _drives(response: Response) -> list[float]:
     """Return the largest compressive strain at each site at the end."""
     assert response.strain is not None
     return [float(-np.linalg.eigvalsh(tensor)[0]) for tensor in response.strain[-1]]
-
-
-def _commit() -> str:
-    asked = ["git", "describe", "--always", "--dirty"]
-    return subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
 
 
 if __name__ == "__main__":

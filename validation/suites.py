@@ -9,13 +9,23 @@ from fefinger.validation.case import Case, Outcome
 from fefinger.checks import choice
 
 
-SUITES = ("hertz", "elements", "relaxation", "finger", "neural")
+SUITES = ("hertz", "elements", "relaxation", "finger", "neural", "thesis")
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
     module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
     return tuple(module.cases(quick=quick))
+
+
+def figures(suites: Sequence[str]) -> dict[str, list[tuple[str, Any]]]:
+    """Return the figures (caption, matplotlib Figure) of those suites that draw some."""
+    found = {}
+    for suite in suites:
+        module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
+        if hasattr(module, "figures"):
+            found[suite] = list(module.figures())
+    return found
 
 
 def run(
@@ -58,5 +68,7 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "unit": case.unit,
         "source": case.source,
         "printed": case.printed,
+        "erratum": case.erratum,
+        "reason": case.reason,
         "verdict": outcome.verdict,
     }

@@ -1,0 +1,51 @@
+"""Self-contained HTML pages: a template and the style sheet of `templates/`, pictures inside."""
+
+import base64
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from typing import Any
+
+from fefinger import figures
+
+
+def render(template: str, **values: Any) -> str:
+    """Return the page that a file of `templates/` makes of `values`, with the style sheet in it."""
+    from jinja2 import Environment
+    from markupsafe import Markup
+
+    folder = resources.files("fefinger.templates")
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"percent": _percent, "number": _number}
+    page = environment.from_string((folder / template).read_text("utf-8"))
+    return page.render(css=Markup((folder / "report.css").read_text("utf-8")), **values)
+
+
+def svg(drawn: Any) -> str:
+    """Return a Figure as the source of a picture in a page."""
+    return "data:image/svg+xml;base64," + _base64(figures.svg(drawn).encode())
+
+
+def png(data: bytes) -> str:
+    """Return the bytes of a PNG file as the source of a picture in a page."""
+    return "data:image/png;base64," + _base64(data)
+
+
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Give the entries of nested tables as (dotted name, text)."""
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", str(value)
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}"

@@ -1,0 +1,99 @@
+"""The outcome of the validation suites as files: `validation.json` and a self-contained page.
+
+The page says what passed, what is documented (fefinger is right and the print is known to be
+elsewhere) and what failed, case by case.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fefinger import page
+
+
+VERDICTS = ("pass", "documented", "fail")
+
+Figures = Mapping[str, Sequence[tuple[str, Any]]]
+"""Captions and matplotlib Figures by the name of the suite that drew them."""
+
+
+def save(
+    record: dict[str, Any], folder: Path, figures: Figures, provenance: Mapping[str, Any]
+) -> None:
+    """Write `validation.json` and `validation.html` into a folder that exists.
+
+    `record` is what `validation.suites.as_json` returns; `provenance` maps names to texts or to
+    tables of texts.
+    """
+    texts = {
+        "validation.html": html(record, figures, provenance),
+        "validation.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
+    }
+    for name, text in texts.items():
+        new = folder / f".{name}.new"
+        new.write_text(text, encoding="utf-8")
+        new.replace(folder / name)
+
+
+def html(record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any]) -> str:
+    """Return the page on `record`, with the figures of its suites."""
+    suites = [_suite(suite, figures.get(suite["suite"], ())) for suite in record["suites"]]
+    total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
+    return page.render(
+        "validation.html",
+        answer=_answer(total),
+        verdicts=VERDICTS,
+        total=total,
+        suites=suites,
+        provenance=list(page.flat(provenance)),
+    )
+
+
+def _answer(total: dict[str, int]) -> str:
+    """Return the outcome in one or two sentences."""
+    said = f"Of {sum(total.values())} comparisons {total['pass']} pass."
+    if total["documented"]:
+        said += (
+            f" In {total['documented']} more fefinger is within its tolerance and the published "
+            "number is not."
+        )
+    return f"{said} {total['fail'] or 'None'} failed."
+
+
+def _suite(suite: dict[str, Any], figures: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    cases = suite["cases"]
+    verdicts = [case["verdict"] for case in cases]
+    return {
+        "name": suite["suite"],
+        "counts": {key: verdicts.count(key) for key in VERDICTS},
+        "rows": list(_rows(cases)),
+        "figures": [{"caption": text, "source": page.svg(drawn)} for text, drawn in figures],
+    }
+
+
+def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Give one row per case; a note that holds for several in a row follows the last of them."""
+    for case, following in zip(cases, [*cases[1:], {}], strict=True):
+        limit = case["tolerance"]
+        notes = {key: case.get(key, "") for key in ("erratum", "reason")}
+        printed = case.get("printed")
+        yield {
+            "name": case["name"],
+            "value": _number(case["value"], limit),
+            "expected": _number(case["expected"], limit),
+            "tolerance": f"{limit:.2g}",
+            "printed": "" if printed is None else f"{printed:g}",
+            "unit": "" if case["unit"] == "1" else case["unit"],
+            "source": case["source"],
+            "verdict": case["verdict"],
+        } | {key: "" if following.get(key) == note else note for key, note in notes.items()}
+
+
+def _number(value: float, tolerance: float) -> str:
+    """Return a value with the digits that its tolerance can tell apart, six at most."""
+    if not math.isfinite(value) or not tolerance > 0:
+        return f"{value:.6g}"
+    digits = 1 - math.floor(math.log10(tolerance))
+    return f"{value:.6g}" if digits > 6 else f"{value:.{max(digits, 0)}f}"

@@ -1,0 +1,96 @@
+"""The page of validations says what every case found, and needs no other file."""
+
+import json
+import re
+from typing import Any
+
+import pytest
+
+from fefinger import figures, validation_report
+
+
+def case(name: str, verdict: str, **changes: Any) -> dict[str, Any]:
+    numbers = {"value": 1.234567, "expected": 1.2, "tolerance": 0.05, "printed": None}
+    words = {"unit": "N", "source": "Eq. 2.1", "erratum": "", "reason": ""}
+    return {"name": name, "verdict": verdict} | numbers | words | changes
+
+
+RECORD = {
+    "suites": [
+        {
+            "suite": "one",
+            "cases": [
+                case("first <a>", "pass"),
+                case("second", "documented", printed=1.5, erratum="The print is wrong."),
+                case("third", "documented", printed=1.6, erratum="The print is wrong."),
+            ],
+        },
+        {"suite": "two", "cases": [case("fourth", "fail", value=9.0, reason="Two digits.")]},
+    ]
+}
+MADE = {"command": "fefinger validate", "versions": {"fefinger": "1.2"}}
+
+
+def cells(html: str) -> list[list[str]]:
+    rows = re.findall(r"<tr[^>]*>(.*?)</tr>", html, flags=re.DOTALL)
+    return [re.findall(r"<td[^>]*>(.*?)</td>", row, flags=re.DOTALL) for row in rows]
+
+
+def test_counts_stand_per_suite_and_in_all():
+    html = validation_report.html(RECORD, {}, {})
+    counts = [row[1:] for row in cells(html) if len(row) == 5]
+    assert counts == [["1", "2", "0", "3"], ["0", "0", "1", "1"], ["1", "2", "1", "4"]]
+    assert "Of 4 comparisons 1 pass." in html
+    assert "In 2 more fefinger is within its tolerance" in html
+    assert "1 failed." in html
+
+
+def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
+    rows = [row for row in cells(validation_report.html(RECORD, {}, {})) if len(row) == 7]
+    assert rows[0] == ["first &lt;a&gt;", "1.235", "1.200 ± 0.05", "", "N", "Eq. 2.1", "pass"]
+    assert [row[3] for row in rows] == ["", "1.5", "1.6", ""]
+    assert [row[6] for row in rows] == ["pass", "documented", "documented", "fail"]
+
+
+def test_a_shared_erratum_is_told_once_after_the_last_it_holds_for():
+    html = validation_report.html(RECORD, {}, {})
+    assert html.count("The print is wrong.") == 1
+    assert html.index("third") < html.index("The print is wrong.") < html.index("fourth")
+    assert "Tolerance: Two digits." in html
+
+
+@pytest.mark.parametrize(
+    ("value", "tolerance", "text"),
+    [
+        (12.3456, 0.05, "12.346"),
+        (12.3456, 30, "12"),
+        (0.123456789, 1e-9, "0.123457"),
+        (3.2e-11, 1e-9, "3.2e-11"),
+        (1 / 3, 0, "0.333333"),
+        (float("nan"), 0.1, "nan"),
+    ],
+)
+def test_values_show_what_the_tolerance_can_tell_apart(value, tolerance, text):
+    record = {"suites": [{"suite": "s", "cases": [case("c", "pass", value=value)]}]}
+    record["suites"][0]["cases"][0]["tolerance"] = tolerance
+    (row,) = [row for row in cells(validation_report.html(record, {}, {})) if len(row) == 7]
+    assert row[1] == text
+
+
+def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
+    with figures.style():
+        drawn = figures.figure(3, 2)
+        drawn.subplots().plot([0, 1], [0, 1])
+    validation_report.save(RECORD, tmp_path, {"two": [("A line.", drawn)]}, MADE)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "validation.html",
+        "validation.json",
+    ]
+    written = json.loads((tmp_path / "validation.json").read_text())
+    assert written == RECORD | {"provenance": MADE}
+    html = (tmp_path / "validation.html").read_text(encoding="utf-8")
+    assert ["1.2"] in cells(html)
+    assert html.index('id="two"') < html.index("<figcaption>A line.")
+    links = re.findall(r'(?:src|href)="([^"]*)"', html)
+    assert links == ["#one", "#two", *[link for link in links if link.startswith("data:image/svg")]]
+    assert len(links) == 3
