@@ -77,7 +77,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             0.0,
             1e-9,
             "1",
-            "Eq. 2.2; DESIGN 4.2",
+            "Eq. 2.2",
         )
         yield Case(
             "relaxation",
@@ -96,7 +96,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             expected,
             6e-4,
             "1",
-            "REFERENCE A5-3: sum of ci m v / (m v + vi)",
+            "recomputed A5-3: sum of ci m v / (m v + vi)",
         )
     for source, rates in INVERSION:
         for index, expected in enumerate(rates):
@@ -107,5 +107,5 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 expected,
                 1e-4 * expected,
                 "1/s",
-                "REFERENCE B5: roots of c0 + sum ci s / (s + vi)",
+                "recomputed B5: roots of c0 + sum ci s / (s + vi)",
             )

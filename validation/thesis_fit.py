@@ -11,10 +11,10 @@ from fefinger.theory.synthetic import ramp_and_hold
 
 
 BIASED = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}
-"""b in N/mm that the thesis's procedure finds from the printed parameters (REFERENCE A5-3)."""
+"""b in N/mm that the thesis's procedure finds from the printed parameters (recomputed A5-3)."""
 
 APPARENT = {"d.p.": 0.30, "p.w.": 0.42}
-"""Least and largest c0 that it finds (REFERENCE A5-3)."""
+"""Least and largest c0 that it finds (recomputed A5-3)."""
 
 
 @cache
@@ -77,7 +77,7 @@ def _bias(subject: str) -> Iterator[Case]:
         BIASED[subject],
         6e-4,
         "N/mm",
-        "REFERENCE A5-3: protocol P2 with the printed parameters, refitted",
+        "recomputed A5-3: protocol P2 with the printed parameters, refitted",
         printed=spring.b,
         erratum=(
             "The procedure takes the ramp at 60 mm/s for the instantaneous response, but by its "
@@ -93,7 +93,7 @@ def _bias(subject: str) -> Iterator[Case]:
         1.0,
         0.015,
         "1",
-        "REFERENCE A5-3: within 1.5 %",
+        "recomputed A5-3: within 1.5 %",
         reason="the limit that the reference states",
     )
     if subject in APPARENT:
@@ -104,7 +104,7 @@ def _bias(subject: str) -> Iterator[Case]:
             APPARENT[subject],
             0.006,
             "1",
-            "REFERENCE A5-3: 0.30 to 0.42 instead of 0.22 to 0.29",
+            "recomputed A5-3: 0.30 to 0.42 instead of 0.22 to 0.29",
             printed=prony.long_time,
             erratum="What has relaxed on the ramp is missing in the hold, so c0 comes out high.",
             reason=DIGITS,

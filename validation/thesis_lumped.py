@@ -22,7 +22,7 @@ SPEEDS = (
     *((0.1, 0.294), (0.2, 0.321), (0.5, 0.367), (1, 0.403), (8, 0.538), (16, 0.596), (32, 0.661)),
     *((48, 0.703), (60, 0.727), (64, 0.735), (80, 0.760), (1000, 0.962)),
 )
-"""P / T at 2 mm of a.h. by speed in mm/s (REFERENCE A5-3)."""
+"""P / T at 2 mm of a.h. by speed in mm/s (recomputed A5-3)."""
 
 DEEP = 8.0  # mm, where the -1 of Eq. 2.1 no longer counts
 
@@ -31,12 +31,12 @@ FORCES = (
     *((1.5, "first_peak_to_peak", 0.945, None), (3.0, "mean", 11.95, 11.2)),
     *((3.0, "peak_to_peak", 19.14, 21), (3.0, "first_peak_to_peak", 22.15, None)),
 )
-"""Offset in mm, force at 16 Hz and 0.28 mm in N, recomputed, printed (REFERENCE A5-1)."""
+"""Offset in mm, force at 16 Hz and 0.28 mm in N, recomputed, printed (recomputed A5-1)."""
 
 OFFSETS = ((1.5, 0.28), (3.0, 0.28), (1.5, 0.14), (3.0, 0.14))  # with peak to peak, mm
 
 PEAKS = (2.32, 2.18, 2.14, 2.10, 2.07)
-"""Peaks in N of Figure 2-4, a.h., 1.5 mm and 0.4 mm amplitude (REFERENCE A4)."""
+"""Peaks in N of Figure 2-4, a.h., 1.5 mm and 0.4 mm amplitude (recomputed A4)."""
 
 
 def finger(subject: str) -> tuple[Spring, Prony]:
@@ -136,7 +136,7 @@ def _velocity() -> Iterator[Case]:
             expected,
             6e-4,
             "1",
-            "REFERENCE A5-3: sum of ci m v / (m v + vi)",
+            "recomputed A5-3: sum of ci m v / (m v + vi)",
             printed=printed,
             erratum=(
                 "Section 2.3 says that the force saturates above about 60 mm/s (P = T) and below "
@@ -154,7 +154,7 @@ def _velocity() -> Iterator[Case]:
             100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
             0.01,
             "%",
-            "closed form for an exponential T: sum of ci m v / (m v + vi); REFERENCE A5-3",
+            "closed form for an exponential T: sum of ci m v / (m v + vi); recomputed A5-3",
             printed=0,
             erratum="Section 2.3 takes 0.2 mm/s for the steady state; it is 15 to 44 % above.",
             reason="exp(-m x) at 8 mm, below which the -1 of Eq. 2.1 has sunk",
@@ -170,7 +170,7 @@ def _forces() -> Iterator[Case]:
             expected,
             digits(expected),
             "N",
-            "REFERENCE A5-1: recomputed with steps of 0.1 ms",
+            "recomputed A5-1: recomputed with steps of 0.1 ms",
             printed=printed,
             erratum=(
                 "Printed means are 2 to 6 % below, peak to peak 10 to 13 % above what the "
@@ -190,7 +190,7 @@ def _forces() -> Iterator[Case]:
             expected,
             tolerance,
             "1",
-            "REFERENCE A5-1",
+            "recomputed A5-1",
             printed=printed,
             erratum=erratum,
             reason=DIGITS,
@@ -231,7 +231,7 @@ def _sinusoid() -> Iterator[Case]:
             expected,
             0.006,
             "N",
-            "REFERENCE A4",
+            "recomputed A4",
             reason=DIGITS,
         )
     yield Case(
@@ -241,6 +241,6 @@ def _sinusoid() -> Iterator[Case]:
         -0.12,
         0.006,
         "N",
-        "REFERENCE A4",
+        "recomputed A4",
         reason=DIGITS,
     )

@@ -30,7 +30,7 @@ def test_equal_radii_are_hertz_and_nearly_equal_ones_nearly_so():
 
 @pytest.mark.parametrize("ratio", [1.2, 2.0, 5.0, 40.0])
 def test_the_printed_equations_hold(ratio):
-    """REFERENCE B2 in Legendre's integrals, as printed."""
+    """Recomputed B2 in Legendre's integrals, as printed."""
     c = contact(ratio)
     a, b = c.semi_axes
     m = 1 - (b / a) ** 2
@@ -44,7 +44,7 @@ def test_the_printed_equations_hold(ratio):
 
 @pytest.mark.parametrize("ratio", [1.2, 2.0, 5.0])
 def test_printed_approximations(ratio):
-    """REFERENCE B2: b/a within 1.2 %; the circle of R_e as printed, at equal force."""
+    """Recomputed B2: b/a within 1.2 %; the circle of R_e as printed, at equal force."""
     c = contact(ratio)
     assert c.axis_ratio == pytest.approx(ratio ** (-2 / 3), rel=0.012)
     circle = Hertz.under_force(8.0 * math.sqrt(ratio), c.force, modulus=34.0, poisson=0.45)

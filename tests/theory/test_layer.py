@@ -1,4 +1,4 @@
-"""The exact layer against the tables of REFERENCE B6, its limits and the published short cuts."""
+"""The exact layer against the tables of recomputed B6, its limits and the published short cuts."""
 
 import math
 
@@ -94,7 +94,7 @@ def test_printed_sphere_on_a_layer(poisson, base, wide, printed):
     [(0.2, 0.5, 1.281), (1.0, 0.5, 3.619), (0.2, 0.3, 1.207), (1.0, 0.3, 2.484)],
 )
 def test_hayes_factor_of_a_flat_punch(wide, poisson, kappa):
-    """P = 2 E a w kappa / (1 - nu²), Hayes et al. 1972 as REFERENCE B6 has it."""
+    """P = 2 E a w kappa / (1 - nu²), Hayes et al. 1972 as recomputed B6 has it."""
     sheet = Sheet(2.0, modulus=30.0, poisson=poisson)
     found = flat_punch(sheet, 2.0 * wide, depth=0.01)
     half_space = 2 * 30.0 / (1 - poisson**2) * 2.0 * wide * 0.01
