@@ -1,6 +1,7 @@
 """The report holds what was asked, nothing else, and needs no other file."""
 
 import dataclasses
+import math
 import re
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from fefinger import figures, report, view
-from fefinger.records import Result
+from fefinger.records import Result, Rung
 from fefinger.scene import Ramp, RampHold, RampSinusoid, Scene
 
 
@@ -100,3 +101,13 @@ def test_fast_and_slow_parts_get_their_own_panels(
 
 def test_the_same_result_gives_the_same_figure(synthetic: Result) -> None:
     assert figures.svg(figures.force(synthetic)) == figures.svg(figures.force(synthetic))
+
+
+def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    unable = Rung("lumped", math.nan, math.nan, "not able")
+    plan = dataclasses.replace(synthetic.plan, rungs=(unable, *synthetic.plan.rungs))
+    html = page(dataclasses.replace(synthetic, plan=plan), tmp_path)
+    (row,) = re.findall(r"<td>lumped</td>.*?</tr>", html, re.S)
+    assert "nan" not in row
