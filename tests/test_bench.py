@@ -7,7 +7,7 @@ import pytest
 
 from fefinger import bench
 from fefinger.__main__ import main
-from fefinger.bench import neural
+from fefinger.bench import fem, neural
 from fefinger.neural.membranes import HodgkinHuxley
 
 
@@ -27,7 +27,7 @@ def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch
             {"name": "load", "value": 0.5, "unit": "processes", "baseline": None, "ratio": None},
         ]
     }
-    assert main(["bench", "-o", str(tmp_path)]) == 0
+    assert main(["bench", "neural", "-o", str(tmp_path)]) == 0
     assert "fast" in capsys.readouterr().out
     written = json.loads((tmp_path / "bench-neural.json").read_text())
     assert written["figures"][0]["ratio"] == 0.1
@@ -50,6 +50,18 @@ def test_the_neural_suite_measures_every_method(monkeypatch):
         assert values[f"{name}: wall"] > 0
     assert values["Runge-Kutta 0.05 ms: units miscounted"] == 0
     assert 0 < values["splitting, tolerance 0.05 ms: median spike-time error"] < 0.05
+
+
+def test_the_fem_suite_measures_every_stage(monkeypatch):
+    monkeypatch.setattr(fem, "RESOLUTION", "coarse")
+    monkeypatch.setattr(fem, "REPEATS", 1)
+    monkeypatch.setattr(fem, "STEPS", 20)
+    figures = {figure.name: figure for figure in bench.run(["fem"])["fem"]}
+    assert figures["unknowns"].value > 10_000
+    assert all(figure.value > 0 for figure in figures.values())
+    assert figures["factor: entries"].ratio < 1.5
+    for name in ("factor: wall", "64 loads: wall"):
+        assert figures[name].baseline > 0
 
 
 def test_the_plain_loop_and_the_vector_form_of_runge_kutta_are_one_method():

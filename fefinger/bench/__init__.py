@@ -19,7 +19,7 @@ from typing import Any
 from fefinger.checks import choice
 
 
-SUITES = ("neural",)
+SUITES = ("fem", "neural")
 
 Progress = Callable[[str, float], None]
 
