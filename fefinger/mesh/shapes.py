@@ -14,16 +14,13 @@ from numpy.typing import NDArray
 from fefinger.checks import InputError
 from fefinger.mesh import surface
 from fefinger.mesh.plate import PLATE
-from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.recipe import PULP, Recipe
 from fefinger.mesh.shell import Array, Shell
 from fefinger.mesh.surface import Triangles
 
 
 FINE = 0.2
 """Facets in mm that give a smooth surface's own volume to about 0.1 %."""
-
-PULP = 0.47
-"""Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
 
 ROOM = 0.2
 """Least subcutaneous tissue around the bone, mm: thinner layers would need flat cells."""
