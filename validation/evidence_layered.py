@@ -62,11 +62,22 @@ def seconds() -> dict[str, float]:
     }
 
 
+def tissue() -> dict[str, Any]:
+    """Return what the error depends on of the tissues: the ratio of moduli, Poisson's ratios."""
+    finger = scenes.load("flat-press").finger
+    skin, rest = finger.skin, finger.subcutaneous
+    return {
+        "skin_over_subcutaneous": skin.modulus / rest.modulus,
+        "poisson": {"skin": skin.poisson, "subcutaneous": rest.poisson},
+    }
+
+
 def report() -> dict[str, Any]:
     """Return force, error and cost of `layered`."""
     return {
         **provenance("python -m fefinger.validation.evidence_layered reports"),
         "scene": "flat-press with fields off, ramps of 60 mm/s with sharp corners, standard mesh",
+        "tissue": tissue(),
         **seconds(),
         "presses": {press: row(press) for press in LAYERED_PRESSES},
     }

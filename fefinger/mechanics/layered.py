@@ -26,6 +26,10 @@ name = "layered"
 
 PLATE_LEVELS = 8
 
+POISSON = 0.005
+"""Distance from the measured Poisson's ratios within which the error is taken to hold: near 0.5 the
+side of a finger, which a flat stack lacks, matters more the softer the tissue is in volume."""
+
 NOTES = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat.",
@@ -128,12 +132,30 @@ def _doubts(scene: Scene) -> list[str]:
 
     Under force control the depth is that of the half-space, which is softer: no less deep.
     """
-    doubts = hertz.doubts_of_place(scene)
+    doubts = [*hertz.doubts_of_place(scene), *_doubts_of_tissue(scene.finger)]
     depth, measured = hertz.deepest(scene), _evidence.layered_depth(scene.indenter)
     if depth > measured:
-        reason = f"depth / measured depth = {depth:.3g} / {measured:.3g} mm = {depth / measured:.2g}"
+        reason = (
+            f"depth / measured depth = {depth:.3g} / {measured:.3g} mm = {depth / measured:.2g}"
+        )
         doubts.append(f"{reason} > 1: the force is not measured there")
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
     if radius < least:
         doubts.append(f"radius = {radius:.3g} mm < {least:g} mm: the force is not measured there")
+    return doubts
+
+
+def _doubts_of_tissue(finger: Finger) -> list[str]:
+    """Return in what the tissues differ from the measured ones; their common modulus cancels."""
+    doubts, measured = [], _evidence.layered()["tissue"]
+    contrast = finger.skin.modulus / finger.subcutaneous.modulus
+    known = measured["skin_over_subcutaneous"]
+    if max(contrast / known, known / contrast) > hertz.CONTRAST:
+        reason = f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within a factor "
+        doubts.append(f"{reason}{hertz.CONTRAST:g} of {known:.3g}, where the force was measured")
+    for part, known in measured["poisson"].items():
+        poisson = getattr(finger, part).poisson
+        if abs(poisson - known) > POISSON:
+            reason = f"finger.{part}.poisson = {poisson:g}, not within {POISSON:g} of {known:g}"
+            doubts.append(f"{reason}, where the force was measured")
     return doubts
