@@ -27,7 +27,7 @@ name = "layered"
 PLATE_LEVELS = 8
 
 POISSON = 0.005
-"""Distance from the measured Poisson's ratios within which the error is taken to hold, a convention.
+"""Distance from the measured Poisson's ratios within which the error holds, a convention.
 On `saal2017` (0.4, one modulus) a ball of 5 mm at 0.5 mm is 13 % off, not the 9 % of the report."""
 
 NOTES = (

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from fefinger.validation import evidence_layered
 
 import fefinger as ff
