@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.checks import InputError
+from fefinger.finger import BONE
 from fefinger.mechanics import _axisymmetric, _evidence, hertz
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._touch import REFERENCE_DEPTH
@@ -43,11 +44,9 @@ NOTES = (
 
 def stack(finger: Finger) -> Stack:
     """Return the layers of the finger under the pad, over rigid bone."""
-    from fefinger.mesh.recipe import PULP
-
     skin, rest = finger.skin, finger.subcutaneous
     thick = float(skin.thickness or 0.0)
-    below = PULP * finger.thickness - thick
+    below = BONE * finger.thickness - thick
     return Stack(
         (Layer(thick, skin.modulus, skin.poisson), Layer(below, rest.modulus, rest.poisson))
     )

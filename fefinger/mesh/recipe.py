@@ -11,9 +11,6 @@ from fefinger.checks import choice, number
 
 RESOLUTIONS = ("coarse", "standard", "fine")
 
-PULP = 0.47
-"""Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
-
 FORMAT = 1
 """Raised when the builder changes so that meshes cached from the same recipe must be made again."""
 

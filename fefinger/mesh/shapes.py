@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.finger import BONE
 from fefinger.mesh import surface
 from fefinger.mesh.plate import PLATE
-from fefinger.mesh.recipe import PULP, Recipe
+from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Array, Shell
 from fefinger.mesh.surface import Triangles
 
@@ -144,7 +145,7 @@ def check_room(under: Surface, bone: Shell, recipe: Recipe) -> None:
 def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
     """Return the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
     width, thickness = recipe.width, recipe.thickness
-    pulp = PULP * thickness
+    pulp = BONE * thickness
     middle = top - recipe.skin_thickness - 0.14 * thickness
     depth = np.clip(middle - pulp * np.cos(PLATE), 0.07 * thickness, 0.18 * thickness)
     # A pad that rises steeply comes close to the nail: there the bone ends short of the pulp.
