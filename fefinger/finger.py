@@ -15,6 +15,8 @@ CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
 PULP = 0.5
 """Part of the finger's thickness that is soft tissue under the pad, at most."""
+BONE = 0.47
+"""Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
 
 _FROM_LIBRARY: Any = None
 

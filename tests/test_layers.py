@@ -59,6 +59,7 @@ LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.console", "fefinger.scenes", "fefinger.scene"),
     *("fefinger.records", "fefinger.plan", "fefinger.run", "fefinger.mechanics.linear"),
     "fefinger.mechanics.hertz",
+    "fefinger.mechanics.layered",
     "fefinger.mechanics.lumped",
 )
 """Modules that load none of HEAVY, so that `fefinger --help` and `explain` are quick.

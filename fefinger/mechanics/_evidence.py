@@ -4,6 +4,8 @@ import json
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 from fefinger.data import report
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
@@ -19,6 +21,11 @@ LINEAR_RADIUS = 2.0
 """Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
 
 LINEAR_REPORT = "linear-mesh.json"
+
+LAYERED_REPORT = "layered-force.json"
+
+LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
+"""Objects under which `layered` was measured against `linear`, and their radii in mm."""
 
 WHOLE = 3.0
 """Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
@@ -55,6 +62,46 @@ def linear_error(scene: Scene) -> tuple[float, str]:
     error = errors[press]
     source = f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
     return float("inf") if error is None else error, source
+
+
+@cache
+def layered() -> dict[str, Any]:
+    """Return the force of `layered` against `linear`, by press and depth, and its timing."""
+    measured: dict[str, Any] = json.loads(report(LAYERED_REPORT))
+    return measured
+
+
+def layered_seconds(scene: Scene) -> float:
+    """Return the expected wall time of `layered` in s, from the times in the report."""
+    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
+    return float(layered()["setup_seconds"]) + steps * float(layered()["step_seconds"])
+
+
+def layered_error(indenter: Indenter, depth: float) -> tuple[float, str]:
+    """Return the measured error of the force of `layered` at `depth` mm, and its source.
+
+    It is linear between the measured depths, and constant beyond their ends.
+    """
+    press = layered_press(indenter)
+    row = layered()["presses"][press]
+    depths, errors = row["depth_mm"], row["force_error"]
+    source = f"reports/{LAYERED_REPORT}, {press}: against linear, on the finger of a.h."
+    return float(np.interp(depth, depths, errors)), source
+
+
+def layered_depth(indenter: Indenter) -> float:
+    """Return the largest depth in mm at which `layered` was measured under such an indenter."""
+    return float(layered()["presses"][layered_press(indenter)]["depth_mm"][-1])
+
+
+def layered_press(indenter: Indenter) -> str:
+    """Return the measured press whose object is next blunter, because the error grows with it."""
+    radius = smallest_radius(indenter)
+    if isinstance(indenter, Ellipsoid):
+        a, b, c = indenter.radii
+        radius = max(a, b) ** 2 / c
+    blunter = [press for press, measured in LAYERED_PRESSES.items() if measured >= radius]
+    return min(blunter, key=LAYERED_PRESSES.__getitem__)
 
 
 def smallest_radius(indenter: Indenter) -> float:

@@ -139,7 +139,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if _axisymmetric.touch(scene) is None:
         unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
-    doubts = [*_doubts_of_size(scene), *_doubts_of_place(scene)]
+    doubts = [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
@@ -198,7 +198,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     )
 
 
-def _deepest(scene: Scene) -> float:
+def deepest(scene: Scene) -> float:
     """Return the largest depth in mm, of a motion under force control when it has crept."""
     if scene.motion.control == "depth":
         return scene.motion.peak
@@ -206,7 +206,7 @@ def _deepest(scene: Scene) -> float:
 
 
 def _widest(scene: Scene) -> float:
-    return float(half_space(scene).radius(np.array(_deepest(scene))))
+    return float(half_space(scene).radius(np.array(deepest(scene))))
 
 
 def _thinness(scene: Scene) -> float:
@@ -231,7 +231,8 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     return doubts
 
 
-def _doubts_of_place(scene: Scene) -> list[str]:
+def doubts_of_place(scene: Scene) -> list[str]:
+    """Return why one radius in the middle of the pad does not stand for what is touched."""
     doubts = []
     if scene.finger.surface is not None:
         radius = f"{scene.finger.pad_radius:g} mm"

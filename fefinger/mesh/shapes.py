@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.finger import BONE
 from fefinger.mesh import surface
 from fefinger.mesh.plate import PLATE
 from fefinger.mesh.recipe import Recipe
@@ -21,9 +22,6 @@ from fefinger.mesh.surface import Triangles
 
 FINE = 0.2
 """Facets in mm that give a smooth surface's own volume to about 0.1 %."""
-
-PULP = 0.47
-"""Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
 
 ROOM = 0.2
 """Least subcutaneous tissue around the bone, mm: thinner layers would need flat cells."""
@@ -147,7 +145,7 @@ def check_room(under: Surface, bone: Shell, recipe: Recipe) -> None:
 def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
     """Return the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
     width, thickness = recipe.width, recipe.thickness
-    pulp = PULP * thickness
+    pulp = BONE * thickness
     middle = top - recipe.skin_thickness - 0.14 * thickness
     depth = np.clip(middle - pulp * np.cos(PLATE), 0.07 * thickness, 0.18 * thickness)
     # A pad that rises steeply comes close to the nail: there the bone ends short of the pulp.

@@ -1,11 +1,15 @@
 """The mechanics `layered`: its half-space limit, memory, balance, and the finite elements."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from fefinger.validation import evidence_layered
 
 import fefinger as ff
+from fefinger import mechanics, scenes
 from fefinger.checks import InputError
-from fefinger.mechanics import hertz, layered, linear
+from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
 from fefinger.theory.indentation import paraboloid
 from fefinger.theory.relaxation import hereditary_integral
@@ -135,9 +139,111 @@ def test_an_ellipsoid_is_answered_by_its_equivalent_circle():
 
 
 def test_what_it_cannot_do_is_refused():
-    assert {item.about for item in layered.refuse(scene(ask=ff.Ask()))} == {"ability"}
+    light = {"motion": ff.RampHold(20, 0.2, hold=0.1)}
+    assert {item.about for item in layered.refuse(scene(ask=ff.Ask(), **light))} == {"ability"}
     assert layered.refuse(scene()) == ()
     buried = layered.refuse(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8})))
     assert "4.8 mm is not above the bone at 4.7 mm" in buried[0].reason
     with pytest.raises(InputError, match="contact is at most as wide as the radius"):
         layered.respond(scene(indenter=ff.Sphere(0.5), motion=ff.RampHold(20, 1.5, hold=0.1)))
+
+
+# Planning
+
+
+def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
+    assert mechanics.names() == ("lumped", "hertz", "layered", "linear")
+    rungs = ff.explain(scenes.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
+    seconds = {rung.mechanics: rung.seconds for rung in rungs if np.isfinite(rung.seconds)}
+    assert seconds["hertz"] < seconds["layered"] < seconds["linear"]
+    assert layered.coarser(scene()) is None
+
+
+REFUSED = [
+    ({"motion": ff.Ramp(20, 2.0)}, "depth / measured depth = 2 / 1.5 mm = 1.33 > 1"),
+    (
+        {"indenter": ff.Sphere(2.0), "motion": ff.Ramp(20, 0.9)},
+        "measured depth = 0.9 / 0.6 mm = 1.5 > 1",
+    ),
+    ({"motion": ff.ForceRampHold(5, 9.0, hold=1.0)}, "> 1: the force is not measured there"),
+    ({"indenter": ff.Sphere(1.0)}, "radius = 1 mm < 2 mm"),
+    ({"indenter": ff.Flat(angle=45)}, "angle = 45 degrees"),
+    ({"indenter": ff.Sphere(5.0, at=(3.0, 0.0))}, "from the middle = 3 > 2 mm"),
+    (
+        {"finger": ff.Finger.subject("a.h.", tissue="saal2017")},
+        "skin modulus / subcutaneous modulus = 1, not within a factor 1.1 of 3.01",
+    ),
+    (
+        {"finger": replace(FINGER, subcutaneous=ff.Tissue(34.0, 0.45))},
+        "finger.subcutaneous.poisson = 0.45, not within 0.005 of 0.48",
+    ),
+]
+
+
+@pytest.mark.parametrize(("parts", "reason"), REFUSED, ids=[reason[:20] for _, reason in REFUSED])
+def test_a_doubt_quotes_the_number_that_broke(parts, reason):
+    found = layered.refuse(scene(**parts))
+    assert {item.about for item in found} == {"accuracy"}
+    assert any(reason in item.reason for item in found)
+
+
+PRESSES = pytest.mark.parametrize("press", _evidence.LAYERED_PRESSES)
+
+
+@PRESSES
+def test_the_report_still_holds_for_what_it_measured(press):
+    """Its forces are those of today's code, and its errors are those of its forces."""
+    row = _evidence.layered()["presses"][press]
+    assert tuple(row["depth_mm"]) == evidence_layered.DEPTHS[press]
+    again = layered.respond(evidence_layered.scene(press, row["depth_mm"][1]))
+    assert again.force.max() == pytest.approx(row["layered_N"][1], rel=1e-6)
+    apart = np.abs(np.divide(row["layered_N"], row["linear_N"]) - 1)
+    assert row["force_error"] == pytest.approx(apart, abs=1e-5)
+    assert _evidence.layered()["tissue"] == evidence_layered.tissue()
+
+
+@PRESSES
+def test_the_stated_error_is_linear_between_the_measured_depths_and_constant_beyond(press):
+    indenter = evidence_layered.scene(press, 0.2).indenter
+    row = _evidence.layered()["presses"][press]
+    first, second, *_, last = row["force_error"]
+    at = [0.1, 0.2, 0.35, row["depth_mm"][-1], 3.0]
+    stated = [layered.error(scene(indenter=indenter, motion=ff.Ramp(20, d)))[0] for d in at]
+    assert stated == pytest.approx([first, first, (first + second) / 2, last, last])
+    assert f"reports/layered-force.json, {press}" in layered.error(scene(indenter=indenter))[1]
+
+
+@pytest.mark.parametrize(
+    ("indenter", "press"),
+    [
+        (ff.Sphere(2.0), "sphere-2"),
+        (ff.Sphere(3.0), "sphere-5"),
+        (ff.Sphere(20.0), "flat-30"),
+        (ff.Ellipsoid((2.0, 4.0, 2.0)), "flat-30"),
+        (ff.Flat(angle=20), "flat-30"),
+    ],
+)
+def test_the_error_is_that_of_the_next_blunter_object(indenter, press):
+    assert _evidence.layered_press(indenter) == press
+
+
+def test_the_expected_time_is_that_of_the_report():
+    measured, motion = _evidence.layered(), ff.RampHold(20, 0.5, hold=1.0)
+    assert layered.cost(scene(motion=motion)) > measured["setup_seconds"]
+    more = layered.cost(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
+    assert more > layered.cost(scene(motion=motion, ask=replace(ASK, spikes=())))
+
+
+CHOSEN = [
+    ("flat-press", {}, "linear"),
+    ("flat-press", {"ask.strain": False, "ask.pressure": False, "ask.spikes": []}, "lumped"),
+    ("sphere-press", {"ask.rel_error": 0.2}, "linear"),
+    ("sphere-press", {"ask.rel_error": 0.4}, "layered"),
+    ("sphere-press", {"ask.rel_error": 0.1, "motion.depth": 0.5}, "layered"),
+]
+
+
+@pytest.mark.parametrize(("name", "changes", "chosen"), CHOSEN)
+def test_the_planner_takes_it_where_its_error_is_good_enough(name, changes, chosen):
+    fields = {} if name == "flat-press" and not changes else {"ask.fields": False}
+    assert ff.explain(scenes.load(name, {**fields, **changes})).mechanics == chosen
