@@ -6,6 +6,7 @@ Source: VTK file formats, "VTKHDF File Format", sections Unstructured Grid and T
 """
 
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
         _write_steps(root, fields, tuple(stacked), steps)
 
 
-def _write_mesh(root, fields: Fields) -> None:  # type: ignore[no-untyped-def]
+def _write_mesh(root: Any, fields: Fields) -> None:
     """Store points, tetrahedra and their sizes as the single part of the grid."""
     n_points, n_cells = len(fields.points), len(fields.cells)
     root["NumberOfPoints"] = np.array([n_points])
@@ -57,7 +58,7 @@ def _write_mesh(root, fields: Fields) -> None:  # type: ignore[no-untyped-def]
     root["Types"] = np.full(n_cells, TETRAHEDRON, dtype=np.uint8)
 
 
-def _write_steps(root, fields: Fields, names: tuple[str, ...], steps: int) -> None:  # type: ignore[no-untyped-def]
+def _write_steps(root: Any, fields: Fields, names: tuple[str, ...], steps: int) -> None:
     """Point every step to the one mesh, and to its own rows of the point data."""
     group = root.create_group("Steps")
     group.attrs["NSteps"] = steps

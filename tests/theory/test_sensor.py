@@ -131,7 +131,7 @@ def test_noise_is_seeded_and_as_large_as_told():
     assert (first.pressure == same.pressure).all()
     assert (first.pressure != other.pressure).any()
     assert first.pressure.std() == pytest.approx(0.5, rel=0.02)  # 12 736 readings
-    assert SENSOR.read(time, points, areas, still).pressure.any() == False  # noqa: E712
+    assert not SENSOR.read(time, points, areas, still).pressure.any()
     on_one = 0.5 * SENSOR.pitch**2 / 9.80665  # gram weight: the thesis says 1.2
     assert on_one == pytest.approx(0.20, abs=5e-3)
 
