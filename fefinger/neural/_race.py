@@ -6,32 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, crossing, slope
-
-
-@njit(cache=True)
-def _step(
-    y: tuple[float, float, float, float],
-    k1: tuple[float, float, float, float],
-    dt: float,
-    middle: float,
-    end: float,
-    slow: float,
-) -> tuple[float, float, float, float]:
-    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
-    v, n, m, h = y
-    a, b, c, d = k1
-    s = 0.5 * dt
-    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, 1.0)
-    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, 1.0)
-    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, 1.0)
-    s = dt / 6.0
-    return (
-        v + s * (a + 2.0 * (e + p) + w),
-        n + s * (b + 2.0 * (f + q) + x),
-        m + s * (c + 2.0 * (g + r) + j),
-        h + s * (d + 2.0 * (i + u) + z),
-    )
+from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, crossing, slope, step
 
 
 @njit(cache=True, nogil=True)
@@ -65,7 +40,7 @@ def race(
                 start = current[k, b] + j * per_step
                 end, old = start + per_step, (y[b, 0], y[b, 1], y[b, 2], y[b, 3])
                 k1 = slope(old[0], old[1], old[2], old[3], start, slow, 1.0)
-                new = _step(old, k1, dt, start + 0.5 * per_step, end, slow)
+                new = step(old, k1, dt, start + 0.5 * per_step, end, slow, 1.0)
                 if armed[b] and new[0] >= SPIKE_MV:
                     d1 = slope(new[0], new[1], new[2], new[3], end, slow, 1.0)[0]
                     fraction = crossing(old[0], new[0], k1[0], d1, dt)
