@@ -59,16 +59,32 @@ def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
     return np.asarray(surface.places + np.einsum("kq,tkd->tqd", surface.quadratic, lifts))
 
 
-def patch(
+@dataclass(frozen=True)
+class Candidates:
+    """The part of the pad that the obstacle may touch.
+
+    vertices (n,) of the mesh; part: the trace of the triangles that carry their hats; places
+    (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
+    none; edge (n,) the candidates beyond which contact could spread out of the patch.
+    """
+
+    vertices: Integers
+    part: Trace
+    places: Array
+    owner: Integers
+    edge: NDArray[np.bool_]
+
+
+def candidates(
     space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
-) -> Patch:
-    """Return the patch of the pad vertices whose gap at first touch is at most `reach` mm.
+) -> Candidates:
+    """Return the pad vertices whose gap at first touch is at most `reach` mm.
 
     `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
     for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles.
     """
     surface = trace(space, triangles)
-    distance, direction = obstacle.gap(smooth_places(space.points, normals, surface))
+    distance, _ = obstacle.gap(smooth_places(space.points, normals, surface))
     behind = ~np.isfinite(distance).all(axis=1)
     used = np.zeros(len(space.points), dtype=bool)
     pad = np.unique(triangles)
@@ -81,9 +97,19 @@ def patch(
     column = np.full(len(used), -1, dtype=np.int64)
     column[vertices] = np.arange(len(vertices))
     part = trace(space, triangles[carrying])
-    cosine = direction[carrying] @ obstacle.axis
+    places = smooth_places(space.points, normals, part)
+    return Candidates(vertices, part, places, column[part.triangles], border[vertices])
+
+
+def patch(
+    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
+) -> Patch:
+    """Return the patch of the `candidates` and their unit loads."""
+    chosen = candidates(space, triangles, normals, obstacle, reach)
+    part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
+    distance, direction = obstacle.gap(chosen.places)
+    cosine = direction @ obstacle.axis
     hats = part.linear[None] * part.weights[:, None, :]
-    owner = column[part.triangles]
 
     def gathered(density: Array) -> Array:
         values = np.einsum("tjq,tq->tj", hats, density)
@@ -93,11 +119,11 @@ def patch(
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
-        loads=_loads(space, part, hats, direction[carrying], owner, len(vertices)),
-        gap=gathered(cosine * distance[carrying]),
+        loads=_loads(space, part, hats, direction, owner, len(vertices)),
+        gap=gathered(cosine * distance),
         travel=gathered(cosine),
         areas=gathered(np.ones_like(cosine)),
-        edge=border[vertices],
+        edge=chosen.edge,
     )
 
 

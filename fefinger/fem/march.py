@@ -107,7 +107,7 @@ def march(
         if prescribed.control == "depth":
             depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
         else:
-            depth, pressure, count = _depth_at(solver, g, free, travel, float(target), depth)
+            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth)
         elastic = (pressure - past) / g
         relaxation.advance(step, elastic)
         depths.append(depth)
@@ -118,7 +118,7 @@ def march(
     return History(np.array(depths), np.array(pressures), np.array(elastics), solved)
 
 
-def _depth_at(
+def depth_at(
     solver: Complementarity, g: float, free: Array, travel: Array, force: float, guess: float
 ) -> tuple[float, Array, int]:
     """Return depth, pressure and the number of contact solutions for a force in mN.

@@ -1,5 +1,7 @@
 """Fields at points: strain of a displacement at end-organ sites and at mesh vertices."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import sparse
 
@@ -10,6 +12,9 @@ from fefinger.tolerances import INSIDE, SHARED
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Order of the six strain components: xx yy zz xy yz xz, tensor (not engineering) shear."""
+
+Rows = Callable[[Space, Integers, Array], sparse.csr_matrix]
+"""From a space, cells (n,) and reference coordinates (n, 3) to rows for each point."""
 
 ODD = (3, 4)
 """Components that change sign in the mirror y = 0."""
@@ -26,15 +31,33 @@ def strain_at(space: Space, points: Array, *, medial: bool = False) -> sparse.cs
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    owner, cells, local = locate(space, points)
-    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], 6)
-    place = (6 * owner[:, None] + np.arange(6)).ravel()
-    shape = (6 * len(points), 6 * len(cells))
-    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
     mirrored = np.ones((len(points), 6))
     if medial:
         mirrored[np.ix_(points[:, 1] == 0, ODD)] = 0.0
-    return (sparse.diags(mirrored.ravel()) @ mean @ _strain_rows(space, cells, local)).tocsr()
+    return _at_points(space, points, _strain_rows, mirrored)
+
+
+def gradient_at(space: Space, points: Array, *, medial: bool = False) -> sparse.csr_matrix:
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at `points`, i before j.
+
+    Shared points and the mirror are treated as by `strain_at`, which raises the same error.
+    """
+    mirrored = np.ones((len(points), 3, 3))
+    if medial:
+        on = points[:, 1] == 0
+        mirrored[on, 1, ::2] = mirrored[on, ::2, 1] = 0.0
+    return _at_points(space, points, _gradient_rows, mirrored)
+
+
+def _at_points(space: Space, points: Array, rows_at: Rows, mirrored: Array) -> sparse.csr_matrix:
+    """Return the mean over the cells of each point, times `mirrored` (n_points, ...)."""
+    owner, cells, local = locate(space, points)
+    width = mirrored[0].size if len(points) else 1
+    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], width)
+    place = (width * owner[:, None] + np.arange(width)).ravel()
+    shape = (width * len(points), width * len(cells))
+    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
+    return (sparse.diags(mirrored.ravel()) @ mean @ rows_at(space, cells, local)).tocsr()
 
 
 def strain_at_vertices(space: Space) -> sparse.csr_matrix:
@@ -43,20 +66,30 @@ def strain_at_vertices(space: Space) -> sparse.csr_matrix:
     The strain jumps between cells (and tissues); a vertex gets the mean of its cells, weighted by
     their volumes. For pictures, not for numbers.
     """
+    return _at_vertices(space, _strain_rows, 6)
+
+
+def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at the vertices, a like mean."""
+    return _at_vertices(space, _gradient_rows, 9)
+
+
+def _at_vertices(space: Space, rows_at: Rows, width: int) -> sparse.csr_matrix:
     n_cells = len(space.vertices)
     volumes = space.scalar.dx.sum(axis=1)
     total = np.bincount(space.vertices.ravel(), np.repeat(volumes, 4), len(space.points))
-    mean = sparse.csr_matrix((6 * len(space.points), space.n_unknowns))
+    mean = sparse.csr_matrix((width * len(space.points), space.n_unknowns))
     for corner in range(4):
         local = np.zeros((n_cells, 3))
         if corner:
             local[:, corner - 1] = 1.0
-        rows = _strain_rows(space, np.arange(n_cells), local)
+        rows = rows_at(space, np.arange(n_cells), local)
         vertex = space.vertices[:, corner]
-        share = np.repeat(volumes / total[vertex], 6)
-        place = (6 * vertex[:, None] + np.arange(6)).ravel()
-        shape = (mean.shape[0], 6 * n_cells)
-        mean = mean + sparse.csr_matrix((share, (place, np.arange(6 * n_cells))), shape) @ rows
+        share = np.repeat(volumes / total[vertex], width)
+        place = (width * vertex[:, None] + np.arange(width)).ravel()
+        shape = (mean.shape[0], width * n_cells)
+        entries = (share, (place, np.arange(width * n_cells)))
+        mean = mean + sparse.csr_matrix(entries, shape) @ rows
     return mean.tocsr()
 
 
@@ -104,6 +137,22 @@ def _inverse_jacobians(space: Space) -> Array:
     """Gradients (n_cells, 3, 3) of the reference coordinates, one per row."""
     corners = space.points[space.vertices]
     return np.asarray(np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)))
+
+
+def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
+    """Gradient (9 n, n_unknowns) at reference coordinates `local` (n, 3) of `cells` (n,)."""
+    element, n_local = space.scalar.elem, space.nodes.shape[1]
+    reference = np.array([element.lbasis(local.T, i)[1] for i in range(n_local)])
+    gradients = np.einsum("kjp,pjd->pkd", reference, _inverse_jacobians(space)[cells])
+    block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, n_local))
+    rows = np.arange(9 * len(cells)).reshape(len(cells), 3, 3, 1)
+    unknowns = 3 * space.nodes[cells][:, None, None, :] + np.arange(3)[:, None, None]
+    where = (
+        np.broadcast_to(rows, block.shape).ravel(),
+        np.broadcast_to(unknowns, block.shape).ravel(),
+    )
+    shape = (9 * len(cells), space.n_unknowns)
+    return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
 
 
 def _strain_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:

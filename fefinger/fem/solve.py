@@ -37,6 +37,7 @@ class System:
     fixed: Integers
     reduced: sparse.csr_matrix
     factor: multifrontal.Factor
+    dissection: multifrontal.Dissection
 
     @one_thread
     def solve(self, loads: Array, prescribed: Array | None = None) -> Array:
@@ -81,8 +82,15 @@ class System:
 
 
 @one_thread
-def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
+def factor(
+    space: Space,
+    matrix: sparse.csr_matrix,
+    fixed: Integers,
+    dissection: multifrontal.Dissection | None = None,
+) -> System:
     """Factor `matrix` of `space` with the unknowns `fixed` prescribed.
+
+    `dissection` is that of the same space and unknowns, where it is known already.
 
     Raises
     ------
@@ -96,14 +104,15 @@ def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
         raise InputError(message)
     free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    dissection = multifrontal.dissect(
-        number[space.unknowns],
-        space.points[space.vertices].mean(axis=1),
-        int(is_free[: space.n_displacements].sum()),
-    )
+    if dissection is None:
+        dissection = multifrontal.dissect(
+            number[space.unknowns],
+            space.points[space.vertices].mean(axis=1),
+            int(is_free[: space.n_displacements].sum()),
+        )
     neighbor = _compressible(space, matrix)[free][:, free].tocsr()
     factored = multifrontal.factor(neighbor, dissection)
-    return System(matrix, free, held, matrix[free][:, free].tocsr(), factored)
+    return System(matrix, free, held, matrix[free][:, free].tocsr(), factored, dissection)
 
 
 def _compressible(space: Space, matrix: sparse.csr_matrix) -> sparse.csr_matrix:

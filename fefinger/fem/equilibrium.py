@@ -1,0 +1,222 @@
+"""Equilibrium of a hyperelastic body in contact: Newton's method on a factor that is kept.
+
+One iteration linearizes the body with the factored tangent K0 and leaves the complementarity of
+the contact exact: with r the residual force, the displacements change by K0^-1 r + Z dlambda, Z =
+K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted gaps that this change
+leaves. Residual and gaps are always those of the true body, so an old factor costs iterations and
+never accuracy; it is replaced when the residual shrinks too slowly.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.checks import ConvergenceError
+from fefinger.fem.contact import Complementarity
+from fefinger.fem.finite import Continuum, Memory
+from fefinger.fem.march import depth_at
+from fefinger.fem.sliding import Sliding
+from fefinger.fem.solve import System, factor
+from fefinger.fem.spaces import Array
+from fefinger.tolerances import EQUILIBRIUM
+
+
+ITERATIONS = 120
+PATIENCE = 25  # iterations of one step before its factor is renewed
+FEW = 12  # iterations of a step that a good factor takes
+RENEWAL = 60  # iterations beyond FEW, over steps, that a new factor is worth
+NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
+MEMORY = 12  # iterates that the acceleration remembers
+RETREATS = 8  # halvings of an iteration that turned a cell inside out
+
+
+@dataclass(frozen=True)
+class State:
+    """A body at one depth.
+
+    values (n_unknowns,); pressure (n,) kPa the coefficients lambda of the candidates; depth mm.
+    """
+
+    values: Array
+    pressure: Array
+    depth: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a step has to reach: a depth in mm or a force in mN, with what the past left."""
+
+    control: str
+    target: float
+    memory: Memory
+
+
+class Equilibrium:
+    """Solver of one body and one contact for many steps; it keeps the last factor.
+
+    `system` is the factored body at rest, with what holds it; `iterations` and `factors` count the
+    work.
+    """
+
+    def __init__(self, body: Continuum, contact: Sliding, system: System) -> None:
+        self.body, self.contact, self.system = body, contact, system
+        self.load = 0.0  # the largest load so far, which scales the residual
+        self.iterations, self.factors = 0, 0
+        self._excess = 0
+        at_rest = np.zeros(body.space.n_unknowns)
+        self._factored = _Factored(system, contact.gaps(at_rest, 0.0)[1], 1.0)
+
+    def find(self, start: State, asked: Asked) -> State:
+        """Return the equilibrium near `start`.
+
+        Raises
+        ------
+        ConvergenceError
+            If it is not reached; the step was too large for the body or the contact.
+        """
+        state, sound = start, start
+        if asked.control == "depth":
+            state = replace(state, depth=asked.target)
+        mixing, retreats, error = _Anderson(MEMORY), 0, np.inf
+        for count in range(ITERATIONS):
+            self.iterations += 1
+            inner, least = self.body.residual(state.values, asked.memory)
+            if least <= 0 or not np.isfinite(inner).all():
+                retreats += 1
+                if retreats > RETREATS or sound is start:
+                    break
+                state = replace(state, values=(state.values + sound.values) / 2)
+                mixing = _Anderson(MEMORY)
+                continue
+            sound = state
+            gaps, loads = self.contact.gaps(state.values, state.depth)
+            error = self._error(state, asked, inner, gaps, loads @ state.pressure)
+            if error <= EQUILIBRIUM:
+                self._excess += max(0, count - FEW)
+                return state
+            if count % PATIENCE == PATIENCE - 1 or self._excess > RENEWAL:
+                self._renew(state, asked.memory, loads)
+                mixing = _Anderson(MEMORY)
+            state = self._step(state, asked, inner, gaps, loads, mixing)
+        message = (
+            f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
+            f"after {count + 1} iterations; take shorter steps"
+        )
+        raise ConvergenceError(message)
+
+    def _error(
+        self, state: State, asked: Asked, inner: Array, gaps: Array, force: Array
+    ) -> float:
+        """Return the largest of the relative errors of force, volume, gap and target."""
+        travel, n = self.contact.travel, self.body.space.n_displacements
+        free = self.system.free[self.system.free < n]
+        load = max(self.load, float(np.linalg.norm(force)))
+        self.load, residual = load, inner - force
+        size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
+        forces = float(np.linalg.norm(residual[free]))
+        volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
+        apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / travel
+        errors = [
+            forces / load if load > 0 else forces,
+            volumes / (size * travel.sum()) if size > 0 else volumes,
+            float(apart.max()) / size if size > 0 else 0.0,
+        ]
+        if asked.control == "force":
+            reached = float(travel @ state.pressure)
+            errors.append(abs(reached - asked.target) / max(asked.target, reached, 1e-300))
+        worst = max(errors)
+        return worst if np.isfinite(worst) else np.inf
+
+    def _renew(self, state: State, memory: Memory, loads: sparse.csc_matrix) -> None:
+        """Factor the tangent of the state, without what might make it indefinite."""
+        matrix = self.body.tangent(state.values, memory, whole=False)
+        bent = self.contact.curvature(state.values, state.depth, state.pressure)
+        system, space = self.system, self.body.space
+        renewed = factor(space, (matrix - bent).tocsr(), system.fixed, system.dissection)
+        self._factored = _Factored(renewed, loads, float(memory.gains.mean()))
+        self.factors, self._excess = self.factors + 1, 0
+
+    def _step(
+        self,
+        state: State,
+        asked: Asked,
+        inner: Array,
+        gaps: Array,
+        loads: sparse.csc_matrix,
+        mixing: "_Anderson",
+    ) -> State:
+        """Return the state after one iteration."""
+        held, travel = self._factored, self.contact.travel
+        size = max(abs(state.depth), float(gaps.min() / travel.max()))
+        near = (state.pressure > 0) | (gaps < NEAR * size * travel)
+        softer = held.gain / float(asked.memory.gains.mean())
+        alone = softer * held.solve(-inner)
+        free = gaps + state.depth * travel + loads.T @ alone
+        while True:
+            solver, columns = held.contact(near)
+            pressure, depth = np.zeros(len(travel)), state.depth
+            if asked.control == "depth":
+                pressure[near] = solver.solve(free[near] - depth * travel[near]) / softer
+            else:
+                depth, pressure[near], _ = depth_at(
+                    solver, 1 / softer, free[near], travel[near], asked.target, depth
+                )
+            change = alone + softer * columns @ pressure[near]
+            left = gaps + (state.depth - depth) * travel + loads.T @ change
+            missed = ~near & (left < 0)
+            if not missed.any():
+                break
+            near = near | missed
+        return State(mixing.next(state.values, change), pressure, depth)
+
+
+class _Factored:
+    """A factored tangent with the loads and the gain of its time, and the columns of Z so far."""
+
+    def __init__(self, system: System, loads: sparse.csc_matrix, gain: float) -> None:
+        self.system, self.loads, self.gain = system, loads, gain
+        self.known = np.full(loads.shape[1], -1, dtype=np.int64)
+        self.columns = np.empty((loads.shape[0], 0))
+        self._near: Array | None = None
+        self._contact: tuple[Complementarity, Array] | None = None
+
+    def solve(self, right: Array) -> Array:
+        """Return K0^-1 `right` (n,) or (n, k), zero where prescribed; not refined."""
+        answer = np.zeros_like(right)
+        answer[self.system.free] = self.system.factor.solve(right[self.system.free])
+        return answer
+
+    def contact(self, near: Array) -> tuple[Complementarity, Array]:
+        """Return the contact of the candidates `near` and their columns of Z (n, n_near)."""
+        if self._contact is not None and np.array_equal(near, self._near):
+            return self._contact
+        new = np.flatnonzero(near & (self.known < 0))
+        if len(new):
+            self.known[new] = self.columns.shape[1] + np.arange(len(new))
+            self.columns = np.hstack([self.columns, self.solve(self.loads[:, new].toarray())])
+        columns = self.columns[:, self.known[near]]
+        flexibility = self.loads[:, np.flatnonzero(near)].T @ columns
+        solver = Complementarity((flexibility + flexibility.T) / 2)
+        self._near, self._contact = near, (solver, columns)
+        return self._contact
+
+
+class _Anderson:
+    """Acceleration of a fixed-point iteration (Anderson, J. ACM 12:547, 1965)."""
+
+    def __init__(self, depth: int) -> None:
+        self.depth = depth
+        self.points: list[Array] = []
+        self.changes: list[Array] = []
+
+    def next(self, point: Array, change: Array) -> Array:
+        """Return the next point after `point`, which the iteration would move by `change`."""
+        self.points = [*self.points, point][-self.depth :]
+        self.changes = [*self.changes, change][-self.depth :]
+        if len(self.points) == 1:
+            return point + change
+        differences = np.diff(self.changes, axis=0)
+        weights = np.linalg.lstsq(differences @ differences.T, differences @ change, rcond=1e-12)[0]
+        moved = np.diff(self.points, axis=0) + differences
+        return np.asarray(point + change - weights @ moved)

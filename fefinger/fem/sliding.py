@@ -1,0 +1,113 @@
+"""Weighted gaps between a deformed pad and a rigid obstacle, with their first two derivatives.
+
+With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
+of a hat psi_i on the undeformed pad is w_i = integral of psi_i g(x(X)) dA: finite sliding, because
+g is taken where the point is now. lambda_i >= 0 times the derivative of w_i is the load; g grows by
+1 per mm along the axis, so that the force along the axis is the sum of m_i lambda_i, m_i being the
+integral of psi_i.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from skfem import Basis, ElementTriP2, MeshTri
+
+from fefinger.fem.contact import Candidates, candidates
+from fefinger.fem.obstacle import Rigid
+from fefinger.fem.spaces import Array, Integers, Space
+
+
+FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """The candidates on the pad, whose undeformed triangles have `corners`, and an obstacle."""
+
+    obstacle: Rigid
+    on: Candidates
+    corners: Array
+    n_unknowns: int
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return len(self.on.vertices)
+
+    @cached_property
+    def travel(self) -> Array:
+        """The weights m (n,) mm²: how fast the weighted gaps close as the obstacle travels."""
+        return self._gathered(self.hats.sum(axis=2))
+
+    @cached_property
+    def hats(self) -> Array:
+        """Weights times hats (n_tri, 3, n_q) mm²."""
+        return np.asarray(self.on.part.linear[None] * self.on.part.weights[:, None, :])
+
+    def gaps(self, values: Array, depth: float) -> tuple[Array, sparse.csc_matrix]:
+        """Return the weighted gaps (n,) mm³ and their derivatives (n_unknowns, n) mm²."""
+        distance, gradient, _ = self.obstacle.implicit(self.now(values), depth)
+        distance = np.where(np.isfinite(distance), distance, FAR)
+        weighted = np.einsum("tjq,tq->tj", self.hats, distance)
+        block = np.einsum("tjq,kq,tqc->tkcj", self.hats, self.on.part.quadratic, gradient)
+        rows = np.broadcast_to(self._rows()[:, :, :, None], block.shape).ravel()
+        columns = np.broadcast_to(self.on.owner[:, None, None, :], block.shape).ravel()
+        kept = columns >= 0
+        entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+        shape = (self.n_unknowns, len(self))
+        return self._gathered(weighted), sparse.coo_matrix(entries, shape=shape).tocsc()
+
+    def curvature(self, values: Array, depth: float, pressure: Array) -> sparse.csr_matrix:
+        """Return the second derivative of the sum of pressure_i w_i, (n_unknowns, n_unknowns)."""
+        _, _, hessian = self.obstacle.implicit(self.now(values), depth)
+        carried = np.where(self.on.owner >= 0, pressure[self.on.owner], 0.0)
+        density = np.einsum("tj,tjq->tq", carried, self.hats)
+        used = density.any(axis=1) & hessian.any(axis=(1, 2, 3))
+        shapes = self.on.part.quadratic
+        block = np.einsum("tq,kq,lq,tqab->tkalb", density[used], shapes, shapes, hessian[used])
+        rows = self._rows()[used]
+        first = np.broadcast_to(rows[:, :, :, None, None], block.shape).ravel()
+        second = np.broadcast_to(rows[:, None, None, :, :], block.shape).ravel()
+        shape = (self.n_unknowns, self.n_unknowns)
+        return sparse.coo_matrix((block.ravel(), (first, second)), shape=shape).tocsr()
+
+    def now(self, values: Array) -> Array:
+        """Return where the quadrature points (n_tri, n_q, 3) mm are."""
+        nodal = values[self._rows()]
+        return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
+
+    def areas(self, values: Array) -> Array:
+        """Return the integrals (n,) mm² of the hats over the deformed surface."""
+        corners = self.corners
+        midpoints = (corners + np.roll(corners, -1, axis=1)) / 2
+        nodal = values[self._rows()] + np.concatenate([corners, midpoints], axis=1)
+        along = np.einsum("kqr,tkc->tqrc", _slopes(), nodal)
+        stretched = np.linalg.norm(np.cross(along[:, :, 0], along[:, :, 1]), axis=2)
+        flat = np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        return self._gathered(np.einsum("tjq,tq->tj", self.hats, stretched / flat[:, None]))
+
+    def _rows(self) -> Integers:
+        return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
+
+    def _gathered(self, values: Array) -> Array:
+        kept = self.on.owner >= 0
+        return np.bincount(self.on.owner[kept], values[kept], minlength=len(self))
+
+
+def sliding(
+    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
+) -> Sliding:
+    """Return the patch of the pad `contact.candidates` within `reach` mm."""
+    chosen = candidates(space, triangles, normals, obstacle, reach)
+    return Sliding(
+        obstacle, chosen, space.points[chosen.part.triangles], space.n_unknowns
+    )
+
+
+def _slopes() -> Array:
+    """Derivatives (6, n_q, 2) of the quadratics of `trace` by the reference coordinates."""
+    basis = Basis(MeshTri.init_refdom(), ElementTriP2(), intorder=5)
+    return np.array([f[0].grad[:, 0, :].T for f in basis.basis])
