@@ -1,17 +1,19 @@
-"""Rigid smooth obstacles that travel along an axis: plane and ellipsoid.
+"""Rigid obstacles that travel along an axis: a profile of heights, placed and turned in space.
 
 In small strain the gap to the obstacle is linearized about the point of the obstacle that lies
 straight ahead: gap = n . axis (s - d) + n . u, with s the distance along the axis at first touch, d
 the travel and n the obstacle's outward normal there. It is exact for points that move along the
-axis, at every depth; sideways motion enters to first order.
+axis, at every depth; sideways motion enters to first order. Finite strain takes the gap along the
+axis itself, g = (x - origin) . axis + h - d, with its derivatives at the deformed point x.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from fefinger.fem.spaces import Array
+from fefinger.profiles import Plane, Profile
 
 
 class Rigid(Protocol):
@@ -27,39 +29,48 @@ class Rigid(Protocol):
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A rigid obstacle: `radii` (3,) mm of an ellipsoid, the last along the axis; None: a plane.
+    """A rigid obstacle of a given profile; a plane by default.
 
     axis (3,) unit direction of travel, into the finger; origin (3,) mm the foremost point of the
-    obstacle at first touch.
+    obstacle at first touch; roll degrees by which the profile is turned about the axis.
     """
 
     axis: Array
     origin: Array
-    radii: Array | None = None
+    profile: Profile = field(default_factory=Plane)
+    roll: float = 0.0
 
     @property
     def frame(self) -> Array:
-        """Rows: two unit vectors across the axis (the first in the x-z plane), then the axis."""
+        """Rows: the profile's two unit vectors across the axis, then the axis.
+
+        Without roll the first lies in the x-z plane.
+        """
         across = np.cross([0.0, 1.0, 0.0], self.axis)
         first = across / np.linalg.norm(across)
-        return np.array([first, np.cross(self.axis, first), self.axis])
+        second = np.cross(self.axis, first)
+        c, s = np.cos(np.radians(self.roll)), np.sin(np.radians(self.roll))
+        return np.array([c * first + s * second, c * second - s * first, self.axis])
 
     def gap(self, points: Array) -> tuple[Array, Array]:
         """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3).
 
         The distance is infinite where the obstacle is not ahead of the point.
         """
-        local = (points - self.origin) @ self.frame.T
-        if self.radii is None:
-            return local[..., 2], np.broadcast_to(self.axis, points.shape)
-        scaled = local[..., :2] / self.radii[:2]
-        inside = 1.0 - np.sum(scaled**2, axis=-1)
-        ahead = inside > 0
-        root = np.sqrt(np.where(ahead, inside, 1.0))
-        surface = self.radii[2] * (root - 1.0)
-        normal = np.concatenate(
-            [scaled / self.radii[:2], (root / self.radii[2])[..., None]], axis=-1
-        )
-        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-        distance = np.where(ahead, local[..., 2] - surface, np.inf)
-        return distance, normal @ self.frame
+        distance, gradient, _ = self.implicit(points)
+        return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
+
+    def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array, Array]:
+        """Return g = (x - origin) . axis + h - depth and its derivatives at points x (..., 3).
+
+        g (...,) mm is positive where the point is free and negative where it is inside the
+        obstacle; its gradient (..., 3), of which the part along the axis is 1, points out of the
+        obstacle; its hessian (..., 3, 3) is in 1/mm. Where the obstacle is not ahead, g is
+        infinite, the gradient is the axis and the hessian zero.
+        """
+        frame = self.frame
+        local = (points - self.origin) @ frame.T
+        h, slope, curvature = self.profile.height(local[..., :2])
+        gradient = self.axis + slope @ frame[:2]
+        hessian = frame[:2].T @ curvature @ frame[:2]
+        return local[..., 2] + h - depth, gradient, hessian

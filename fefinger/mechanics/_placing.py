@@ -1,5 +1,7 @@
 """Where the indenter touches the finger."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
 from fefinger.mechanics._touch import STANDARD, direction
+from fefinger.profiles import Ellipsoid as Profile
 from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
 
 
@@ -34,8 +37,7 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
         origin, axis = np.zeros(3), direction(STANDARD)
     else:
         origin, axis = _pad_point(body, indenter.at)
-    radii = np.array(_radii(indenter))
-    return _touching(Obstacle(axis, origin, radii), body, "indenter.at")
+    return _touching(Obstacle(axis, origin, Profile(_radii(indenter))), body, "indenter.at")
 
 
 def _radii(indenter: Sphere | Ellipsoid) -> tuple[float, float, float]:
@@ -60,7 +62,7 @@ def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
             "where the finger is cut or the nail begins; choose another angle or place"
         )
         raise InputError(message)
-    return Obstacle(placed.axis, placed.origin + distance[first] * placed.axis, placed.radii)
+    return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
 def _foremost(body: Body, axis: Array) -> Array:

@@ -1,0 +1,153 @@
+"""Shapes of rigid obstacles as height fields across their travel: numbers only, no scene, no mesh.
+
+A profile says how far the surface stays behind its foremost point, h >= 0 in mm, at places (u, v)
+in mm across the travel, with first and second derivatives; h is infinite (and its derivatives are
+zero) where there is no surface ahead. Profiles that change along u alone run along v.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+Array = NDArray[np.float64]
+Heights = tuple[Array, Array, Array]
+"""h (...,) mm, its slope (..., 2) and its curvature (..., 2, 2) in 1/mm."""
+
+FLANK = 75.0
+"""Degrees by which the sides of a bar fall away: steep, yet a height field has a surface there."""
+
+
+class Profile(Protocol):
+    """The shape of an obstacle."""
+
+    def height(self, across: Array) -> Heights:
+        """Return h, its slope and its curvature at places `across` (..., 2) mm."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A plane."""
+
+    def height(self, across: Array) -> Heights:
+        """Return h = 0."""
+        return _lifted(*(np.zeros(across.shape[:-1]),) * 3)
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """An ellipsoid with half axes `radii` (3,) mm along u, v and the travel; inf is a cylinder."""
+
+    radii: tuple[float, float, float]
+
+    def height(self, across: Array) -> Heights:
+        """Return h = c (1 - sqrt(1 - u²/a² - v²/b²))."""
+        flat, deep = np.array(self.radii[:2]), self.radii[2]
+        scaled = across / flat
+        inside = 1.0 - np.sum(scaled**2, axis=-1)
+        ahead = inside > 0
+        root = np.sqrt(np.where(ahead, inside, 1.0))
+        h = np.where(ahead, deep * (1.0 - root), np.inf)
+        lean = np.where(ahead[..., None], scaled / flat / root[..., None], 0.0)
+        bend = lean[..., :, None] * lean[..., None, :]
+        bend = bend + np.where(ahead[..., None, None], np.diag(flat**-2.0), 0.0)
+        return h, deep * lean, deep * bend / root[..., None, None]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A flat strip along v, `width` mm over all, with corners rounded to `corner` mm.
+
+    Beyond a corner the side falls away at FLANK degrees. The slope is continuous; the curvature is
+    1 / corner on the arc and zero elsewhere.
+    """
+
+    width: float
+    corner: float
+
+    def height(self, across: Array) -> Heights:
+        """Return h of flat, arc and side."""
+        u, radius = across[..., 0], self.corner
+        past = np.maximum(np.abs(u) - (self.width / 2 - radius), 0.0)
+        end = radius * np.sin(np.radians(FLANK))
+        arc = np.minimum(past, end)
+        root = np.sqrt(radius**2 - arc**2)
+        h = radius - root + (past - arc) * np.tan(np.radians(FLANK))
+        on_arc = (past > 0) & (past < end)
+        return _lifted(h, np.sign(u) * arc / root, np.where(on_arc, radius**2 / root**3, 0.0))
+
+
+@dataclass(frozen=True)
+class Grating:
+    """Rounded ridges along v, `period` mm apart, `ridge` mm wide at half height, `depth` mm high.
+
+    h = depth S((|u| - f) / l) from the middle of a ridge to that of a groove, with the smooth step
+    S(t) = t³ (10 - 15 t + 6 t²), l the smaller of ridge and groove and f half of what the ridge has
+    beyond l: flat tops where ridges are wider than grooves, flat floors where they are narrower.
+    The curvature is continuous. `shift` mm moves the ridges along u.
+    """
+
+    period: float
+    ridge: float
+    depth: float
+    shift: float = 0.0
+
+    def height(self, across: Array) -> Heights:
+        """Return h of the ridge or groove that each place is in."""
+        u = across[..., 0] - self.shift
+        u = u - self.period * np.round(u / self.period)
+        length = min(self.ridge, self.period - self.ridge)
+        t = np.clip((np.abs(u) - (self.ridge - length) / 2) / length, 0.0, 1.0)
+        h = t**3 * (10 - 15 * t + 6 * t**2)
+        slope = np.sign(u) * 30 * t**2 * (1 - t) ** 2 / length
+        bend = 60 * t * (1 - t) * (1 - 2 * t) / length**2
+        return _lifted(self.depth * h, self.depth * slope, self.depth * bend)
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """A surface through `heights` (n_u, n_v) mm towards the finger at grid lines u, v mm.
+
+    Between the samples it is the interpolating bicubic spline, whose derivatives are exact. There
+    is no surface beyond the outermost samples. h counts from the highest sample, so it is a little
+    negative where the spline rises above it.
+    """
+
+    u: Array
+    v: Array
+    heights: Array
+
+    @classmethod
+    def sampled(cls, function: Callable[[Array, Array], Array], u: Array, v: Array) -> "Relief":
+        """Return the relief of a function of u and v mm, sampled at the grid lines."""
+        heights = function(*np.meshgrid(u, v, indexing="ij"))
+        return cls(u, v, np.asarray(heights, dtype=np.float64))
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import RectBivariateSpline
+
+        return RectBivariateSpline(self.u, self.v, self.heights.max() - self.heights)
+
+    def height(self, across: Array) -> Heights:
+        """Return h of the spline."""
+        u, v = np.moveaxis(across, -1, 0)
+        ahead = (u >= self.u[0]) & (u <= self.u[-1]) & (v >= self.v[0]) & (v <= self.v[-1])
+
+        def part(du: int, dv: int) -> Array:
+            return np.where(ahead, self._spline.ev(u, v, dx=du, dy=dv), 0.0)
+
+        mixed = part(1, 1)
+        bend = np.stack([np.stack([part(2, 0), mixed], -1), np.stack([mixed, part(0, 2)], -1)], -2)
+        return np.where(ahead, part(0, 0), np.inf), np.stack([part(1, 0), part(0, 1)], -1), bend
+
+
+def _lifted(h: Array, slope: Array, bend: Array) -> Heights:
+    """Return the heights of a profile that changes along u alone."""
+    zero = np.zeros_like(h)
+    curvature = np.stack([np.stack([bend, zero], -1), np.stack([zero, zero], -1)], -2)
+    return h, np.stack([slope, zero], -1), curvature
