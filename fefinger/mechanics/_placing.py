@@ -11,8 +11,7 @@ from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
 from fefinger.mechanics._touch import STANDARD, direction
-from fefinger.profiles import Ellipsoid as Profile
-from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene import Flat, Grating, Indenter, Relief
 
 
 Array = NDArray[np.float64]
@@ -26,24 +25,16 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
     InputError
         If the place `at` is not on the pad, or the first touch lies on the border of the pad.
     """
-    if isinstance(indenter, Flat):
+    roll = getattr(indenter, "roll", 0.0)
+    if isinstance(indenter, Flat | Grating | Relief):
         axis = direction(indenter)
-        flat = Obstacle(axis, np.zeros(3) if indenter == STANDARD else _foremost(body, axis))
-        return _touching(flat, body, f"indenter.angle {indenter.angle:g} degrees")
-    if not isinstance(indenter, Sphere | Ellipsoid):
-        message = f"indenter: expected a plate, sphere or ellipsoid, received {indenter.kind!r}"
-        raise InputError(message)
-    if indenter.at is None:
-        origin, axis = np.zeros(3), direction(STANDARD)
-    else:
-        origin, axis = _pad_point(body, indenter.at)
-    return _touching(Obstacle(axis, origin, Profile(_radii(indenter))), body, "indenter.at")
-
-
-def _radii(indenter: Sphere | Ellipsoid) -> tuple[float, float, float]:
-    if isinstance(indenter, Sphere):
-        return (indenter.radius, indenter.radius, indenter.radius)
-    return indenter.radii
+        smooth = Flat(indenter.angle, indenter.tilt)
+        origin = np.zeros(3) if smooth == STANDARD else _foremost(body, axis)
+        placed = Obstacle(axis, origin, indenter.profile, roll)
+        return _touching(placed, body, f"indenter.angle {indenter.angle:g} degrees")
+    at = getattr(indenter, "at", None)
+    origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
+    return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 
 
 def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
