@@ -21,8 +21,12 @@ if TYPE_CHECKING:
     from fefinger.checks import InputError as InputError
     from fefinger.files import load as load
     from fefinger.finger import Finger as Finger
+    from fefinger.indenter import Bar as Bar
+    from fefinger.indenter import Cylinder as Cylinder
     from fefinger.indenter import Ellipsoid as Ellipsoid
     from fefinger.indenter import Flat as Flat
+    from fefinger.indenter import Grating as Grating
+    from fefinger.indenter import Relief as Relief
     from fefinger.indenter import Sphere as Sphere
     from fefinger.motion import ForceRamp as ForceRamp
     from fefinger.motion import ForceRampHold as ForceRampHold
@@ -47,7 +51,7 @@ _HOMES = {
     "checks": ("ConvergenceError", "InputError"),
     "files": ("load",),
     "finger": ("Finger",),
-    "indenter": ("Ellipsoid", "Flat", "Sphere"),
+    "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
     "motion": (
         *("Ramp", "RampHold", "RampSinusoid", "Trapezoid", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceTrapezoid", "ForceSampled"),

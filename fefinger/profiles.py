@@ -113,7 +113,8 @@ class Relief:
     """A surface through `heights` (n_u, n_v) mm towards the finger at grid lines u, v mm.
 
     Between the samples it is the interpolating bicubic spline, whose derivatives are exact. There
-    is no surface beyond the outermost samples; h counts from the highest sample.
+    is no surface beyond the outermost samples. h counts from the highest sample, so it is a little
+    negative where the spline rises above it.
     """
 
     u: Array

@@ -13,7 +13,7 @@ import numpy as np
 
 from fefinger import figures, page, section, view
 from fefinger.records import Result
-from fefinger.scene import Ellipsoid, Flat, Sphere
+from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 
 
 STANDING = (
@@ -81,9 +81,24 @@ def _touch(result: Result) -> str:
         what = f"a rigid sphere of radius {indenter.radius:g} mm"
     elif isinstance(indenter, Ellipsoid):
         what = "a rigid ellipsoid of half axes {:g}, {:g}, {:g} mm".format(*indenter.radii)
+    elif isinstance(indenter, Cylinder):
+        what = f"a rigid cylinder of radius {indenter.radius:g} mm{_turned(indenter.roll)}"
+    elif isinstance(indenter, Bar):
+        size = f"{indenter.width:g} mm wide with corners of {indenter.corner:g} mm"
+        what = f"a rigid bar {size}{_turned(indenter.roll)}"
+    elif isinstance(indenter, Grating):
+        size = f"{indenter.ridge:g} mm wide every {indenter.period:g} mm, {indenter.depth:g} high"
+        what = f"a rigid grating of ridges {size}{_turned(indenter.roll)}"
+    elif isinstance(indenter, Relief):
+        what = f"a rigid relief of {len(indenter.x)} by {len(indenter.y)} heights"
     peak = f"{motion.peak:.3g} {'N' if motion.control == 'force' else 'mm'}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
     return f"{who} ({size}) and {what}; {motion.kind} to {peak}, {_time(motion.duration)} in all."
+
+
+def _turned(roll: float) -> str:
+    """Return how an object that is longer one way lies on the finger."""
+    return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"
 
 
 def _tiles(result: Result) -> Iterator[dict[str, str]]:

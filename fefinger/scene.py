@@ -8,7 +8,16 @@ from typing import Any, Self
 from fefinger.ask import Ask
 from fefinger.checks import InputError, number
 from fefinger.finger import Finger
-from fefinger.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.indenter import (
+    Bar,
+    Cylinder,
+    Ellipsoid,
+    Flat,
+    Grating,
+    Indenter,
+    Relief,
+    Sphere,
+)
 from fefinger.motion import (
     ForceRamp,
     ForceRampHold,
@@ -29,6 +38,8 @@ from fefinger.tissue import Tissue
 
 __all__ = [
     "Ask",
+    "Bar",
+    "Cylinder",
     "Ellipsoid",
     "Finger",
     "Flat",
@@ -37,12 +48,14 @@ __all__ = [
     "ForceRampSinusoid",
     "ForceSampled",
     "ForceTrapezoid",
+    "Grating",
     "Indenter",
     "Motion",
     "Prony",
     "Ramp",
     "RampHold",
     "RampSinusoid",
+    "Relief",
     "Sampled",
     "Scene",
     "Sphere",

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import choice
+from fefinger.profiles import Ellipsoid, Profile
 from fefinger.records import Array, Fields, Integers, Result
-from fefinger.scene import Ellipsoid, Flat, Sphere
+from fefinger.scene import Flat, Grating, Relief
 
 
 BONE = 3  # the region of rigid bone, which has no field of its own
@@ -25,6 +26,8 @@ FIELDS = (
     "displacement",
 )
 SNAP = 1e-3  # of an edge
+STANDARD = (30.0, 0.0)  # angle and tilt of the plate that touches at the origin
+SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 
@@ -159,62 +162,92 @@ def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
 
 
 class Pose(NamedTuple):
-    """An indenter in space: foremost point and direction of travel (3,), half axes or None."""
+    """An indenter in space: foremost point and direction of travel (3,), shape, turn in degrees."""
 
     origin: Array
     axis: Array
-    radii: tuple[float, float, float] | None
+    profile: Profile
+    roll: float = 0.0
+
+    @property
+    def frame(self) -> Array:
+        """Rows: the two unit vectors across the travel that the shape is given in, then the axis.
+
+        Without roll the first lies in the x-z plane.
+        """
+        first = np.cross([0.0, 1.0, 0.0], self.axis)
+        first /= np.linalg.norm(first)
+        second = np.cross(self.axis, first)
+        c, s = np.cos(np.radians(self.roll)), np.sin(np.radians(self.roll))
+        return np.array([c * first + s * second, c * second - s * first, self.axis])
+
+    def places(self, across: Array) -> Array:
+        """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
+        height = self.profile.height(across)[0]
+        frame = self.frame
+        return np.asarray(self.origin + across @ frame[:2] - height[..., None] * frame[2])
 
     def outline(self, reach: float) -> Array:
         """Return the indenter's outline (n, 2) in the medial plane, x and z in mm.
 
-        A plate is a slab of `reach` mm length to either side; no rows where the plane misses it.
+        It goes `reach` mm to either side; no rows where the plane misses the indenter.
         """
-        along = np.array([self.axis[2], -self.axis[0]]) / np.hypot(self.axis[0], self.axis[2])
-        ahead = np.array([self.axis[0], self.axis[2]]) / np.hypot(self.axis[0], self.axis[2])
-        if self.radii is None:
-            start = ahead * (self.axis @ self.origin) / np.hypot(self.axis[0], self.axis[2])
-            ends = np.array([start - reach * along, start + reach * along])
-            return np.concatenate([ends, ends[::-1] - 0.06 * reach * ahead])
-        center = self.origin - self.radii[2] * self.axis
-        inside = 1 - (center[1] / self.radii[1]) ** 2
+        ahead = self.axis[[0, 2]] / np.hypot(self.axis[0], self.axis[2])
+        if isinstance(self.profile, Ellipsoid) and self.roll == 0:
+            return self._ring(np.array([ahead[1], -ahead[0]]), ahead, self.profile.radii)
+        front = self._front(reach)
+        if not len(front):
+            return front
+        low = float((front @ ahead).min()) - 0.06 * reach
+        back = front + np.outer(low - front @ ahead, ahead)
+        return np.concatenate([front, back[[-1, 0]]])
+
+    def _ring(self, along: Array, ahead: Array, radii: tuple[float, float, float]) -> Array:
+        """Return the ellipse in which the medial plane cuts an ellipsoid that travels along it."""
+        center = self.origin - radii[2] * self.axis
+        inside = 1 - (center[1] / radii[1]) ** 2
         if inside <= 0:
             return np.empty((0, 2))
         turn = np.linspace(0, 2 * np.pi, 181)[:, None]
-        ring = self.radii[0] * np.cos(turn) * along + self.radii[2] * np.sin(turn) * ahead
+        ring = radii[0] * np.cos(turn) * along + radii[2] * np.sin(turn) * ahead
         return np.asarray(center[[0, 2]] + np.sqrt(inside) * ring)
 
-
-def travel(flat: Flat) -> Array:
-    """Return the direction of travel (3,) of a plate, which is its normal into the finger."""
-    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
-    up = np.cos(angle)
-    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+    def _front(self, reach: float) -> Array:
+        """Return the line (n, 2) in which the surface meets the medial plane y = 0."""
+        unrolled = self._replace(roll=0.0).frame
+        along = np.linspace(-reach, reach, SAMPLES)
+        aside = np.full(SAMPLES, -self.origin[1] / unrolled[1, 1])
+        turn = (self.frame @ unrolled.T)[:2, :2].T
+        for _ in range(STEPS):
+            across = np.column_stack([along, aside]) @ turn
+            height = self.profile.height(across)[0]
+            height = np.where(np.isfinite(height), height, 0.0)
+            aside = (height * self.axis[1] - self.origin[1]) / unrolled[1, 1]
+        places = self.places(across)
+        return places[np.isfinite(places).all(axis=1)][:, [0, 2]]
 
 
 def pose(result: Result, depth: float) -> Pose:
     """Return where the indenter is after `depth` mm of travel."""
     indenter = result.scene.indenter
-    if isinstance(indenter, Flat):
+    roll = getattr(indenter, "roll", 0.0)
+    if isinstance(indenter, Flat | Grating | Relief):
         axis, origin = travel(indenter), np.zeros(3)
-        if indenter != Flat() and result.fields is not None:
+        if (indenter.angle, indenter.tilt) != STANDARD and result.fields is not None:
             points = whole(result.fields).points
             origin = points[int(np.argmin(points @ axis))]
-        return Pose(origin + depth * axis, axis, None)
+        return Pose(origin + depth * axis, axis, indenter.profile, roll)
     origin, axis = np.zeros(3), travel(Flat())
     at, pad = getattr(indenter, "at", None), result.pad
     if at is not None and pad is not None:
         palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
         here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))
         origin, axis = pad.points[here], -pad.normals[here]
-    radii = _radii(indenter)
-    return Pose(origin + depth * axis, axis, radii)
+    return Pose(origin + depth * axis, axis, indenter.profile, roll)
 
 
-def _radii(indenter: object) -> tuple[float, float, float]:
-    if isinstance(indenter, Sphere):
-        return (indenter.radius,) * 3
-    if isinstance(indenter, Ellipsoid):
-        return indenter.radii
-    message = f"indenter: expected a plate, sphere or ellipsoid, received {indenter!r}"
-    raise TypeError(message)
+def travel(plate: Flat | Grating | Relief) -> Array:
+    """Return the direction of travel (3,) of a plate, which is its normal into the finger."""
+    angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
+    up = np.cos(angle)
+    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])

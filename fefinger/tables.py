@@ -10,7 +10,7 @@ from fefinger import library
 from fefinger.ask import Ask
 from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.finger import Finger
-from fefinger.indenter import INDENTERS, Flat, Indenter
+from fefinger.indenter import INDENTERS, Flat, Indenter, Relief
 from fefinger.motion import MOTIONS, Motion, SampledMotion
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
@@ -55,7 +55,7 @@ def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             raise InputError(msg)
     found: dict[str, Any] = {
         "finger": _finger(sub["finger"], folder),
-        "indenter": _indenter(sub["indenter"]),
+        "indenter": _indenter(sub["indenter"], folder),
         "motion": _motion(sub["motion"], folder),
         "ask": _record(Ask, "ask", sub["ask"]),
     }
@@ -109,7 +109,7 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
 
 def _layer(name: str, given: dict[str, Any], known: Tissue) -> Tissue:
     """Return the layer `known` with the values `given` instead of its own."""
-    reject_unknown(name, given, ("modulus", "poisson", "thickness", "prony"))
+    reject_unknown(name, given, (*(field.name for field in fields(Tissue)), "prony"))
     try:
         return Tissue(**(_plain(known) | given))
     except InputError as error:
@@ -145,9 +145,13 @@ def _prony(table: dict[str, Any]) -> Prony | None:
     return next(iter(found.values()), None)
 
 
-def _indenter(table: dict[str, Any]) -> Indenter:
+def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
     kind = table.pop("kind", Flat.kind)
-    return _record(INDENTERS[choice("indenter.kind", kind, INDENTERS)], "indenter", table, kind)
+    indenter = INDENTERS[choice("indenter.kind", kind, INDENTERS)]
+    if issubclass(indenter, Relief) and "file" in table:
+        reject_unknown("indenter", table, ("file", "angle", "tilt", "roll"))
+        return indenter.from_file(folder / _file("indenter", table, "CSV or NPZ"), **table)
+    return _record(indenter, "indenter", table, kind)
 
 
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
@@ -158,11 +162,17 @@ def _motion(table: dict[str, Any], folder: Path) -> Motion:
     motion = MOTIONS[choice("motion.kind", kind, MOTIONS)]
     if issubclass(motion, SampledMotion) and "file" in table:
         reject_unknown("motion", table, ("file", "corner"))
-        if not isinstance(table["file"], str):
-            msg = f"motion.file: expected the name of a CSV file, received {table['file']!r}"
-            raise InputError(msg)
-        return motion.from_csv(folder / table.pop("file"), **table)
+        return motion.from_csv(folder / _file("motion", table, "CSV"), **table)
     return _record(motion, "motion", table, kind)
+
+
+def _file(part: str, table: dict[str, Any], format_: str) -> str:
+    """Take the name of a file out of a table."""
+    name = table.pop("file")
+    if not isinstance(name, str):
+        msg = f"{part}.file: expected the name of a {format_} file, received {name!r}"
+        raise InputError(msg)
+    return name
 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:

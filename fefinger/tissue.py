@@ -2,7 +2,11 @@
 
 from dataclasses import dataclass
 
-from fefinger.checks import number
+from fefinger.checks import InputError, choice, number
+
+
+LAWS = ("neo-hookean", "mooney-rivlin", "demiray", "veronda-westmann")
+"""Hyperelastic laws; the last two stiffen exponentially and need an exponent."""
 
 
 @dataclass(frozen=True)
@@ -17,16 +21,25 @@ class Tissue:
         Poisson's ratio, 0 to 0.5; 0.5 is incompressible and allowed.
     thickness
         Thickness of the skin in mm; None for the tissue that fills the rest of the pulp.
+    law
+        Hyperelastic law at finite strain (`solid`); small strain does not tell them apart.
+    exponent
+        b of the exponential laws, which stiffen as exp(b (I1 - 3)).
+    share
+        Part of the shear modulus that I1 carries in "mooney-rivlin", 0 to 1; by default half.
 
     Raises
     ------
     InputError
-        A value that is not a finite number in its range.
+        A value that is not a finite number in its range, or that its law does not have.
     """
 
     modulus: float
     poisson: float
     thickness: float | None = None
+    law: str = "neo-hookean"
+    exponent: float | None = None
+    share: float | None = None
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -36,5 +49,26 @@ class Tissue:
         }
         if self.thickness is not None:
             checked["thickness"] = number("tissue.thickness", self.thickness, above=0, unit="mm")
+        checked |= self._law_numbers()
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+
+    def _law_numbers(self) -> dict[str, float]:
+        choice("tissue.law", self.law, LAWS)
+        exponential, mixed = self.law in LAWS[2:], self.law == "mooney-rivlin"
+        if exponential and self.exponent is None:
+            msg = f"tissue.exponent: missing; expected a number, because {self.law!r} stiffens by it"
+            raise InputError(msg)
+        for name, value, fits in (
+            ("exponent", self.exponent, exponential),
+            ("share", self.share, mixed),
+        ):
+            if value is not None and not fits:
+                msg = f"tissue.{name}: expected none for the law {self.law!r}, received {value!r}"
+                raise InputError(msg)
+        checked = {}
+        if self.exponent is not None:
+            checked["exponent"] = number("tissue.exponent", self.exponent, above=0)
+        if self.share is not None:
+            checked["share"] = number("tissue.share", self.share, at_least=0, at_most=1)
+        return checked

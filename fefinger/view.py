@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fefinger import figures, medial, section
 from fefinger.checks import InputError, choice
+from fefinger.profiles import Ellipsoid, Plane
 from fefinger.records import Array, Fields, Integers, Result
 
 
@@ -312,25 +313,38 @@ def _add_finger(plotter: Any, result: Result, fields: Fields, frame: int, field:
     _look(plotter, (0.75, -0.6, -0.75) if on_skin else (0.5, -1.0, 0.25))
 
 
+def _front(pose: section.Pose) -> Any:
+    """Return the front of an indenter as a surface, within 7 mm aside and 4 mm behind."""
+    import pyvista as pv
+
+    line = np.linspace(-7, 7, 281)
+    across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
+    height = pose.profile.height(across)[0]
+    places = np.where((height < 4.0)[..., None], pose.places(across), np.nan)
+    grid = pv.StructuredGrid(*(places[..., k] for k in range(3)))
+    seen: Any = np.isfinite(grid.points).all(axis=1)
+    return grid.extract_points(seen, adjacent_cells=False).extract_surface(algorithm=None)
+
+
 def _add_indenter(plotter: Any, result: Result, time: float, glass: bool) -> None:
     """Add the indenter: clear as glass where it would hide what is shown."""
     import pyvista as pv
 
     pose = section.pose(result, float(np.interp(time, result.time, result.depth)))
-    if pose.radii is None:
+    if isinstance(pose.profile, Plane):
         shape = pv.Plane(center=pose.origin, direction=pose.axis, i_size=14, j_size=14)
-    else:
-        shape = pv.ParametricEllipsoid(*pose.radii, u_res=80, v_res=80)
-        across = np.cross([0.0, 1.0, 0.0], pose.axis)
-        across /= np.linalg.norm(across)
+    elif isinstance(pose.profile, Ellipsoid) and np.isfinite(pose.profile.radii).all():
+        shape = pv.ParametricEllipsoid(*pose.profile.radii, u_res=80, v_res=80)
         turn = np.eye(4)
-        turn[:3, :3] = np.column_stack([across, np.cross(pose.axis, across), pose.axis])
-        turn[:3, 3] = pose.origin - pose.radii[2] * pose.axis
+        turn[:3, :3] = pose.frame.T
+        turn[:3, 3] = pose.origin - pose.profile.radii[2] * pose.axis
         shape = shape.transform(turn, inplace=False)
+    else:
+        shape = _front(pose)
     plotter.add_mesh(
         shape, color="#8fa3b5", opacity=0.12 if glass else 0.55, name="indenter",
         show_edges=False,
     )  # fmt: skip
-    if pose.radii is None:
+    if isinstance(pose.profile, Plane):
         edges = shape.extract_feature_edges(feature_edges=False, manifold_edges=False)
         plotter.add_mesh(edges, color="#51606e", line_width=2, name="rim")

@@ -21,6 +21,7 @@ BELOW = {
     "fefinger.fem": (
         *("fefinger.fem", "fefinger.checks", "fefinger.tolerances", "fefinger.stages"),
         *("fefinger.mesh.record", "fefinger.mesh.topology", "fefinger.units"),
+        "fefinger.profiles",
     ),
 }
 """Packages that may import nothing of fefinger but these."""

@@ -60,3 +60,12 @@ def demiray(elastic: Elastic, exponent: float) -> Law:
 def veronda_westmann(elastic: Elastic, exponent: float) -> Law:
     """Return W = mu/b (exp(b (I1 - 3)) - 1) - mu/2 (I2 - 3) (J. Biomech. 3:111, 1970)."""
     return Law(elastic.shear, elastic.compressibility, 2.0, exponent)
+
+
+def law(name: str, elastic: Elastic, exponent: float | None, share: float | None) -> Law:
+    """Return the law called `name` (of tissue.LAWS), with the small-strain behavior `elastic`."""
+    if name == "mooney-rivlin":
+        return mooney_rivlin(elastic, *(() if share is None else (share,)))
+    if name == "neo-hookean" or exponent is None:
+        return neo_hookean(elastic)
+    return {"demiray": demiray, "veronda-westmann": veronda_westmann}[name](elastic, exponent)

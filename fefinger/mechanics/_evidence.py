@@ -5,11 +5,22 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.data import report
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.scene import Ellipsoid, Flat, Indenter, Scene, Sphere
+from fefinger.scene import (
+    Bar,
+    Cylinder,
+    Ellipsoid,
+    Flat,
+    Grating,
+    Indenter,
+    Relief,
+    Scene,
+    Sphere,
+)
 
 
 LINEAR_STRAIN = 0.5
@@ -19,6 +30,9 @@ measures it."""
 
 LINEAR_RADIUS = 2.0
 """Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
+
+LINEAR_EDGE = 0.5
+"""Radius of an edge, ridge or crest in mm below which the mesh error has not been measured."""
 
 LINEAR_REPORT = "linear-mesh.json"
 
@@ -53,15 +67,28 @@ def linear_error(scene: Scene) -> tuple[float, str]:
     smallest radius for a round indenter.
     """
     errors: dict[str, float | None] = linear()[scene.finger.resolution]["force_error"]
-    indenter = scene.indenter
-    if isinstance(indenter, Flat):
-        angles = {press: float(press[5:]) for press in errors if press.startswith("flat-")}
-        press = min(angles, key=lambda press: abs(angles[press] - indenter.angle))
-    else:
-        press = "sphere-5" if smallest_radius(indenter) >= 5 else "sphere-2"
+    press = linear_press(scene.indenter, tuple(errors))
     error = errors[press]
     source = f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
     return float("inf") if error is None else error, source
+
+
+def linear_radius(scene: Scene) -> float:
+    """Return the smallest radius in mm for which the mesh error of `linear` is measured."""
+    sharp = isinstance(scene.indenter, Bar | Grating | Relief)
+    return LINEAR_EDGE if sharp else LINEAR_RADIUS
+
+
+def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
+    """Return which of the measured presses is next to that of an indenter."""
+    if isinstance(indenter, Flat):
+        angles = {press: float(press[5:]) for press in presses if press.startswith("flat-")}
+        return min(angles, key=lambda press: abs(angles[press] - indenter.angle))
+    if isinstance(indenter, Bar):
+        return "edge"
+    if isinstance(indenter, Grating | Relief):
+        return "grating"
+    return "sphere-5" if smallest_radius(indenter) >= 5 else "sphere-2"
 
 
 @cache
@@ -105,10 +132,39 @@ def layered_press(indenter: Indenter) -> str:
 
 
 def smallest_radius(indenter: Indenter) -> float:
-    """Return the smallest radius of curvature in mm at the foremost point of a round indenter."""
-    if isinstance(indenter, Sphere):
+    """Return the smallest radius of curvature in mm of what the pad meets of an indenter.
+
+    That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
+    """
+    if isinstance(indenter, Sphere | Cylinder):
         return indenter.radius
     if isinstance(indenter, Ellipsoid):
         a, b, c = indenter.radii
         return min(a, b) ** 2 / c
+    if isinstance(indenter, Bar):
+        return indenter.corner
+    if isinstance(indenter, Grating | Relief):
+        _, _, curvature = indenter.profile.height(_crests(indenter))
+        return float(1 / max(np.linalg.eigvalsh(curvature).max(), 1e-12))
     return float("inf")
+
+
+def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
+    """Return places (n, 2) mm that are close enough to find the sharpest crest within 1 %."""
+    if isinstance(indenter, Grating):
+        return np.column_stack([np.linspace(0, indenter.period, 401), np.zeros(401)])
+    fine = (
+        np.interp(np.arange(0, len(x) - 1, 0.2), np.arange(len(x)), x)
+        for x in (indenter.x, indenter.y)
+    )
+    return np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def solid_seconds(scene: Scene) -> float:
+    """Return the expected wall time of `solid` in s."""
+    return 10 * linear_seconds(scene)
+
+
+def solid_error(scene: Scene) -> tuple[float, str]:
+    """Return the measured error of the force against the extrapolated mesh, and its source."""
+    return linear_error(scene)

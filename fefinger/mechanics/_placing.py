@@ -1,5 +1,7 @@
 """Where the indenter touches the finger."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
 from fefinger.mechanics._touch import STANDARD, direction
-from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene import Flat, Grating, Indenter, Relief
 
 
 Array = NDArray[np.float64]
@@ -23,25 +25,16 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
     InputError
         If the place `at` is not on the pad, or the first touch lies on the border of the pad.
     """
-    if isinstance(indenter, Flat):
+    roll = getattr(indenter, "roll", 0.0)
+    if isinstance(indenter, Flat | Grating | Relief):
         axis = direction(indenter)
-        flat = Obstacle(axis, np.zeros(3) if indenter == STANDARD else _foremost(body, axis))
-        return _touching(flat, body, f"indenter.angle {indenter.angle:g} degrees")
-    if not isinstance(indenter, Sphere | Ellipsoid):
-        message = f"indenter: expected a plate, sphere or ellipsoid, received {indenter.kind!r}"
-        raise InputError(message)
-    if indenter.at is None:
-        origin, axis = np.zeros(3), direction(STANDARD)
-    else:
-        origin, axis = _pad_point(body, indenter.at)
-    radii = np.array(_radii(indenter))
-    return _touching(Obstacle(axis, origin, radii), body, "indenter.at")
-
-
-def _radii(indenter: Sphere | Ellipsoid) -> tuple[float, float, float]:
-    if isinstance(indenter, Sphere):
-        return (indenter.radius, indenter.radius, indenter.radius)
-    return indenter.radii
+        smooth = Flat(indenter.angle, indenter.tilt)
+        origin = np.zeros(3) if smooth == STANDARD else _foremost(body, axis)
+        placed = Obstacle(axis, origin, indenter.profile, roll)
+        return _touching(placed, body, f"indenter.angle {indenter.angle:g} degrees")
+    at = getattr(indenter, "at", None)
+    origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
+    return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 
 
 def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
@@ -60,7 +53,7 @@ def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
             "where the finger is cut or the nail begins; choose another angle or place"
         )
         raise InputError(message)
-    return Obstacle(placed.axis, placed.origin + distance[first] * placed.axis, placed.radii)
+    return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
 def _foremost(body: Body, axis: Array) -> Array:

@@ -61,7 +61,7 @@ def press(
     with stages.stage("factor"):
         finger = body(mesh, tissues(scene.finger), held(scene.finger))
     touch = _placing.obstacle(scene.indenter, finger)
-    _check_depth(scene, finger, mesh, touch)
+    check_depth(scene, finger, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
     contact = _contact(scene, finger, touch, time, stages)
     with stages.stage("reference"):
@@ -72,7 +72,7 @@ def press(
         mechanics=mechanics,
         **_answer(scene, finger, contact, reference, fields),
         seconds=stages.seconds,
-        notes=notes + _notes(scene),
+        notes=notes + scene_notes(scene),
         sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
     )
 
@@ -147,7 +147,7 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
     raise ConvergenceError(message)
 
 
-def _check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) -> None:
+def check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) -> None:
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))
     if scene.motion.control == "depth" and scene.motion.peak >= pulp:
@@ -158,14 +158,11 @@ def _check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) 
         raise InputError(message)
 
 
-def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | None:
-    """Press the standard plate a little; on the scene's own patch if that is the same plate."""
-    if contact.sites is None:
-        return None
+def reference(scene: Scene, finger: Body, reduced: Reduced | None = None) -> Reference:
+    """Press the standard plate a little, on a patch `reduced` for it if there is one."""
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)
-    reduced = contact.reduced
-    if scene.indenter != STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
+    if reduced is None:
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)
@@ -179,10 +176,18 @@ def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | Non
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 
+def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | None:
+    """Return the reference press; on the scene's own patch if that is the same plate."""
+    if contact.sites is None:
+        return None
+    own = scene.indenter == STANDARD and contact.history.depth.max() >= REFERENCE_DEPTH
+    return reference(scene, finger, contact.reduced if own else None)
+
+
 def _fields(contact: _Contact, finger: Body, mesh: FingerMesh) -> Fields:
     """Solve for the whole body at some of the times."""
     force = contact.history.pressure @ contact.reduced.patch.travel
-    frames = _frames(contact.history.depth, int(np.argmax(force)))
+    frames = frames_of(contact.history.depth, int(np.argmax(force)))
     loads = contact.reduced.patch.loads @ contact.history.elastic[frames].T
     unknowns = finger.system.solve(np.asarray(loads))
     n_points, n_frames = len(mesh.points), len(frames)
@@ -199,7 +204,7 @@ def _fields(contact: _Contact, finger: Body, mesh: FingerMesh) -> Fields:
     return Fields(mesh.points, mesh.cells, mesh.region, times, displacement, strain, pressure)
 
 
-def _frames(depth: Array, peak: int) -> NDArray[np.int64]:
+def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
     """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
     moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))
@@ -216,7 +221,7 @@ def _answer(
 ) -> dict[str, Any]:
     """Return the fields of a Response that the solved contact gives."""
     history, on_pad = contact.history, contact.reduced.patch
-    pad, column = _pad(finger, contact)
+    pad, column = whole_pad(finger, on_pad.vertices, on_pad.triangles, on_pad.areas)
     pressure = history.pressure[:, column]
     sides = 2 if finger.half else 1
     force = sides * history.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
@@ -230,7 +235,7 @@ def _answer(
         "depth": history.depth,
         "force": force,
         "contact_area": (pressure > 0) @ pad.areas if asked else None,
-        "centroid": _centroid(pad, pressure) if asked else None,
+        "centroid": centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,
         "pressure": pressure if asked else None,
         "sites": contact.sites,
@@ -246,7 +251,7 @@ def _answer(
     }
 
 
-def _centroid(pad: Pad, pressure: Array) -> Array:
+def centroid(pad: Pad, pressure: Array) -> Array:
     """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
     weights = pressure * pad.areas
     total = weights.sum(axis=1, keepdims=True)
@@ -254,31 +259,33 @@ def _centroid(pad: Pad, pressure: Array) -> Array:
     return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
 
 
-def _pad(finger: Body, contact: _Contact) -> tuple[Pad, NDArray[np.int64]]:
-    """Return the pad of the whole finger, and the patch column of each of its points."""
-    on_pad = contact.reduced.patch
-    points, normals = finger.space.points[on_pad.vertices], finger.normals[on_pad.vertices]
+def whole_pad(
+    finger: Body, vertices: NDArray[np.int64], faces: NDArray[np.int64], areas: Array
+) -> tuple[Pad, NDArray[np.int64]]:
+    """Return the pad of the whole finger, and which of `vertices` each of its points is."""
+    points, normals = finger.space.points[vertices], finger.normals[vertices]
     column = np.arange(len(points))
     number = np.full(len(finger.space.points), -1, dtype=np.int64)
-    number[on_pad.vertices] = column
-    triangles = number[on_pad.triangles]
+    number[vertices] = column
+    triangles = number[faces]
     triangles = triangles[(triangles >= 0).all(axis=1)]
     if not finger.half:
-        return Pad(points, on_pad.areas, normals, triangles), column
+        return Pad(points, areas, normals, triangles), column
     mirror = np.array([1.0, -1.0, 1.0])
     off = points[:, 1] > 0
     twin = column.copy()
     twin[off] = len(points) + np.arange(off.sum())
-    areas = np.where(off, on_pad.areas, 2 * on_pad.areas)
+    whole = np.where(off, areas, 2 * areas)
     pad = Pad(
         points=np.concatenate([points, points[off] * mirror]),
-        areas=np.concatenate([areas, areas[off]]),
+        areas=np.concatenate([whole, whole[off]]),
         normals=np.concatenate([normals, normals[off] * mirror]),
         triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
     )
     return pad, np.concatenate([column, column[off]])
 
 
-def _notes(scene: Scene) -> tuple[str, ...]:
+def scene_notes(scene: Scene) -> tuple[str, ...]:
+    """Return what a reader has to know of this scene's finger."""
     cut = "held" if scene.finger.cut == "fixed" else "free"
     return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony))

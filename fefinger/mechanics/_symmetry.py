@@ -1,13 +1,8 @@
 """Which scenes are their own mirror image, so that half a finger answers them."""
 
-from fefinger.scene import Ellipsoid, Flat, Scene, Sphere
+from fefinger.scene import Scene
 
 
 def symmetric(scene: Scene) -> bool:
     """Return whether the scene is its own mirror image in the medial plane y = 0."""
-    indenter = scene.indenter
-    if isinstance(indenter, Flat):
-        return indenter.tilt == 0
-    return (
-        not isinstance(indenter, Sphere | Ellipsoid) or indenter.at is None or indenter.at[1] == 0
-    )
+    return scene.indenter.mirrored

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fefinger.library import receptors
 from fefinger.records import Sites
-from fefinger.scene import Flat, Scene
+from fefinger.scene import Flat, Grating, Relief, Scene
 
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
 
-def direction(flat: Flat) -> Array:
+def direction(flat: Flat | Grating | Relief) -> Array:
     """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
     angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
     up = np.cos(angle)

@@ -15,7 +15,7 @@ from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
-from fefinger.scene import Ellipsoid, Finger, Flat, Scene
+from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
@@ -23,6 +23,8 @@ name = "hertz"
 
 THIN = 0.1
 """Contact radius over the thickness of the tissue, beyond which the bone is felt."""
+
+SHAPES = "the contact is that of a plate, sphere or ellipsoid"
 
 STIFFENING = 1.127
 """First coefficient of the force on an incompressible layer bonded to a rigid base, against a
@@ -137,6 +139,9 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     unable = []
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
+        return tuple(Refusal(name, "ability", reason) for reason in unable)
     if _axisymmetric.touch(scene) is None:
         unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
     doubts = [*_doubts_of_size(scene), *doubts_of_place(scene)]

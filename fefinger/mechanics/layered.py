@@ -78,9 +78,10 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     bone, deepest = stack(scene.finger).thickness, max(dict(scene.ask.depths).values(), default=0)
     if deepest >= bone:
         unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
+    doubts = [] if unable else _doubts(scene)
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
-        *(Refusal(name, "accuracy", reason) for reason in _doubts(scene)),
+        *(Refusal(name, "accuracy", reason) for reason in doubts),
     )
 
 

@@ -25,7 +25,7 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
     found = []
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
+    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         found.append(Refusal(name, "accuracy", reason))

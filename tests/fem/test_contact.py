@@ -8,7 +8,6 @@ from fefinger.validation.hertz import COARSE, block, force_error, peak_error
 
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.march import Prescribed, Relaxation, march
-from fefinger.fem.obstacle import Obstacle
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -116,17 +115,3 @@ def test_a_held_force_creeps_to_the_relaxed_depth(pad: tuple) -> None:
     elastic = march(*pad, memory([1.0], []), asked)
     assert (np.diff(viscous.depth) >= -1e-12).all()
     assert viscous.depth[-1] == pytest.approx(elastic.depth[-1], rel=1e-6)
-
-
-def test_an_ellipsoid_of_equal_radii_is_a_sphere_and_a_large_one_a_plane() -> None:
-    points = np.random.default_rng(2).uniform(-1, 1, (20, 3))
-    axis = np.array([-0.5, 0.0, np.sqrt(0.75)])
-    origin = np.array([0.1, 0.0, 0.2])
-    sphere = Obstacle(axis, origin, np.full(3, 5.0))
-    distance, normal = sphere.gap(points)
-    ahead = points - distance[:, None] * axis
-    center = origin - 5.0 * axis
-    assert np.linalg.norm(ahead - center, axis=1) == pytest.approx(np.full(20, 5.0))
-    assert normal == pytest.approx((ahead - center) / 5.0)
-    plane = Obstacle(axis, origin).gap(points)[0]
-    assert Obstacle(axis, origin, np.full(3, 1e8)).gap(points)[0] == pytest.approx(plane, abs=1e-6)

@@ -1,0 +1,77 @@
+"""Reading a relief: heights on a rectangular grid, from a CSV file or an NPZ archive."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+
+
+Numbers = tuple[float, ...]
+COLUMNS = ("x", "y", "height")
+
+
+def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
+    """Return x (n_x,), y (n_y,) and heights (n_x, n_y) in mm of a file.
+
+    A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
+    order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y).
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or its places do not fill a grid.
+    """
+    x, y, height = _archive(file) if file.suffix.lower() == ".npz" else _table(file)
+    if height.shape != (len(x), len(y)):
+        msg = (
+            f"indenter.file: expected heights of shape (x, y) = ({len(x)}, {len(y)}) in "
+            f"{str(file)!r}, received {height.shape}"
+        )
+        raise InputError(msg)
+    rows = tuple(tuple(row) for row in height.tolist())
+    return tuple(x.tolist()), tuple(y.tolist()), rows
+
+
+def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
+    try:
+        with np.load(file, allow_pickle=False) as archive:
+            x, y, height = (np.asarray(archive[name], dtype=np.float64) for name in COLUMNS)
+    except (OSError, ValueError, KeyError, EOFError) as error:
+        msg = f"indenter.file: expected arrays x, y and height in {str(file)!r}: {error}"
+        raise InputError(msg) from None
+    return x.ravel(), y.ravel(), height
+
+
+def _table(file: Path) -> tuple[NDArray[np.float64], ...]:
+    try:
+        with file.open(encoding="utf-8-sig") as stream:
+            head = tuple(cell.strip().lower() for cell in stream.readline().split(","))
+            rows = [line.split(",") for line in stream if line.strip()]
+    except (OSError, UnicodeDecodeError) as error:
+        msg = f"indenter.file: cannot read {str(file)!r}: {error}"
+        raise InputError(msg) from None
+    if head != COLUMNS or not rows:
+        msg = (
+            f"indenter.file: expected the first line of {str(file)!r} to be 'x,y,height' and rows "
+            f"of three numbers below it, received {','.join(head)!r} and {len(rows)} rows"
+        )
+        raise InputError(msg)
+    try:
+        values = np.array(rows, dtype=np.float64)
+        across, along, heights = values.T
+    except ValueError:
+        msg = f"indenter.file: expected three numbers in every row of {str(file)!r}"
+        raise InputError(msg) from None
+    x, i = np.unique(across, return_inverse=True)
+    y, j = np.unique(along, return_inverse=True)
+    grid = np.full((len(x), len(y)), np.nan)
+    grid[i, j] = heights
+    if np.isnan(grid).any() or len(rows) != grid.size:
+        msg = (
+            f"indenter.file: expected one row for each place of a grid in {str(file)!r}, received "
+            f"{len(rows)} rows for {len(x)} x {len(y)} places"
+        )
+        raise InputError(msg)
+    return x, y, grid

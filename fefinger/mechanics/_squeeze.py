@@ -1,0 +1,254 @@
+"""Contact of a finger at finite strain, from a scene to a response."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.body import Body, body
+from fefinger.fem.equilibrium import Equilibrium, State
+from fefinger.fem.finite import Continuum, continuum
+from fefinger.fem.laws import Law, law
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.passage import Path, Series, StressHistory, follow
+from fefinger.fem.probe import gradient_at, gradient_at_vertices
+from fefinger.fem.sliding import Sliding, sliding
+from fefinger.fem.strain import logarithmic
+from fefinger.mechanics import _placing, _press
+from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._stride import Stride, stride
+from fefinger.mechanics._symmetry import symmetric
+from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._touch import sites
+from fefinger.mesh.ready import ready
+from fefinger.mesh.record import FingerMesh
+from fefinger.records import Fields, Progress, Response, Sites
+from fefinger.scene import Finger, Scene
+from fefinger.stages import Stages
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
+
+
+def squeeze(
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    mechanics: str,
+    notes: tuple[str, ...],
+    refine: int = 1,
+) -> Response:
+    """Answer the scene; `refine` divides every step of the motion.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If an equilibrium is not reached.
+    """
+    stages = Stages(progress)
+    with stages.stage("mesh"):
+        mesh = ready(scene.finger, half=symmetric(scene))
+    with stages.stage("factor"):
+        finger = body(mesh, _press.tissues(scene.finger), _press.held(scene.finger))
+        elements = continuum(finger.space, laws(scene.finger))
+    touch = _placing.obstacle(scene.indenter, finger)
+    _press.check_depth(scene, finger, mesh, touch)
+    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    steps = stride(scene.motion, time, refine)
+    passage = _passage(scene, finger, elements, touch, steps, stages)
+    with stages.stage("reference"):
+        organs = passage.sites
+        reference = None if organs is None else _press.reference(scene, finger)
+    with stages.stage("fields"):
+        fields = _fields(passage, finger, mesh) if scene.ask.fields else None
+    return Response(
+        mechanics=mechanics,
+        time=time,
+        **_answer(scene, finger, passage, steps),
+        sites=organs,
+        reference=reference,
+        fields=fields,
+        seconds=stages.seconds,
+        notes=notes + _press.scene_notes(scene),
+        sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
+    )
+
+
+def laws(finger: Finger) -> dict[int, Law]:
+    """Return the relaxed hyperelastic laws of the regions that deform."""
+    layers = {1: finger.skin, 2: finger.subcutaneous}
+    elastic = _press.tissues(finger)
+    return {
+        region: law(layer.law, elastic[region], layer.exponent, layer.share)
+        for region, layer in layers.items()
+    }
+
+
+@dataclass(frozen=True)
+class _Passage:
+    """The solved steps: depth (n,), pressure and areas (n, n_candidates), strain at the sites."""
+
+    contact: Sliding
+    sites: Sites | None
+    depth: Array
+    pressure: Array
+    areas: Array
+    strain: Array
+    times: Array
+    frames: dict[int, Array]
+    status: str
+    numbers: dict[str, float]
+
+
+class _Recorder:
+    """Keeps what a response needs of every step, and whole states at some."""
+
+    def __init__(self, contact: Sliding, probe: Any, frames: set[int]) -> None:
+        self.contact, self.probe, self.wanted = contact, probe, frames
+        self.depth: list[float] = []
+        self.pressure: list[Array] = []
+        self.areas: list[Array] = []
+        self.strain: list[Array] = []
+        self.frames: dict[int, Array] = {}
+
+    def keep(self, number: int, state: State) -> None:
+        """Keep step `number`."""
+        self.depth.append(state.depth)
+        self.pressure.append(state.pressure)
+        self.areas.append(self.contact.areas(state.values))
+        self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
+        if number in self.wanted:
+            self.frames[number] = state.values
+
+
+def _passage(
+    scene: Scene,
+    finger: Body,
+    elements: Continuum,
+    touch: Obstacle,
+    steps: Stride,
+    stages: Stages,
+) -> _Passage:
+    """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
+    organs = sites(scene, touch.origin, touch.axis) if _asked(scene) else None
+    where = organs.points if organs else np.empty((0, 3))
+    probe = gradient_at(finger.space, where, medial=finger.half)
+    motion, sides = scene.motion, 2 if finger.half else 1
+    depth_control = motion.control == "depth"
+    unit = 1.0 if depth_control else 1 / NEWTON_PER_MILLINEWTON / sides
+    deepest = motion.peak if depth_control else _press.FORCE_DEPTH * scene.finger.thickness
+    path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
+    frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    prony = scene.finger.prony
+    series = dict.fromkeys((1, 2), Series(np.array(prony.weights), np.array(prony.v)))
+    reach, known = _press.REACH * deepest, 0
+    for _ in range(_press.ATTEMPTS):
+        contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
+        if len(contact) == known:
+            break
+        known = len(contact)
+        equilibrium = Equilibrium(elements, contact, finger.system)
+        history = StressHistory(elements, series)
+        recorder = _Recorder(contact, probe, frames)
+        with stages.stage("steps") as report:
+
+            def observe(number: int, state: State) -> None:
+                recorder.keep(number, state)
+                report((number + 1) / len(steps.times))
+
+            taken = follow(equilibrium, history, path, observe)
+        pressure = np.array(recorder.pressure)
+        pressed = (pressure > 0).any(axis=0)
+        _check_contact(finger, contact, pressed, recorder.depth)
+        if (pressed & contact.on.edge).any():
+            reach *= _press.GROW
+            continue
+        return _Passage(
+            contact=contact,
+            sites=organs,
+            depth=np.array(recorder.depth),
+            pressure=pressure,
+            areas=np.array(recorder.areas),
+            strain=np.array(recorder.strain),
+            times=steps.times,
+            frames=recorder.frames,
+            status=(
+                f"Solved: {taken} steps in {equilibrium.iterations} iterations on "
+                f"{equilibrium.factors + 1} factors, with exact complementarity."
+            ),
+            numbers={
+                "unknowns": finger.space.n_unknowns,
+                "candidates": len(contact),
+                "half": float(finger.half),
+                "steps": taken,
+                "iterations": equilibrium.iterations,
+            },
+        )
+    message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
+    raise ConvergenceError(message)
+
+
+def _asked(scene: Scene) -> bool:
+    return scene.ask.strain or bool(scene.ask.spikes)
+
+
+def _check_contact(
+    finger: Body, contact: Sliding, pressed: NDArray[np.bool_], depth: list[float]
+) -> None:
+    if np.isin(contact.on.vertices[pressed], _placing.border(finger)).any():
+        message = (
+            f"motion: expected contact inside the pad, but at a depth of {max(depth):.3g} mm it "
+            "reaches the nail or the proximal cut; press less"
+        )
+        raise InputError(message)
+    if not pressed.any():
+        message = "indenter: expected contact with the finger, but it never touches"
+        raise InputError(message)
+
+
+def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
+    """Return the fields of a Response that the solved steps give, at all times."""
+    on, travel = passage.contact.on, passage.contact.travel
+    pad, column = _press.whole_pad(finger, on.vertices, on.part.triangles, travel)
+    sides = 2 if finger.half else 1
+    force = sides * passage.pressure @ travel * NEWTON_PER_MILLINEWTON
+    area = sides * np.sum(np.where(passage.pressure > 0, passage.areas, 0.0), axis=1)
+    pressure = steps.bounded(passage.pressure)[:, column]
+    asked = scene.ask.pressure
+    return {
+        "depth": steps.bounded(passage.depth) if scene.motion.control == "force" else steps.path,
+        "force": steps.bounded(force),
+        "contact_area": steps.bounded(area) if asked else None,
+        "centroid": _press.centroid(pad, pressure) if asked else None,
+        "pad": pad if asked else None,
+        "pressure": pressure if asked else None,
+        "strain": None if passage.sites is None else steps.smooth(passage.strain),
+        "status": passage.status,
+        "numbers": passage.numbers,
+    }
+
+
+def _fields(passage: _Passage, finger: Body, mesh: FingerMesh) -> Fields:
+    """Return the kept states on the mesh."""
+    numbers = np.array(sorted(passage.frames))
+    n_points, n_frames = len(mesh.points), len(numbers)
+    displacement = np.zeros((n_frames, n_points, 3))
+    strain, pressure = np.zeros((n_frames, n_points, 6)), np.zeros((n_frames, n_points))
+    gradients = gradient_at_vertices(finger.space)
+    pressed = finger.original[passage.contact.on.vertices]
+    for frame, number in enumerate(numbers):
+        values = passage.frames[number]
+        own = values[: 3 * len(finger.original)].reshape(-1, 3)
+        displacement[frame, finger.original] = own
+        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
+        strain[frame, finger.original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
+        pressure[frame, pressed] = passage.pressure[number]
+    times = passage.times[numbers]
+    return Fields(mesh.points, mesh.cells, mesh.region, times, displacement, strain, pressure)

@@ -1,0 +1,98 @@
+"""Few steps along a motion, and the way back from them to every time of the answer."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from fefinger.motion import Motion
+
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Curve = Callable[[Array], Array]
+
+STRIDES = 24  # steps to the peak of the motion
+REST = 0.5  # a step of a rest, against the time that it has lasted
+STILL = 1e-9  # path against the peak that counts as none
+
+
+@dataclass(frozen=True)
+class Stride:
+    """The chosen steps among the times of the answer.
+
+    time (n_t,) s and path (n_t,) the motion's value at all times; chosen (n,) the numbers of the
+    steps; clock (n_t,) what the answer is smooth in between them: the way gone while the indenter
+    moves, the time while it rests; seams: the numbers among the chosen where one piece ends.
+    """
+
+    time: Array
+    path: Array
+    chosen: Integers
+    clock: Array
+    seams: Integers
+
+    @property
+    def times(self) -> Array:
+        """Times (n,) of the steps in s."""
+        return self.time[self.chosen]
+
+    @property
+    def value(self) -> Array:
+        """The motion's value (n,) at the steps."""
+        return self.path[self.chosen]
+
+    def smooth(self, values: Array) -> Array:
+        """Interpolate (n, ...) to all times by splines with continuous second derivatives."""
+        return self._pieces(values, lambda x, y: CubicSpline(x, y, axis=0))
+
+    def bounded(self, values: Array) -> Array:
+        """Interpolate (n, ...) to all times without overshoot, so that no force pulls."""
+        return self._pieces(values, lambda x, y: PchipInterpolator(x, y, axis=0))
+
+    def _pieces(self, values: Array, fit: Callable[[Array, Array], Curve]) -> Array:
+        out = np.empty((len(self.time), *values.shape[1:]))
+        for first, last in pairwise(self.seams):
+            known = self.chosen[first : last + 1]
+            piece = slice(known[0], known[-1] + 1)
+            out[piece] = fit(self.clock[known], values[first : last + 1])(self.clock[piece])
+        return out
+
+
+def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
+    """Choose steps of equal ways, STRIDES * `refine` to the peak, and growing ones at rest."""
+    path = np.asarray(motion.value(time), dtype=np.float64)
+    rises = np.diff(path)
+    still = np.abs(rises) <= STILL * motion.peak
+    kind = np.where(still, 0, np.sign(rises)).astype(int)
+    seams = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [len(time) - 1]])
+    way = np.concatenate([[0.0], np.cumsum(np.abs(rises))])
+    clock = np.zeros_like(time)
+    chosen = [np.zeros(1, dtype=np.int64)]
+    for first, last in pairwise(seams):
+        inside = np.arange(first, last + 1)
+        if still[first]:
+            passed = time[inside] - time[first]
+            clock[inside] = clock[first] + passed
+            marks = _growing(passed, REST / refine)
+        else:
+            gone = way[inside] - way[first]
+            clock[inside] = clock[first] + gone
+            count = int(np.ceil(STRIDES * refine * gone[-1] / motion.peak))
+            marks = np.searchsorted(gone, np.linspace(0, gone[-1], max(count, 3) + 1)[1:])
+        chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))
+    picked = np.unique(np.concatenate(chosen))
+    return Stride(time, path, picked, clock, np.searchsorted(picked, seams))
+
+
+def _growing(passed: Array, growth: float) -> Integers:
+    """Return the numbers of times that each come `growth` times later than the one before."""
+    marks, last = [], 0
+    for number in range(1, len(passed)):
+        if passed[number] - passed[last] >= growth * passed[last]:
+            marks.append(number)
+            last = number
+    return np.array(marks, dtype=np.int64)

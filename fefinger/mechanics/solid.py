@@ -1,0 +1,63 @@
+"""Finite-strain finite elements on the whole finger: hyperelastic, relaxing, exact contact.
+
+The reference for everything cheaper: the same mesh, elements and contact as `linear`, without its
+small strain. What it still leaves out is in `NOTES`.
+"""
+
+from fefinger.mechanics import _evidence
+from fefinger.records import Progress, Refusal, Response
+from fefinger.scene import Scene
+
+
+name = "solid"
+
+NOTES = (
+    "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
+    "are per undeformed area, contact areas are those of the deformed skin.",
+    "Frictionless contact with a rigid indenter, which the skin may slide along.",
+    "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
+    "viscoelasticity); solved at steps of the motion and interpolated between them.",
+    "The bone is rigid, and is held together with the nail, as glued in the experiment.",
+    "Quasi-static: no inertia and no waves.",
+)
+
+
+def refuse(scene: Scene) -> tuple[Refusal, ...]:
+    """Return why it should not answer: only where the mesh error is not measured."""
+    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
+    if radius >= least:
+        return ()
+    reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
+    return (Refusal(name, "accuracy", reason),)
+
+
+def cost(scene: Scene) -> float:
+    """Return the expected wall time in s."""
+    return _evidence.solid_seconds(scene)
+
+
+def error(scene: Scene) -> tuple[float, str]:
+    """Return the expected relative error of the force against a converged mesh, and its source."""
+    return _evidence.solid_error(scene)
+
+
+def coarser(scene: Scene) -> Scene | None:
+    """Return the scene on the next coarser mesh, if that is at hand."""
+    from fefinger.mechanics import linear
+
+    return linear.coarser(scene)
+
+
+def respond(scene: Scene, progress: Progress | None = None) -> Response:
+    """Answer the scene with finite-strain finite elements.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If an equilibrium is not reached by steps however short.
+    """
+    from fefinger.mechanics._squeeze import squeeze
+
+    return squeeze(scene, progress, mechanics=name, notes=NOTES)

@@ -1,0 +1,204 @@
+"""Cylinders, bars, gratings and reliefs: from TOML and files, who answers them, how they look."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import section
+from fefinger.checks import InputError
+from fefinger.indenter import Indenter
+from fefinger.mechanics import _evidence, hertz, layered, linear, lumped
+from fefinger.records import Result
+from fefinger.report import _touch
+
+
+LINE = tuple(np.linspace(-6, 6, 25).tolist())
+
+
+def dots(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return 0.2 * np.cos(2 * np.pi * x / 3) * np.cos(2 * np.pi * y / 3)
+
+
+RELIEF = ff.Relief.of(dots, LINE, LINE)
+OBJECTS = [
+    ff.Cylinder(4.0),
+    ff.Cylinder(1 / 3, roll=90, at=(-1.0, 0.5)),
+    ff.Bar(3.0, 0.7, roll=-20),
+    ff.Grating(3.0, 1.0, 0.5, shift=0.1 + 0.2, angle=20, tilt=5, roll=45),
+    RELIEF,
+]
+EXTENT = {"pressure": False, "strain": False, "fields": False}
+
+
+def scene(indenter: Indenter, **asked: object) -> ff.Scene:
+    return ff.Scene(
+        finger=ff.Finger.subject("a.h.", resolution="coarse"),
+        indenter=indenter,
+        motion=ff.Ramp(60, 0.6),
+        ask=ff.Ask(**({"fields": False} | asked)),
+    )
+
+
+@pytest.mark.parametrize("indenter", OBJECTS, ids=lambda one: one.kind)
+def test_a_scene_survives_toml_exactly(indenter: Indenter) -> None:
+    there = scene(indenter)
+    again = ff.Scene.from_toml(there.to_toml())
+    assert again == there
+    assert hash(again) == hash(there)
+
+
+def written(path: Path) -> Path:
+    if path.suffix == ".npz":
+        np.savez(path, x=LINE, y=LINE, height=RELIEF.heights)
+        return path
+    rows = [
+        f"{x},{y},{RELIEF.heights[i][j]!r}" for i, x in enumerate(LINE) for j, y in enumerate(LINE)
+    ]
+    path.write_text("x,y,height\n" + "\n".join(reversed(rows)) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("name", ["dots.csv", "dots.npz"])
+def test_a_relief_is_read_from_a_file_beside_its_scene(tmp_path: Path, name: str) -> None:
+    written(tmp_path / name)
+    text = scene(ff.Flat()).to_toml()
+    text = text.replace('kind = "flat"', f'kind = "relief"\nfile = "{name}"\nroll = 10.0')
+    (tmp_path / "mine.toml").write_text(text)
+    read = ff.Scene.from_toml(tmp_path / "mine.toml")
+    assert read.indenter == dataclasses.replace(RELIEF, roll=10)
+
+
+BAD_FILES = [
+    ("a,b,c\n1,2,3\n", "first line .* to be 'x,y,height'"),
+    ("x,y,height\n", "0 rows"),
+    ("x,y,height\n1,2,3\n1,3,oops\n", "three numbers in every row"),
+    ("x,y,height\n1,2,3\n1,3,4\n2,2,5\n", "3 rows for 2 x 2 places"),
+    ("x,y,height\n1,2,3\n1,2,3\n1,2,3\n", "3 rows for 1 x 1"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_FILES)
+def test_a_file_that_is_no_grid_gets_a_sentence(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(InputError, match=message):
+        ff.Relief.from_file(tmp_path / "bad.csv")
+
+
+def test_an_archive_without_the_arrays_or_with_other_shapes_gets_a_sentence(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", x=LINE)
+    with pytest.raises(InputError, match="expected arrays x, y and height"):
+        ff.Relief.from_file(tmp_path / "a.npz")
+    np.savez(tmp_path / "b.npz", x=LINE, y=LINE, height=np.zeros((3, 25)))
+    with pytest.raises(InputError, match=r"shape \(x, y\) = \(25, 25\)"):
+        ff.Relief.from_file(tmp_path / "b.npz")
+    with pytest.raises(InputError, match="cannot read"):
+        ff.Relief.from_file(tmp_path / "none.csv")
+
+
+BAD = [
+    (lambda: ff.Cylinder(0), "indenter.radius: .*above 0"),
+    (lambda: ff.Cylinder(1, roll=200), "indenter.roll: .*at most 180"),
+    (lambda: ff.Bar(1, 0.6), "indenter.corner: .*at most 0.5"),
+    (lambda: ff.Grating(2, 2, 1), "indenter.ridge: .*below 2"),
+    (lambda: ff.Grating(2, 1, 0), "indenter.depth: .*above 0"),
+    (lambda: ff.Grating(2, 1, 1, shift=np.nan), "indenter.shift: expected a finite"),
+    (lambda: ff.Grating(2, 1, 1, angle=70), "indenter.angle: .*at most 60"),
+    (lambda: ff.Relief((0, 1, 1, 2), LINE, RELIEF.heights), "indenter.x: .*rising"),
+    (lambda: ff.Relief((0, 1, 2), LINE, RELIEF.heights), "indenter.x: expected at least 4"),
+    (lambda: ff.Relief(LINE, LINE, RELIEF.heights[:-1]), "one row for each of the 25"),
+    (lambda: ff.Relief(LINE, LINE[:-1], RELIEF.heights), r"indenter.heights\[0\]: .*24 numbers"),
+    (lambda: ff.Relief.of(lambda x, y: x / 0, LINE, LINE), r"heights\[0\]\[0\]: .*finite"),
+    (lambda: ff.Relief.of(lambda x, y: 1.0, LINE, LINE), "one height for each of 25 x 25"),
+]
+
+
+@pytest.mark.parametrize(("make", "message"), BAD)
+def test_what_cannot_be_an_object_gets_a_sentence(make: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("indenter", OBJECTS, ids=lambda one: one.kind)
+def test_mechanics_without_such_an_object_say_so(indenter: Indenter) -> None:
+    bare = scene(indenter, **EXTENT)
+    for mechanics in (lumped, hertz, layered):
+        (refusal,) = mechanics.refuse(bare)
+        assert refusal.about == "ability"
+        assert f"indenter.kind = '{indenter.kind}'" in refusal.reason
+
+
+def test_the_smallest_radius_of_an_object_is_that_of_its_sharpest_crest() -> None:
+    assert _evidence.smallest_radius(ff.Cylinder(4.0)) == 4
+    assert _evidence.smallest_radius(ff.Bar(4.0, 0.7)) == 0.7
+    ridge = 10 / np.sqrt(3) * 0.5 / 1.0**2  # largest S'' = 10 / sqrt(3)
+    assert _evidence.smallest_radius(ff.Grating(3, 1, 0.5)) == pytest.approx(1 / ridge, rel=0.01)
+    wave = 0.2 * (2 * np.pi / 3) ** 2
+    fine = np.linspace(-3, 3, 61)
+    assert _evidence.smallest_radius(ff.Relief.of(dots, fine, fine)) == pytest.approx(
+        1 / wave, rel=0.05
+    )
+
+
+def peak(indenter: Indenter, **asked: object) -> float:
+    return float(linear.respond(scene(indenter, **(EXTENT | asked))).force[-1])
+
+
+@pytest.fixture(scope="module")
+def plate() -> float:
+    return peak(ff.Flat())
+
+
+def test_objects_without_relief_are_plates(plate: float) -> None:
+    level = ff.Relief(LINE, LINE, tuple(tuple(0.0 for _ in LINE) for _ in LINE))
+    for smooth in (ff.Grating(3, 1, 1e-9), level):
+        assert peak(smooth) == pytest.approx(plate, rel=1e-5)
+
+
+def test_ridges_take_less_force_and_touch_less(plate: float) -> None:
+    assert 0.2 * plate < peak(ff.Grating(4, 2, 0.6)) < plate
+    assert peak(ff.Cylinder(3.0, roll=90)) < plate
+
+
+@pytest.mark.parametrize("roll", [0.0, 90.0])
+def test_a_half_finger_under_a_cylinder_is_half_of_the_whole(roll: float) -> None:
+    aside = peak(ff.Cylinder(4.0, roll=roll, at=(-1.0, 1e-6)))
+    assert peak(ff.Cylinder(4.0, roll=roll, at=(-1.0, 0.0))) == pytest.approx(aside, rel=1e-4)
+
+
+def test_which_objects_are_their_own_mirror_image() -> None:
+    assert ff.Bar(3, 1, roll=90).mirrored
+    assert ff.Grating(3, 1, 1, shift=0.2).mirrored
+    assert not ff.Grating(3, 1, 1, shift=0.2, roll=90).mirrored
+    assert not ff.Bar(3, 1, roll=30).mirrored
+    assert not ff.Cylinder(3, at=(0, 1)).mirrored
+    assert not RELIEF.mirrored
+
+
+def test_a_grating_under_another_roll_is_a_relief_of_the_same_heights() -> None:
+    grating = ff.Grating(4, 2, 0.3, roll=90)
+    fine = np.linspace(-8, 8, 161)
+    same = ff.Relief.of(
+        lambda x, y: -grating.profile.height(np.stack([y, -x], axis=-1))[0], fine, fine
+    )
+    assert peak(same) == pytest.approx(peak(grating), rel=1e-3)
+
+
+@pytest.mark.parametrize("indenter", OBJECTS, ids=lambda one: one.kind)
+def test_an_object_reaches_its_depth_and_is_described(
+    synthetic: Result, indenter: Indenter
+) -> None:
+    result = dataclasses.replace(
+        synthetic, scene=dataclasses.replace(synthetic.scene, indenter=indenter)
+    )
+    pose = section.pose(result, 1.5)
+    outline = pose.outline(5.0)
+    assert len(outline) > 100
+    assert np.isfinite(outline).all()
+    flat = np.insert(outline[:-2], 1, 0.0, axis=1) - pose.origin
+    behind = pose.profile.height(flat @ pose.frame[:2].T)[0]
+    if pose.roll or indenter.kind != "cylinder":
+        assert flat @ pose.axis == pytest.approx(-behind, abs=1e-6)
+    assert indenter.kind in _touch(result)
