@@ -57,7 +57,9 @@ class Tissue:
         choice("tissue.law", self.law, LAWS)
         exponential, mixed = self.law in LAWS[2:], self.law == "mooney-rivlin"
         if exponential and self.exponent is None:
-            msg = f"tissue.exponent: missing; expected a number, because {self.law!r} stiffens by it"
+            msg = (
+                f"tissue.exponent: missing; expected a number, because {self.law!r} stiffens by it"
+            )
             raise InputError(msg)
         for name, value, fits in (
             ("exponent", self.exponent, exponential),

@@ -10,6 +10,7 @@ never accuracy; it is replaced when the residual shrinks too slowly.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.checks import ConvergenceError
@@ -105,9 +106,7 @@ class Equilibrium:
         )
         raise ConvergenceError(message)
 
-    def _error(
-        self, state: State, asked: Asked, inner: Array, gaps: Array, force: Array
-    ) -> float:
+    def _error(self, state: State, asked: Asked, inner: Array, gaps: Array, force: Array) -> float:
         """Return the largest of the relative errors of force, volume, gap and target."""
         travel, n = self.contact.travel, self.body.space.n_displacements
         free = self.system.free[self.system.free < n]
@@ -151,18 +150,19 @@ class Equilibrium:
         size = max(abs(state.depth), float(gaps.min() / travel.max()))
         near = (state.pressure > 0) | (gaps < NEAR * size * travel)
         softer = held.gain / float(asked.memory.gains.mean())
-        alone = softer * held.solve(-inner)
+        alone = softer * held.solve(loads @ state.pressure - inner)
         free = gaps + state.depth * travel + loads.T @ alone
         while True:
             solver, columns = held.contact(near)
             pressure, depth = np.zeros(len(travel)), state.depth
+            past = softer * (solver.flexibility @ state.pressure[near])
             if asked.control == "depth":
-                pressure[near] = solver.solve(free[near] - depth * travel[near]) / softer
+                pressure[near] = solver.solve(free[near] - past - depth * travel[near]) / softer
             else:
                 depth, pressure[near], _ = depth_at(
-                    solver, 1 / softer, free[near], travel[near], asked.target, depth
+                    solver, 1 / softer, free[near] - past, travel[near], asked.target, depth
                 )
-            change = alone + softer * columns @ pressure[near]
+            change = alone + softer * columns @ (pressure - state.pressure)[near]
             left = gaps + (state.depth - depth) * travel + loads.T @ change
             missed = ~near & (left < 0)
             if not missed.any():
@@ -175,19 +175,21 @@ class _Factored:
     """A factored tangent with the loads and the gain of its time, and the columns of Z so far."""
 
     def __init__(self, system: System, loads: sparse.csc_matrix, gain: float) -> None:
-        self.system, self.loads, self.gain = system, loads, gain
+        self.free, self.loads, self.gain = system.free, loads, gain
+        self.factor = system.factor.single()
         self.known = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((loads.shape[0], 0))
-        self._near: Array | None = None
+        self._near = np.zeros(loads.shape[1], dtype=np.bool_)
         self._contact: tuple[Complementarity, Array] | None = None
 
     def solve(self, right: Array) -> Array:
-        """Return K0^-1 `right` (n,) or (n, k), zero where prescribed; not refined."""
+        """Return K0^-1 `right` (n,) or (n, k) to single precision, zero where prescribed."""
+        scale = float(np.abs(right).max(initial=0.0)) or 1.0
         answer = np.zeros_like(right)
-        answer[self.system.free] = self.system.factor.solve(right[self.system.free])
+        answer[self.free] = scale * self.factor.solve(right[self.free] / scale)
         return answer
 
-    def contact(self, near: Array) -> tuple[Complementarity, Array]:
+    def contact(self, near: NDArray[np.bool_]) -> tuple[Complementarity, Array]:
         """Return the contact of the candidates `near` and their columns of Z (n, n_near)."""
         if self._contact is not None and np.array_equal(near, self._near):
             return self._contact

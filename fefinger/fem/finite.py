@@ -8,13 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from skfem import Basis, ElementTetP1
 
 from fefinger.checks import InputError
 from fefinger.fem import kernels
 from fefinger.fem.laws import Law
-from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.fem.spaces import Array, Space
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Continuum:
     shapes: Array
     scale: float
     pattern: sparse.csr_matrix
-    slots: Integers
+    slots: NDArray[np.int32]
 
     @property
     def at_rest(self) -> Memory:
@@ -154,9 +155,9 @@ def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
         laws=np.array([laws[int(k)] for k in space.tissue]),
         jacobians=np.ascontiguousarray(np.linalg.inv(edges)),
         weights=np.ascontiguousarray(basis.dx),
-        reference=np.array(
-            [basis.elem.lbasis(quadrature[0], i)[1].T for i in range(10)]
-        ).transpose(1, 0, 2).copy(),
+        reference=np.array([basis.elem.lbasis(quadrature[0], i)[1].T for i in range(10)])
+        .transpose(1, 0, 2)
+        .copy(),
         shapes=scale * np.array([np.asarray(f[0])[0] for f in linear.basis]).T.copy(),
         scale=scale,
         pattern=pattern,
@@ -164,7 +165,7 @@ def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
     )
 
 
-def _pattern(space: Space) -> tuple[sparse.csr_matrix, Integers]:
+def _pattern(space: Space) -> tuple[sparse.csr_matrix, NDArray[np.int32]]:
     """Return a matrix with every place that cells fill, and the places of each cell's entries."""
     n, members = space.n_unknowns, space.unknowns
     cells = np.repeat(np.arange(len(members)), members.shape[1])

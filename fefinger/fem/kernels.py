@@ -10,12 +10,16 @@ Symmetric tensors have the components xx yy zz xy yz xz.
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fefinger.fem.spaces import Array, Integers
 
 
 PAIRS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
 """Row and column of the six components."""
+
+Work = tuple[Array, Array, Array, Array, Array]
+"""E, the inverse of C, the derivatives (6,) of the two invariants by C, and scratch (3, 3)."""
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Freedoms of arithmetic that leave inf and nan what they are."""
@@ -70,20 +74,19 @@ def _product(inverse: Array, other: Array, factor: float, out: Array) -> None:
 
 
 @njit(cache=True, fastmath=FAST)
-def _invariants(strain: Array, inverse: Array, growth: float, first: Array, second: Array) -> float:
-    """Fill the derivatives (6,) of the isochoric I1 and I2 by C; return I1 - 3."""
-    volume = np.exp(-2 / 3 * np.log1p(growth))
+def _invariants(
+    strain: Array, inverse: Array, volume: float, first: Array, second: Array, scratch: Array
+) -> None:
+    """Fill the derivatives (6,) of the isochoric I1 and I2 by C; volume is J^(-2/3)."""
     trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
     _product(inverse, strain, 2 * volume, first)
-    other = np.empty((3, 3))
     for i in range(3):
         for j in range(3):
             total = (2 + 4 * trace) * strain[i, j]
             for k in range(3):
                 total -= 4 * strain[i, k] * strain[k, j]
-            other[i, j] = total
-    _product(inverse, other, volume * volume, second)
-    return float(3 * np.expm1(-2 / 3 * np.log1p(growth)) + 2 * trace * volume)
+            scratch[i, j] = total
+    _product(inverse, scratch, volume * volume, second)
 
 
 @njit(cache=True, fastmath=FAST)
@@ -93,21 +96,30 @@ def _stresses(
     law: Array,
     isochoric: Array,
     volumetric: Array,
-    work: tuple[Array, Array, Array, Array],
-) -> tuple[float, float]:
-    """Fill the elastic stresses (6,) of the displacement gradient; return J - 1 and I1 - 3."""
-    strain, inverse, first, second = work
+    work: Work,
+) -> tuple[float, float, float]:
+    """Fill the elastic stresses (6,) of the displacement gradient.
+
+    Return J - 1, J^(-2/3) and the rise exp(b (I1 - 3)) of the stiffness.
+    """
+    strain, inverse, first, second, scratch = work
     growth = _kinematics(gradient, strain, inverse)
     if growth <= -1.0:
-        return growth, 0.0
-    stretch = _invariants(strain, inverse, growth, first, second)
-    one = law[0] * law[2] * np.exp(law[3] * stretch)
+        return growth, 1.0, 1.0
+    logarithm = -2 / 3 * np.log1p(growth)
+    volume = np.exp(logarithm)
+    _invariants(strain, inverse, volume, first, second, scratch)
+    rise = 1.0
+    if law[3] > 0:
+        trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
+        rise = np.exp(law[3] * (3 * np.expm1(logarithm) + 2 * trace * volume))
+    one = law[0] * law[2] * rise
     two = law[0] * (1 - law[2])
     for row in range(6):
         i, j = PAIRS[row]
         isochoric[row] = one * first[row] + two * second[row]
         volumetric[row] = pressure * (1 + growth) * inverse[i, j]
-    return growth, stretch
+    return growth, volume, rise
 
 
 @njit(cache=True, fastmath=FAST)
@@ -115,23 +127,27 @@ def _moduli(
     pressure: float,
     law: Array,
     gains: Array,
-    growth: float,
-    stretch: float,
-    work: tuple[Array, Array, Array, Array],
+    state: tuple[float, float, float],
+    work: Work,
     moduli: Array,
 ) -> None:
-    """Fill dS / dE (6, 6) of gains[0] S_iso + gains[1] S_vol; shear strains count twice."""
-    strain, inverse, first, second = work
-    volume = np.exp(-2 / 3 * np.log1p(growth))
-    c = 2 * strain + np.eye(3)
+    """Fill dS / dE (6, 6) of gains[0] S_iso + gains[1] S_vol; shear strains count twice.
+
+    `state` is what `_stresses` returned, with what it left in `work`.
+    """
+    growth, volume, rise = state
+    strain, inverse, first, _, c = work
+    for i in range(3):
+        for j in range(3):
+            c[i, j] = 2 * strain[i, j]
+        c[i, i] += 1.0
     trace = c[0, 0] + c[1, 1] + c[2, 2]
     square = 0.0
     for i in range(3):
         for j in range(3):
             square += c[i, j] * c[i, j]
     minors = (trace * trace - square) / 2
-    exponential = law[0] * law[2] * np.exp(law[3] * stretch) / 2
-    one, one_one = 4 * gains[0] * exponential, 4 * gains[0] * exponential * law[3]
+    one = 2 * gains[0] * law[0] * law[2] * rise
     two = 2 * gains[0] * law[0] * (1 - law[2])
     p = gains[1] * pressure * (1 + growth)
     v1, v2 = one * volume, two * volume * volume
@@ -143,7 +159,7 @@ def _moduli(
             unit_c = 1.0 if k == m else 0.0
             outer = inverse[i, j] * inverse[k, m]
             mixed = (inverse[i, k] * inverse[j, m] + inverse[i, m] * inverse[j, k]) / 2
-            total = one_one * first[row] * first[column] + p * (outer - 2 * mixed)
+            total = one * law[3] * first[row] * first[column] + p * (outer - 2 * mixed)
             total += v1 * (
                 -(unit_r * inverse[k, m] + inverse[i, j] * unit_c) / 3
                 + trace / 9 * outer
@@ -180,32 +196,37 @@ def _spread(nodal: Array, strain_rows: Array, deformation: Array, node: int) -> 
 
 
 @njit(cache=True, fastmath=FAST)
-def _local(
-    values: Array,
-    members: Integers,
-    inverse_jacobian: Array,
-    reference: Array,
-    shapes: Array,
-    nodal: Array,
-    gradient: Array,
-) -> float:
-    """Fill the gradients (10, 3) of the shapes and of the displacement (3, 3); return p."""
-    gradient[:] = 0.0
+def _gather(values: Array, members: Integers, moved: Array, pressures: Array) -> None:
+    """Fill the displacements (10, 3) and pressures (4,) of a cell."""
     for node in range(10):
-        for j in range(3):
-            nodal[node, j] = (
-                reference[node, 0] * inverse_jacobian[0, j]
-                + reference[node, 1] * inverse_jacobian[1, j]
-                + reference[node, 2] * inverse_jacobian[2, j]
-            )
         for i in range(3):
-            u = values[members[3 * node + i]]
-            for j in range(3):
-                gradient[i, j] += u * nodal[node, j]
-    pressure = 0.0
+            moved[node, i] = values[members[3 * node + i]]
     for a in range(4):
-        pressure += shapes[a] * values[members[30 + a]]
-    return pressure
+        pressures[a] = values[members[30 + a]]
+
+
+@njit(cache=True, fastmath=FAST)
+def _gradient(moved: Array, reference: Array, jacobian: Array, gradient: Array) -> None:
+    """Fill the displacement gradient (3, 3) at a point."""
+    for i in range(3):
+        x = y = z = 0.0
+        for node in range(10):
+            u = moved[node, i]
+            x += u * reference[node, 0]
+            y += u * reference[node, 1]
+            z += u * reference[node, 2]
+        for j in range(3):
+            gradient[i, j] = x * jacobian[0, j] + y * jacobian[1, j] + z * jacobian[2, j]
+
+
+@njit(cache=True, fastmath=FAST)
+def _mean(shapes: Array, pressures: Array) -> float:
+    return float(
+        shapes[0] * pressures[0]
+        + shapes[1] * pressures[1]
+        + shapes[2] * pressures[2]
+        + shapes[3] * pressures[3]
+    )
 
 
 @njit(cache=True, fastmath=FAST)
@@ -220,14 +241,16 @@ def stress(
     volumetric: Array,
 ) -> float:
     """Fill the elastic stresses (n_cells, n_q, 6) in kPa; return the smallest J."""
-    nodal, gradient = np.empty((10, 3)), np.empty((3, 3))
-    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6))
+    moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
+    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
     least = np.inf
     for e in range(len(unknowns)):
+        _gather(values, unknowns[e], moved, pressures)
         for q in range(len(reference)):
-            p = _local(values, unknowns[e], jacobians[e], reference[q], shapes[q], nodal, gradient)
-            growth, _ = _stresses(gradient, p, laws[e], isochoric[e, q], volumetric[e, q], work)
-            least = min(least, 1 + growth)
+            _gradient(moved, reference[q], jacobians[e], gradient)
+            p = _mean(shapes[q], pressures)
+            state = _stresses(gradient, p, laws[e], isochoric[e, q], volumetric[e, q], work)
+            least = min(least, 1 + state[0])
     return least
 
 
@@ -248,38 +271,59 @@ def residual(
 
     The cells after the first inverted one are left out: the sum is then of no use.
     """
-    nodal, gradient = np.empty((10, 3)), np.empty((3, 3))
-    isochoric, volumetric, total = np.empty(6), np.empty(6), np.empty(6)
-    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6))
+    moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
+    isochoric, volumetric = np.empty(6), np.empty(6)
+    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
+    total, nominal, pulled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     local = np.empty(34)
-    rows = np.empty((6, 3))
     least = np.inf
     for e in range(len(unknowns)):
-        members = unknowns[e]
+        _gather(values, unknowns[e], moved, pressures)
         local[:] = 0.0
         for q in range(len(reference)):
-            p = _local(values, members, jacobians[e], reference[q], shapes[q], nodal, gradient)
-            growth, _ = _stresses(gradient, p, laws[e], isochoric, volumetric, work)
+            _gradient(moved, reference[q], jacobians[e], gradient)
+            p = _mean(shapes[q], pressures)
+            growth, _, _ = _stresses(gradient, p, laws[e], isochoric, volumetric, work)
             least = min(least, 1 + growth)
             if growth <= -1.0:
                 return least
             for row in range(6):
-                total[row] = weights[e, q] * (
+                i, j = PAIRS[row]
+                total[i, j] = weights[e, q] * (
                     gains[e, 0] * isochoric[row] + gains[e, 1] * volumetric[row] + past[e, q, row]
                 )
+                total[j, i] = total[i, j]
             for i in range(3):
                 gradient[i, i] += 1.0
+            _multiplied(gradient, total, nominal)
+            _multiplied_by_transpose(nominal, jacobians[e], pulled)
             for node in range(10):
-                _spread(nodal, rows, gradient, node)
-                for a in range(3):
-                    for row in range(6):
-                        local[3 * node + a] += rows[row, a] * total[row]
+                for i in range(3):
+                    local[3 * node + i] += (
+                        pulled[i, 0] * reference[q, node, 0]
+                        + pulled[i, 1] * reference[q, node, 1]
+                        + pulled[i, 2] * reference[q, node, 2]
+                    )
             share = weights[e, q] * gains[e, 1] * (growth - p * laws[e, 1])
             for a in range(4):
                 local[30 + a] += share * shapes[q, a]
         for k in range(34):
-            out[members[k]] += local[k]
+            out[unknowns[e, k]] += local[k]
     return least
+
+
+@njit(cache=True, fastmath=FAST)
+def _multiplied(a: Array, b: Array, out: Array) -> None:
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, fastmath=FAST)
+def _multiplied_by_transpose(a: Array, b: Array, out: Array) -> None:
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
 
 
 @njit(cache=True, fastmath=FAST)
@@ -293,7 +337,7 @@ def tangent(
     laws: Array,
     gains: Array,
     past: Array,
-    slots: Integers,
+    slots: NDArray[np.int32],
     whole: bool,
     data: Array,
 ) -> float:
@@ -302,23 +346,24 @@ def tangent(
     slots (n_cells, 34, 34) are the places of the cell's entries in `data`. Unless `whole`, what
     the pressure and the past add to the displacement block is left out.
     """
-    nodal, gradient = np.empty((10, 3)), np.empty((3, 3))
+    moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric, total = np.empty(6), np.empty(6), np.empty(6)
-    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6))
-    moduli = np.empty((6, 6))
+    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
+    moduli, nodal = np.empty((6, 6)), np.empty((10, 3))
     rows, stiff = np.empty((10, 6, 3)), np.empty((6, 3))
     local = np.empty((34, 34))
     least = np.inf
     for e in range(len(unknowns)):
-        members = unknowns[e]
+        _gather(values, unknowns[e], moved, pressures)
         local[:] = 0.0
         for q in range(len(reference)):
-            p = _local(values, members, jacobians[e], reference[q], shapes[q], nodal, gradient)
-            growth, stretch = _stresses(gradient, p, laws[e], isochoric, volumetric, work)
-            least = min(least, 1 + growth)
-            if growth <= -1.0:
+            _gradient(moved, reference[q], jacobians[e], gradient)
+            p = _mean(shapes[q], pressures)
+            state = _stresses(gradient, p, laws[e], isochoric, volumetric, work)
+            least = min(least, 1 + state[0])
+            if state[0] <= -1.0:
                 return least
-            _moduli(p if whole else 0.0, laws[e], gains[e], growth, stretch, work, moduli)
+            _moduli(p if whole else 0.0, laws[e], gains[e], state, work, moduli)
             weight = weights[e, q]
             for row in range(6):
                 total[row] = weight * gains[e, 0] * isochoric[row]
@@ -327,9 +372,16 @@ def tangent(
             for i in range(3):
                 gradient[i, i] += 1.0
             for node in range(10):
+                for j in range(3):
+                    nodal[node, j] = (
+                        reference[q, node, 0] * jacobians[e, 0, j]
+                        + reference[q, node, 1] * jacobians[e, 1, j]
+                        + reference[q, node, 2] * jacobians[e, 2, j]
+                    )
                 _spread(nodal, rows[node], gradient, node)
             _fill(local, weight, moduli, total, nodal, rows, stiff)
-            _couple(local, weight * gains[e, 1], laws[e, 1], shapes[q], work[1], growth, rows)
+            coupling = weight * gains[e, 1]
+            _couple(local, coupling, laws[e, 1], shapes[q], work[1], state[0], rows)
         for k in range(34):
             for m in range(k, 34):
                 data[slots[e, k, m]] += local[k, m]
@@ -407,14 +459,14 @@ def energy(
     past: Array,
 ) -> float:
     """Return the potential in mN mm, written apart from its derivatives so that it checks them."""
-    nodal, gradient = np.empty((10, 3)), np.empty((3, 3))
+    moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     total = 0.0
     for e in range(len(unknowns)):
         mu, compressibility, share, exponent = laws[e]
+        _gather(values, unknowns[e], moved, pressures)
         for q in range(len(reference)):
-            p = _local(
-                values, unknowns[e], jacobians[e], reference[q], shapes[q], nodal, gradient
-            )
+            _gradient(moved, reference[q], jacobians[e], gradient)
+            p = _mean(shapes[q], pressures)
             deformation = gradient + np.eye(3)
             c = deformation.T @ deformation
             volume = np.linalg.det(deformation)
@@ -432,7 +484,7 @@ def energy(
 
 
 @njit(cache=True)
-def slots(members: Integers, starts: Integers, columns: Integers) -> Integers:
+def slots(members: Integers, starts: Integers, columns: Integers) -> NDArray[np.int32]:
     """Return where the entries (n_cells, 34, 34) of each cell stand in a sorted CSR matrix."""
     found = np.empty((len(members), members.shape[1], members.shape[1]), dtype=np.int32)
     for e in range(len(members)):

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
-from scipy.linalg.blas import dsyrk, dtrsm
+from scipy.linalg.blas import dsyrk, dtrsm, strsm
 
 from fefinger.checks import InputError
 from fefinger.fem.spaces import Array, Integers
@@ -75,18 +75,29 @@ class Factor:
         """Number of entries stored."""
         return sum(f.lower.size + f.below.size for f in self.fronts)
 
+    def single(self) -> "Factor":
+        """Return the factor in single precision, half as large and twice as fast to apply."""
+        kind = np.float32
+        fronts = (
+            Eliminated(f.front, f.lower.astype(kind), f.below.astype(kind), f.signs.astype(kind))
+            for f in self.fronts
+        )
+        return Factor(self.order, tuple(fronts))
+
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
-        work = right[self.order].reshape(len(right), -1)
+        kind = self.fronts[0].lower.dtype
+        trsm = dtrsm if kind == np.float64 else strsm
+        work = right[self.order].reshape(len(right), -1).astype(kind)
         for f in self.fronts:
             own = slice(f.front.start, f.front.stop)
-            work[own] = dtrsm(1.0, f.lower, work[own], lower=1)
+            work[own] = trsm(1.0, f.lower, work[own], lower=1)
             work[f.front.rest] -= f.below @ work[own]
         for f in reversed(self.fronts):
             own = slice(f.front.start, f.front.stop)
             known = f.signs * work[own] - f.below.T @ work[f.front.rest]
-            work[own] = dtrsm(1.0, f.lower, known, lower=1, trans_a=1)
-        answer = np.empty_like(work)
+            work[own] = trsm(1.0, f.lower, known, lower=1, trans_a=1)
+        answer = np.empty(work.shape)
         answer[self.order] = work
         return answer.reshape(right.shape)
 

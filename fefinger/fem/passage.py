@@ -77,6 +77,7 @@ def follow(
     history: StressHistory,
     path: Path,
     observe: Callable[[int, State], None],
+    progress: Callable[[float], None] = lambda fraction: None,
 ) -> int:
     """Solve the body at every time of the path, and show `observe` each; return the steps taken.
 
@@ -93,6 +94,7 @@ def follow(
     for k, time in enumerate(path.times):
         walk.to(float(path.times[k - 1]) if k else float(time), float(time), HALVINGS)
         observe(k, walk.state)
+        progress((k + 1) / len(path.times))
     return walk.steps
 
 

@@ -15,7 +15,7 @@ from scipy import sparse
 from skfem import Basis, ElementTriP2, MeshTri
 
 from fefinger.fem.contact import Candidates, candidates
-from fefinger.fem.obstacle import Rigid
+from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import Array, Integers, Space
 
 
@@ -26,7 +26,7 @@ FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
 class Sliding:
     """The candidates on the pad, whose undeformed triangles have `corners`, and an obstacle."""
 
-    obstacle: Rigid
+    obstacle: Obstacle
     on: Candidates
     corners: Array
     n_unknowns: int
@@ -94,20 +94,19 @@ class Sliding:
 
     def _gathered(self, values: Array) -> Array:
         kept = self.on.owner >= 0
-        return np.bincount(self.on.owner[kept], values[kept], minlength=len(self))
+        sums = np.bincount(self.on.owner[kept], values[kept], minlength=len(self))
+        return np.asarray(sums, dtype=np.float64)
 
 
 def sliding(
-    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
+    space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
 ) -> Sliding:
     """Return the patch of the pad `contact.candidates` within `reach` mm."""
     chosen = candidates(space, triangles, normals, obstacle, reach)
-    return Sliding(
-        obstacle, chosen, space.points[chosen.part.triangles], space.n_unknowns
-    )
+    return Sliding(obstacle, chosen, space.points[chosen.part.triangles], space.n_unknowns)
 
 
 def _slopes() -> Array:
-    """Derivatives (6, n_q, 2) of the quadratics of `trace` by the reference coordinates."""
+    """Return the derivatives (6, n_q, 2) of the quadratics of `trace` by the reference coordinates."""
     basis = Basis(MeshTri.init_refdom(), ElementTriP2(), intorder=5)
     return np.array([f[0].grad[:, 0, :].T for f in basis.basis])

@@ -15,10 +15,14 @@ def logarithmic(gradient: Array) -> Array:
     across = np.swapaxes(h, -1, -2)
     green = (h + across + across @ h) / 2
     values, vectors = np.linalg.eigh(green)
-    return np.asarray((vectors * (np.log1p(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
+    return np.asarray(
+        (vectors * (np.log1p(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    )
 
 
 def green_lagrange(logs: Array) -> Array:
     """Return (C - I) / 2 (..., 3, 3) of the logarithmic strain ln(C) / 2."""
     values, vectors = np.linalg.eigh(logs)
-    return np.asarray((vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
+    return np.asarray(
+        (vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    )

@@ -17,7 +17,6 @@ from fefinger.fem.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
-from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._stride import Stride, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
@@ -158,14 +157,9 @@ def _passage(
         history = StressHistory(elements, series)
         recorder = _Recorder(contact, probe, frames)
         with stages.stage("steps") as report:
-
-            def observe(number: int, state: State) -> None:
-                recorder.keep(number, state)
-                report((number + 1) / len(steps.times))
-
-            taken = follow(equilibrium, history, path, observe)
+            taken = follow(equilibrium, history, path, recorder.keep, report)
         pressure = np.array(recorder.pressure)
-        pressed = (pressure > 0).any(axis=0)
+        pressed = np.asarray((pressure > 0).any(axis=0))
         _check_contact(finger, contact, pressed, recorder.depth)
         if (pressed & contact.on.edge).any():
             reach *= _press.GROW
