@@ -107,6 +107,6 @@ def sliding(
 
 
 def _slopes() -> Array:
-    """Return the derivatives (6, n_q, 2) of the quadratics of `trace` by the reference coordinates."""
+    """Return the reference derivatives (6, n_q, 2) of the quadratics of `trace`."""
     basis = Basis(MeshTri.init_refdom(), ElementTriP2(), intorder=5)
     return np.array([f[0].grad[:, 0, :].T for f in basis.basis])
