@@ -128,11 +128,10 @@ class Equilibrium:
         return worst if np.isfinite(worst) else np.inf
 
     def _renew(self, state: State, memory: Memory, loads: sparse.csc_matrix) -> None:
-        """Factor the tangent of the state, without what might make it indefinite."""
+        """Factor the tangent of the state, made definite."""
         matrix = self.body.tangent(state.values, memory, whole=False)
-        bent = self.contact.curvature(state.values, state.depth, state.pressure)
         system, space = self.system, self.body.space
-        renewed = factor(space, (matrix - bent).tocsr(), system.fixed, system.dissection)
+        renewed = factor(space, matrix, system.fixed, system.dissection)
         self._factored = _Factored(renewed, loads, float(memory.gains.mean()))
         self.factors, self._excess = self.factors + 1, 0
 
@@ -147,8 +146,9 @@ class Equilibrium:
     ) -> State:
         """Return the state after one iteration."""
         held, travel = self._factored, self.contact.travel
-        size = max(abs(state.depth), float(gaps.min() / travel.max()))
-        near = (state.pressure > 0) | (gaps < NEAR * size * travel)
+        size = abs(state.depth)
+        apart = gaps / travel
+        near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
         softer = held.gain / float(asked.memory.gains.mean())
         alone = softer * held.solve(loads @ state.pressure - inner)
         free = gaps + state.depth * travel + loads.T @ alone

@@ -75,7 +75,8 @@ class Continuum:
     def tangent(self, values: Array, memory: Memory, *, whole: bool = True) -> sparse.csr_matrix:
         """Return the second derivative of the potential, symmetric.
 
-        Unless `whole`, what pressure and past add to the displacement block is left out.
+        Unless `whole`, its displacement block is made positive definite, so that it can be factored
+        in every state: good to iterate with, and no derivative (see `kernels.tangent`).
         """
         data = np.zeros_like(self.pattern.data)
         kernels.tangent(
@@ -135,16 +136,17 @@ def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
     Raises
     ------
     InputError
-        If a cell has no volume or is turned inside out.
+        If a cell has no volume.
     """
+    corners = space.points[space.cells]
+    if not (np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) > 0).all():
+        message = "mesh: expected cells of positive volume, received a flat one; repair the mesh"
+        raise InputError(message)
     basis = space.scalar
     quadrature = basis.quadrature
     linear = Basis(basis.mesh, ElementTetP1(), quadrature=quadrature)
     corners = space.points[space.vertices]
     edges = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)
-    if not (np.abs(np.linalg.det(edges)) > 0).all():
-        message = "mesh: expected cells of positive volume, received a flat one; repair the mesh"
-        raise InputError(message)
     scale = max(law.shear for law in tissues.values())
     laws = {
         k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()

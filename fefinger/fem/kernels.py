@@ -182,6 +182,35 @@ def _moduli(
 
 
 @njit(cache=True, fastmath=FAST)
+def _brace(stiffness: float, growth: float, inverse: Array, moduli: Array) -> None:
+    """Add stiffness (dJ)² / 2 to the moduli; 2/3 of mu makes 2 mu dev e : dev e into 2 mu e : e."""
+    factor = stiffness * (1 + growth) * (1 + growth)
+    for row in range(6):
+        i, j = PAIRS[row]
+        for column in range(6):
+            k, m = PAIRS[column]
+            moduli[row, column] += factor * inverse[i, j] * inverse[k, m]
+
+
+@njit(cache=True)
+def _convex(moduli: Array, stress: Array) -> None:
+    """Replace the moduli (6, 6) and the stress (6,) by their positive parts."""
+    values, vectors = np.linalg.eigh(moduli)
+    if values[0] < 0:
+        moduli[:] = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    full = np.empty((3, 3))
+    for row in range(6):
+        i, j = PAIRS[row]
+        full[i, j] = full[j, i] = stress[row]
+    values, vectors = np.linalg.eigh(full)
+    if values[0] < 0:
+        full = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        for row in range(6):
+            i, j = PAIRS[row]
+            stress[row] = full[i, j]
+
+
+@njit(cache=True, fastmath=FAST)
 def _spread(nodal: Array, strain_rows: Array, deformation: Array, node: int) -> None:
     """Fill the rows (6, 3) that take a displacement of the node to dE, shears doubled."""
     for row in range(3):
@@ -343,8 +372,10 @@ def tangent(
 ) -> float:
     """Add the second derivative of the potential to `data` (nnz,); return the smallest J.
 
-    slots (n_cells, 34, 34) are the places of the cell's entries in `data`. Unless `whole`, what
-    the pressure and the past add to the displacement block is left out.
+    slots (n_cells, 34, 34) are the places of the cell's entries in `data`. Unless `whole`, the
+    displacement block is made definite: without what pressure and past add to it, with a stiffness
+    against changes of volume, and with the positive parts of the moduli and the stress only. Such a
+    matrix is good to iterate with, and no derivative.
     """
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric, total = np.empty(6), np.empty(6), np.empty(6)
@@ -369,6 +400,9 @@ def tangent(
                 total[row] = weight * gains[e, 0] * isochoric[row]
                 if whole:
                     total[row] += weight * (gains[e, 1] * volumetric[row] + past[e, q, row])
+            if not whole:
+                _brace(2 / 3 * gains[e, 0] * laws[e, 0], state[0], work[1], moduli)
+                _convex(moduli, total)
             for i in range(3):
                 gradient[i, i] += 1.0
             for node in range(10):

@@ -1,4 +1,4 @@
-"""Weighted gaps between a deformed pad and a rigid obstacle, with their first two derivatives.
+"""Weighted gaps between a deformed pad and a rigid obstacle, with their derivatives.
 
 With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
 of a hat psi_i on the undeformed pad is w_i = integral of psi_i g(x(X)) dA: finite sliding, because
@@ -57,20 +57,6 @@ class Sliding:
         entries = (block.ravel()[kept], (rows[kept], columns[kept]))
         shape = (self.n_unknowns, len(self))
         return self._gathered(weighted), sparse.coo_matrix(entries, shape=shape).tocsc()
-
-    def curvature(self, values: Array, depth: float, pressure: Array) -> sparse.csr_matrix:
-        """Return the second derivative of the sum of pressure_i w_i, (n_unknowns, n_unknowns)."""
-        _, _, hessian = self.obstacle.implicit(self.now(values), depth)
-        carried = np.where(self.on.owner >= 0, pressure[self.on.owner], 0.0)
-        density = np.einsum("tj,tjq->tq", carried, self.hats)
-        used = density.any(axis=1) & hessian.any(axis=(1, 2, 3))
-        shapes = self.on.part.quadratic
-        block = np.einsum("tq,kq,lq,tqab->tkalb", density[used], shapes, shapes, hessian[used])
-        rows = self._rows()[used]
-        first = np.broadcast_to(rows[:, :, :, None, None], block.shape).ravel()
-        second = np.broadcast_to(rows[:, None, None, :, :], block.shape).ravel()
-        shape = (self.n_unknowns, self.n_unknowns)
-        return sparse.coo_matrix((block.ravel(), (first, second)), shape=shape).tocsr()
 
     def now(self, values: Array) -> Array:
         """Return where the quadrature points (n_tri, n_q, 3) mm are."""

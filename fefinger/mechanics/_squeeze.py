@@ -212,13 +212,14 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
     on, travel = passage.contact.on, passage.contact.travel
     pad, column = _press.whole_pad(finger, on.vertices, on.part.triangles, travel)
     sides = 2 if finger.half else 1
-    force = sides * passage.pressure @ travel * NEWTON_PER_MILLINEWTON
     area = sides * np.sum(np.where(passage.pressure > 0, passage.areas, 0.0), axis=1)
-    pressure = steps.bounded(passage.pressure)[:, column]
+    pressure = steps.bounded(passage.pressure)
+    force = sides * pressure @ travel * NEWTON_PER_MILLINEWTON
+    pressure = pressure[:, column]
     asked = scene.ask.pressure
     return {
         "depth": steps.bounded(passage.depth) if scene.motion.control == "force" else steps.path,
-        "force": steps.bounded(force),
+        "force": force,
         "contact_area": steps.bounded(area) if asked else None,
         "centroid": _press.centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,

@@ -1,0 +1,168 @@
+"""Equilibrium and its passage through time at finite strain, against closed forms."""
+
+import numpy as np
+import pytest
+from fefinger.validation.cube import across, cube, nominal, stretches
+
+from fefinger.checks import ConvergenceError
+from fefinger.fem.equilibrium import Asked, State
+from fefinger.fem.forms import Elastic
+from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
+from fefinger.fem.passage import Path, Series, StressHistory, follow
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+RATIOS = (0.0, 0.3, 0.49, 0.5)
+LAWS = {
+    "neo-hookean": neo_hookean,
+    "mooney-rivlin": lambda elastic: mooney_rivlin(elastic, 0.4),
+    "demiray": lambda elastic: demiray(elastic, 1.5),
+    "veronda-westmann": lambda elastic: veronda_westmann(elastic, 1.0),
+}
+PRONY = Prony((0.3, 0.4, 0.3), (60.0, 2.0))
+SERIES = {1: Series(np.array(PRONY.weights), np.array(PRONY.v))}
+
+
+def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, object]:
+    """Return the force in mN and the stretches at the last of the depths, and the cube."""
+    pressed = cube(material)
+    solver = pressed.equilibrium
+    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    for depth in depths:
+        state = solver.find(state, Asked("depth", depth, pressed.body.at_rest))
+    return (
+        float(solver.contact.travel @ state.pressure),
+        stretches(state.values, pressed.body),
+        state,
+    )
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_a_cube_squeezed_to_half_its_height_has_its_closed_form(name: str, poisson: float):
+    material = LAWS[name](Elastic(40.0, poisson))
+    force, stretch, _ = squeezed(material, [0.1, 0.2, 0.3, 0.4, 0.5])
+    assert force == pytest.approx(nominal(material, 0.5), rel=1e-5)
+    assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
+
+
+def test_the_same_cube_in_other_units_gives_the_same_strains():
+    forces = [squeezed(neo_hookean(Elastic(e, 0.49)), [0.2])[0] / e for e in (1e-3, 40.0, 1e9)]
+    assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
+
+
+def test_all_nodes_of_the_plate_carry_the_same_pressure_and_none_pulls():
+    material = neo_hookean(Elastic(40.0, 0.5))
+    force, _, state = squeezed(material, [0.2])
+    assert state.pressure == pytest.approx(np.full(len(state.pressure), force), rel=1e-5)
+
+
+def test_a_step_too_large_is_reported():
+    with pytest.raises(ConvergenceError, match="shorter steps"):
+        squeezed(neo_hookean(Elastic(40.0, 0.5)), [1.2])
+
+
+# Through time
+
+
+def passed(material: Law, times: np.ndarray, depth: object, **options: object) -> np.ndarray:
+    """Return the force in mN at the times, under depth control."""
+    pressed = cube(material, 1)
+    forces: list[float] = []
+
+    def keep(_: int, state: State) -> None:
+        forces.append(float(pressed.equilibrium.contact.travel @ state.pressure))
+
+    history = StressHistory(pressed.body, SERIES, **options)
+    follow(pressed.equilibrium, history, Path("depth", times, depth), keep)
+    return np.array(forces)
+
+
+def ramp(time: float) -> float:
+    """Return a depth in mm: 0.4 mm in 40 ms, then a hold."""
+    return min(10.0 * time, 0.4)
+
+
+def relaxed(material: Law, times: np.ndarray) -> np.ndarray:
+    """Return the force of `ramp`: P = stretch times the hereditary integral of P_e / stretch.
+
+    With free sides the lateral S stays zero, so that S along the axis relaxes alone.
+    """
+    fine = np.unique(np.concatenate([np.linspace(0, 0.05, 2001), times]))
+    stretch = 1 - np.array([ramp(t) for t in fine])
+    elastic = np.array([nominal(material, s) for s in stretch]) / stretch
+    scaled = Prony(PRONY.c, PRONY.v)
+    stress = hereditary_integral(scaled, fine, elastic) / scaled.long_time
+    return np.asarray((stretch * stress)[np.searchsorted(fine, times)])
+
+
+def timed(steps: int) -> np.ndarray:
+    """Return times with `steps` in the ramp, and some in the hold."""
+    return np.concatenate([np.linspace(0, 0.04, steps + 1), [0.041, 0.05, 0.1, 1.0]])
+
+
+@pytest.mark.parametrize(
+    "material", [neo_hookean(Elastic(40.0, 0.5)), demiray(Elastic(40.0, 0.49), 2.0)]
+)
+def test_a_ramp_and_hold_is_the_hereditary_integral_to_second_order(material: Law):
+    errors = []
+    for steps in (5, 10):
+        times = timed(steps)
+        exact = relaxed(material, times)
+        errors.append(np.abs(passed(material, times, ramp) - exact).max() / exact.max())
+    assert errors[1] < 5e-3
+    assert errors[0] / errors[1] > 3.4
+
+
+def test_a_jump_starts_stiff_by_one_over_c0_and_ends_relaxed():
+    material = neo_hookean(Elastic(40.0, 0.5))
+    forces = passed(material, np.array([0.0, 1e3]), lambda t: 0.3)
+    assert forces[0] == pytest.approx(nominal(material, 0.7) / PRONY.long_time, rel=1e-5)
+    assert forces[1] == pytest.approx(nominal(material, 0.7), rel=1e-3)
+
+
+def test_pressure_that_does_not_relax_changes_a_compressible_cube_only():
+    times = np.array([0.0, 0.05])
+    soft, tight = (neo_hookean(Elastic(40.0, nu)) for nu in (0.3, 0.4999))
+    whole, part = (
+        [passed(law, times, lambda t: 0.2, deviatoric=flag) for law in (soft, tight)]
+        for flag in (False, True)
+    )
+    assert part[1] == pytest.approx(whole[1], rel=5e-3)
+    assert part[0][0] < 0.97 * whole[0][0]
+
+
+def test_retraction_leaves_the_plate_without_pull_and_work_is_lost_in_the_cycle():
+    material = neo_hookean(Elastic(40.0, 0.49))
+    times = np.linspace(0.0, 0.08, 41)
+    depth = lambda t: 0.3 - abs(0.3 - 7.5 * t)  # noqa: E731
+    forces = passed(material, times, depth)
+    assert (forces >= 0).all()
+    assert (forces[-5:] == 0).all()
+    depths = np.array([depth(t) for t in times])
+    assert np.trapezoid(forces, depths) > 0
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e3])
+def test_steps_from_a_microsecond_to_a_thousand_seconds_are_stable(step: float):
+    material = neo_hookean(Elastic(40.0, 0.49))
+    forces = passed(material, step * np.arange(4.0), lambda t: min(0.1 * t / step, 0.2))
+    bounds = np.array([nominal(material, 0.8), nominal(material, 0.8) / PRONY.long_time])
+    assert forces[-1] == pytest.approx(bounds[0 if step > 1 else 1], rel=1e-3)
+
+
+def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
+    material = neo_hookean(Elastic(40.0, 0.5))
+    pressed = cube(material, 1)
+    target, depths = nominal(material, 0.8), []
+    history = StressHistory(pressed.body, SERIES)
+    path = Path("force", np.concatenate([[0.0], np.geomspace(1e-3, 30.0, 25)]), lambda t: target)
+
+    def keep(_: int, state: State) -> None:
+        depths.append(state.depth)
+        force = float(pressed.equilibrium.contact.travel @ state.pressure)
+        assert force == pytest.approx(target, rel=1e-6)
+
+    follow(pressed.equilibrium, history, path, keep)
+    assert (np.diff(depths) > 0).all()
+    assert depths[-1] == pytest.approx(0.2, rel=1e-3)

@@ -1,0 +1,114 @@
+"""Weighted gaps on a deformed surface, and strain measures of large gradients."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, logm
+
+from fefinger.fem.contact import patch
+from fefinger.fem.grids import box
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import gradient_at, gradient_at_vertices
+from fefinger.fem.sliding import FAR, Sliding, sliding
+from fefinger.fem.spaces import Space
+from fefinger.fem.strain import green_lagrange, logarithmic
+from fefinger.profiles import Ellipsoid, Plane, Profile
+
+
+GRID = np.linspace(0.0, 1.0, 4)
+AXIS = np.array([0.6, 0.0, -0.8])
+
+
+def surface(profile: Profile, axis: np.ndarray = AXIS) -> tuple[Space, Sliding, np.ndarray]:
+    """Return a cube whose top faces an obstacle, and the triangles of the top."""
+    space = box(GRID, GRID, GRID)
+    facets = np.asarray(space.scalar.mesh.facets.T)
+    top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
+    obstacle = Obstacle(axis, np.array([0.4, 0.5, 1.0]), profile)
+    return space, sliding(space, top, np.zeros_like(space.points), obstacle, reach=2.0), top
+
+
+@pytest.mark.parametrize("profile", [Plane(), Ellipsoid((3.0, 2.0, 4.0))], ids=["plane", "round"])
+def test_the_loads_are_the_derivatives_of_the_weighted_gaps(profile: Profile):
+    space, contact, _ = surface(profile)
+    random = np.random.default_rng(0)
+    values, along = 0.1 * random.normal(size=(2, space.n_unknowns))
+    _, loads = contact.gaps(values, 0.2)
+    h = 1e-5
+    ahead, behind = (contact.gaps(values + s * along, 0.2)[0] for s in (h, -h))
+    assert loads.T @ along == pytest.approx((ahead - behind) / (2 * h), rel=1e-7, abs=1e-9)
+
+
+def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_says_so():
+    space, contact, _ = surface(Ellipsoid((3.0, 2.0, 4.0)))
+    values = 0.1 * np.random.default_rng(1).normal(size=space.n_unknowns)
+    before, loads = contact.gaps(values, 0.2)
+    after, _ = contact.gaps(values, 0.3)
+    assert before - after == pytest.approx(0.1 * contact.travel)
+    assert contact.travel.sum() == pytest.approx(1.0)
+    rigid = np.zeros(space.n_unknowns)
+    rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
+    assert loads.T @ rigid == pytest.approx(contact.travel)
+
+
+def test_an_undeformed_surface_has_the_gaps_of_small_strain():
+    space, contact, top = surface(Plane())
+    flat = np.zeros_like(space.points)
+    small = patch(space, top, flat, contact.obstacle, reach=2.0)
+    gaps, loads = contact.gaps(np.zeros(space.n_unknowns), 0.0)
+    assert gaps == pytest.approx(small.gap, abs=1e-15)
+    assert abs(loads - small.loads).max() < 1e-15
+
+
+def test_areas_follow_the_stretch_of_the_surface():
+    space, contact, _ = surface(Plane())
+    values = np.zeros(space.n_unknowns)
+    values[: space.n_displacements] = (space.node_points * [0.5, -0.2, 3.0]).ravel()
+    assert contact.areas(values) == pytest.approx(1.5 * 0.8 * contact.travel)
+
+
+def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
+    space, contact, _ = surface(Ellipsoid((2.0, 2.0, 2.0)), np.array([0.0, 0.0, -1.0]))
+    values = np.zeros(space.n_unknowns)
+    values[: space.n_displacements : 3] = 10.0
+    gaps, loads = contact.gaps(values, 0.0)
+    assert gaps == pytest.approx(FAR * contact.travel)
+    assert np.isfinite(loads.data).all()
+
+
+def test_logarithmic_strain_is_half_the_logarithm_of_c_and_leads_back_to_green_lagrange():
+    gradient = 0.4 * np.random.default_rng(2).normal(size=(5, 3, 3))
+    for h, log in zip(gradient, logarithmic(gradient), strict=True):
+        c = (np.eye(3) + h).T @ (np.eye(3) + h)
+        assert log == pytest.approx(logm(c).real / 2, abs=1e-12)
+        assert green_lagrange(log) == pytest.approx((c - np.eye(3)) / 2, abs=1e-12)
+        assert expm(2 * log) == pytest.approx(c)
+
+
+def test_a_tiny_gradient_has_its_small_strain_to_all_digits():
+    h = 1e-12 * np.random.default_rng(3).normal(size=(3, 3))
+    assert logarithmic(h) == pytest.approx((h + h.T) / 2, rel=1e-10)
+
+
+def test_gradients_of_a_quadratic_displacement_are_exact_at_points_and_vertices():
+    space = box(GRID, GRID, GRID)
+    values = np.zeros(space.n_unknowns)
+    places = space.node_points
+    values[: space.n_displacements] = np.column_stack(
+        [places[:, 1] ** 2, places[:, 0] * places[:, 2], places[:, 2] ** 2]
+    ).ravel()
+
+    def exact(points: np.ndarray) -> np.ndarray:
+        gradient = np.zeros((len(points), 3, 3))
+        gradient[:, 0, 1] = 2 * points[:, 1]
+        gradient[:, 1, 0], gradient[:, 1, 2] = points[:, 2], points[:, 0]
+        gradient[:, 2, 2] = 2 * points[:, 2]
+        return gradient
+
+    points = np.array([[0.3, 0.2, 0.7], [0.5, 0.0, 0.25]])
+    found = (gradient_at(space, points) @ values).reshape(-1, 3, 3)
+    assert found == pytest.approx(exact(points), abs=1e-12)
+    mirrored = (gradient_at(space, points, medial=True) @ values).reshape(-1, 3, 3)
+    assert mirrored[0] == pytest.approx(found[0])
+    assert mirrored[1, 1, ::2] == pytest.approx([0.0, 0.0])
+    vertices = (gradient_at_vertices(space) @ values).reshape(-1, 3, 3)
+    assert vertices == pytest.approx(exact(space.points), abs=1e-12)

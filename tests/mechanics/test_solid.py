@@ -1,0 +1,109 @@
+"""The finite-strain finger: its limits, its balance and its place on the ladder."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import scenes
+from fefinger.checks import InputError
+from fefinger.mechanics import linear, solid
+from fefinger.motion import Motion
+from fefinger.records import Response
+from fefinger.scene import Scene
+
+
+def press(motion: Motion, *, strain: bool = False, **finger: object) -> Scene:
+    """Return a plate on the coarse finger of flat-press."""
+    scene = scenes.load("flat-press")
+    asked = ff.Ask(strain=strain, fields=strain)
+    coarse = replace(scene.finger, resolution="coarse", **finger)
+    return Scene(finger=coarse, indenter=ff.Flat(30), motion=motion, ask=asked)
+
+
+@pytest.fixture(scope="module")
+def held() -> Response:
+    """Return a short press with a hold, and all that can be asked of it."""
+    return solid.respond(press(ff.RampHold(20, 0.5, hold=0.5), strain=True))
+
+
+def test_it_tends_to_small_strain_in_first_order_of_the_depth():
+    gaps = []
+    for depth in (0.02, 0.04):
+        scene = press(ff.Ramp(60, depth, corner=0))
+        small, finite = linear.respond(scene), solid.respond(scene)
+        gaps.append(finite.force[-1] / small.force[-1] - 1)
+    assert abs(gaps[0]) < 0.005
+    assert gaps[1] / gaps[0] == pytest.approx(2, rel=0.35)
+
+
+def test_force_area_and_pressure_agree(held: Response):
+    assert held.pad is not None
+    assert held.pressure is not None
+    assert held.contact_area is not None
+    normal = held.pressure @ held.pad.areas * 1e-3
+    assert normal == pytest.approx(held.force, rel=1e-9, abs=1e-12)
+    assert (held.pressure >= 0).all()
+    assert (held.contact_area[held.force > 0] > 0).all()
+
+
+def test_the_force_relaxes_in_the_hold_while_the_strain_stays(held: Response):
+    assert held.strain is not None
+    start = int(np.argmax(held.depth))
+    assert (np.diff(held.force[start + 1 :]) < 0).all()
+    drift = np.abs(held.strain[start:] - held.strain[start]).max()
+    assert drift < 0.02 * np.abs(held.strain).max()
+
+
+def test_fields_and_sites_tell_the_same_strain(held: Response):
+    assert held.fields is not None
+    assert held.sites is not None
+    assert held.strain is not None
+    site = held.sites.points[2]
+    near = int(np.argmin(np.linalg.norm(held.fields.points - site, axis=1)))
+    last = held.fields.strain[-1, near, 2]
+    assert last == pytest.approx(held.strain[-1, 2, 2, 2], rel=0.5)
+    assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
+
+
+def test_stiffening_tissue_pushes_back_harder():
+    scene = press(ff.Ramp(60, 0.4, corner=0))
+    skin, pulp = (
+        replace(layer, law="demiray", exponent=10.0)
+        for layer in (scene.finger.skin, scene.finger.subcutaneous)
+    )
+    stiffer = replace(scene, finger=replace(scene.finger, skin=skin, subcutaneous=pulp))
+    assert solid.respond(stiffer).force.max() > 1.05 * solid.respond(scene).force.max()
+
+
+def test_it_answers_a_held_force():
+    response = solid.respond(press(ff.ForceRampHold(10, 0.1, hold=0.02, corner=0)))
+    assert response.force.max() == pytest.approx(0.1, rel=1e-4)
+    assert response.depth[-1] > response.depth[int(np.argmax(response.force))]
+
+
+def test_a_press_through_the_bone_is_refused():
+    with pytest.raises(InputError, match="tissue over the bone"):
+        solid.respond(press(ff.Ramp(60, 4.95)))
+
+
+def test_laws_travel_through_scene_files():
+    settings = {"finger.skin.law": "demiray", "finger.skin.exponent": 4.0}
+    scene = scenes.load("flat-press", settings)
+    assert scene.finger.skin.exponent == 4.0
+    assert Scene.from_toml(scene.to_toml()) == scene
+
+
+@pytest.mark.parametrize(
+    ("settings", "what"),
+    [
+        ({"finger.skin.law": "rubber"}, "finger.skin.law"),
+        ({"finger.skin.law": "demiray"}, "finger.skin.exponent: missing"),
+        ({"finger.skin.exponent": 2.0}, "finger.skin.exponent: expected none"),
+        ({"finger.skin.law": "mooney-rivlin", "finger.skin.share": 2.0}, "finger.skin.share"),
+    ],
+)
+def test_laws_are_checked(settings: dict[str, object], what: str):
+    with pytest.raises(InputError, match=what):
+        scenes.load("flat-press", settings)

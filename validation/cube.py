@@ -1,0 +1,77 @@
+"""A unit cube under a plate: every quantity of its squeeze has a closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from fefinger.fem.equilibrium import Equilibrium
+from fefinger.fem.finite import Continuum, continuum
+from fefinger.fem.grids import box
+from fefinger.fem.laws import Law
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.sliding import sliding
+from fefinger.fem.solve import factor
+
+
+@dataclass(frozen=True)
+class Cube:
+    """The cube 0 to 1 mm, that slides on the planes x = 0, y = 0, z = 0, under a plate at z = 1."""
+
+    law: Law
+    body: Continuum
+    equilibrium: Equilibrium
+
+
+def cube(law: Law, cells: int = 2) -> Cube:
+    """Return a cube with `cells` boxes of six tetrahedra along each edge."""
+    space = box(*3 * (np.linspace(0.0, 1.0, cells + 1),))
+    body = continuum(space, {1: law})
+    places = space.node_points
+    fixed = np.flatnonzero((places == 0).ravel())
+    at_rest = np.zeros(space.n_unknowns)
+    system = factor(space, body.tangent(at_rest, body.at_rest, whole=False), fixed)
+    facets = np.asarray(space.scalar.mesh.facets.T)
+    top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
+    plate = Obstacle(np.array([0.0, 0.0, -1.0]), np.array([0.5, 0.5, 1.0]))
+    contact = sliding(space, top, np.zeros_like(space.points), plate, reach=1.0)
+    return Cube(law, body, Equilibrium(body, contact, system))
+
+
+def energy(law: Law, along: float, across: float) -> float:
+    """Return the strain energy in kPa of the stretches along z and across it."""
+    volume = along * across**2
+    one = (along**2 + 2 * across**2) * volume ** (-2 / 3) - 3
+    two = (across**4 + 2 * along**2 * across**2) * volume ** (-4 / 3) - 3
+    rising = np.expm1(law.exponent * one) / law.exponent if law.exponent else one
+    work = law.shear / 2 * (law.share * rising + (1 - law.share) * two)
+    return work + (volume - 1) ** 2 / (2 * law.compressibility) if law.compressibility else work
+
+
+def across(law: Law, along: float) -> float:
+    """Return the stretch across that leaves the sides free of stress."""
+    if law.compressibility == 0:
+        return float(along**-0.5)
+    step = 1e-5
+
+    def pull(stretch: float) -> float:
+        return energy(law, along, stretch + step) - energy(law, along, stretch - step)
+
+    return float(brentq(pull, 0.3, 3.0, xtol=1e-13))
+
+
+def nominal(law: Law, along: float) -> float:
+    """Return the nominal pressure in kPa that holds the stretch `along`."""
+    step = 1e-5
+
+    def least(stretch: float) -> float:
+        return energy(law, stretch, across(law, stretch))
+
+    return -(least(along + step) - least(along - step)) / (2 * step)
+
+
+def stretches(values: NDArray[np.float64], body: Continuum) -> NDArray[np.float64]:
+    """Return the three stretches of the corner (1, 1, 1)."""
+    corner = int(np.argmax(body.space.node_points.sum(axis=1)))
+    return np.asarray(1 + values[3 * corner : 3 * corner + 3])
