@@ -136,7 +136,7 @@ def _blocks(kind: Kind, space: Space, tissues: Mapping[int, Elastic]) -> Array:
 
 
 def _derivatives(kind: Kind) -> Array:
-    """Derivatives (n_local, 4 points, 4) of the shapes by the barycentric coordinates."""
+    """Return derivatives (n_local, 4 points, 4) of the shapes by the barycentric coordinates."""
     corners = np.repeat(np.eye(4)[:, None], len(RULE), axis=1)
     if kind.degree == 1:
         return corners
@@ -251,10 +251,13 @@ def _row(kind: Kind, body: Quarter, exact: Exact, points: Array, strain: Array) 
     found = tensors((strain_at(body.space, points) @ full).reshape(-1, 6))
     departure = np.linalg.norm(found - strain, axis=(1, 2))
     size = np.linalg.norm(strain, axis=(1, 2)).max()
+    peak = float(exact.pressure(np.array(0.0), np.array(0.0)))
     return {
+        "nodes": body.space.n_nodes if kind.degree == 2 else len(body.space.points),
         "unknowns": unknowns,
         "cpu_s": round(seconds, 3),
         "force_%": 100 * (pressed.force / exact.force - 1),
+        "peak_%": 100 * (float(pressed.pressure.max()) / peak - 1),
         "pressure_%": 100 * pressed.pressure_error(exact, 1.0),
         "strain_%": 100 * float(np.sqrt(np.mean(departure**2)) / size),
     }

@@ -21,7 +21,7 @@ from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.layer import Sheet
 from fefinger.theory.punch import Cone, FlatPunch
 from fefinger.theory.sphere import Sphere
-from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.stack import Base, Layer, Stack
 
 
 Array = NDArray[np.float64]
@@ -34,6 +34,7 @@ FINE = Grading(LINES, core=0.2, rim=0.04, slope=0.4, sectors=6)  # for a stiff s
 HALF_ANGLE = 80.0  # degrees
 SPREAD = 1.3
 LAYERS = (Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48))
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -97,11 +98,9 @@ def ellipse() -> Comparison:
     return _half_space(space, saddle, exact)
 
 
-def layer(base: str, poisson: float) -> Comparison:
+def layer(base: Base, poisson: float) -> Comparison:
     """Return a layer as thick as the contact is wide, bonded to a rigid base or sliding on it."""
-    truth = indentation.paraboloid(
-        Sheet(1.0, MODULUS, poisson, base), 100.0, contact_radius=1.0
-    )
+    truth = indentation.paraboloid(Sheet(1.0, MODULUS, poisson, base), 100.0, contact_radius=1.0)
     ends = (3.6, 4.4, 5.5, 7.0) if base == "bonded" else (3.6, 4.4, 6.0, 9.0, 14.0, 25.0)
     r, z = np.array([*LINES[:3], 2.1, 2.84, *ends]), np.array([0.0, 0.5, 1.0])
     space = quarter(r, z, EVERYDAY.size(1.0), EVERYDAY.sectors)
@@ -151,14 +150,25 @@ LIMITS: dict[str, tuple[dict[str, float], str]] = {
 QUICK = ("sphere, a / R = 0.3", "bonded layer, a = h")
 
 
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What is kept of a solved body: errors in %, places (n, 2) mm, pressure and exact kPa."""
+
+    errors: dict[str, float]
+    places: Array
+    pressure: Array
+    exact: Array
+
+
 @cache
-def errors(name: str) -> dict[str, float]:
-    """Return the errors in % of one of BODIES."""
+def solved(name: str) -> Solved:
+    """Return the contact of one of BODIES beside the exact one."""
     found = BODIES[name]()
     pressed, truth = found.body.pressed(found.exact.depth), found.exact
+    space, vertices = found.body.space, found.body.patch.vertices
     measured = {
-        "nodes": float(found.body.space.n_nodes),
-        "force": 100 * (pressed.force / truth.force - 1),
+        "nodes": float(space.n_nodes),
+        "force": 100 * float(pressed.force / truth.force - 1),
         "pressure within 0.9 a": 100 * pressed.pressure_error(truth, 0.9),
     }
     if "pressure" in LIMITS[name][0]:
@@ -166,7 +176,8 @@ def errors(name: str) -> dict[str, float]:
     if "peak pressure" in LIMITS[name][0]:
         peak = float(truth.pressure(np.array(0.0), np.array(0.0)))
         measured["peak pressure"] = 100 * (float(pressed.pressure.max()) / peak - 1)
-    return measured
+    places = space.points[vertices, :2]
+    return Solved(measured, places, pressed.pressure, truth.pressure(*places.T))
 
 
 def _round(truth: Sphere | Cone | FlatPunch | indentation.Contact) -> Exact:
@@ -205,7 +216,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             yield Case(
                 "fem",
                 f"{name}: {quantity}",
-                lambda n=name, q=quantity: errors(n)[q],
+                lambda n=name, q=quantity: solved(n).errors[q],
                 0.0,
                 limit,
                 "%",

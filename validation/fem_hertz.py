@@ -5,7 +5,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case
@@ -92,7 +92,11 @@ TARGETS = {
 
 ORDERS = {
     "force": (2.5, 0.5, "between that of the displacement, 3, and that of the edge"),
-    "pressure": (1.25, 0.4, "the pressure ends as a square root, which limits any mesh of its kind"),
+    "pressure": (
+        1.25,
+        0.4,
+        "limited by the square root in which the pressure ends",
+    ),
     "strain": (2.0, 0.4, "gradient of quadratic elements"),
 }
 """Expected order in the cell length, its tolerance, and why."""

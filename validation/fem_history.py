@@ -5,7 +5,7 @@ The layer's far field does not depend on history, so the exact elastic contact o
 """
 
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case
@@ -20,7 +20,7 @@ from fefinger.library import pawluk_relaxation
 from fefinger.theory import indentation
 from fefinger.theory.layer import Sheet
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.ting import ContactHistory, press_by_depth, press_by_force, radius_nodes
+from fefinger.theory.ting import ContactHistory, press_by_depth, press_by_force
 
 
 Array = NDArray[np.float64]
@@ -231,19 +231,14 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _motions() -> Iterator[Case]:
     for name in MOTIONS:
-        yield _case(f"{name}, force over its peak", lambda n=name: force_error(n), 1.0, "%", TING)
-        yield _case(
-            f"{name}, lowest pressure over the highest",
-            lambda n=name: pull(n),
-            0.0,
-            "%",
-            "no adhesion",
-            "a pressure is never negative",
-        )
+        error, lowest = partial(force_error, name), partial(pull, name)
+        yield _case(f"{name}, force over its peak", error, 1.0, "%", TING)
+        pulling = f"{name}, lowest pressure over the highest"
+        yield _case(pulling, lowest, 0.0, "%", "no adhesion", "a pressure is never negative")
     for name in UNLOADED:
         yield _case(
             f"{name}, moments of detachment and touch, of the cycle",
-            lambda n=name: detachment_error(n),
+            partial(detachment_error, name),
             1.0,
             "%",
             TING,

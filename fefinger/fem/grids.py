@@ -63,7 +63,7 @@ def _section(r: Array, z: Array, size: Size) -> tuple[Array, Integers]:
 
 
 def _axis_first(points: Array, triangles: Integers) -> tuple[Array, Integers]:
-    """Number the points on the axis first, and the corners of each triangle upward."""
+    """Renumber, points on the axis first, and the corners of each triangle upward."""
     order = np.argsort(points[:, 0] > 0, kind="stable")
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
