@@ -121,17 +121,25 @@ def bowl(radius: float) -> Indenter:
 
 
 def body(poisson: float, level: int) -> Quarter:
+    """Return the quarter under the paraboloid on one of LEVELS."""
+    return body_on(LEVELS[level].space(CONTACT_RADIUS), poisson)
+
+
+def body_on(space: Space, poisson: float) -> Quarter:
     """Return the quarter under the paraboloid, with the half-space's displacement around it."""
-    space = LEVELS[level].space(CONTACT_RADIUS)
     elastic = Elastic(MODULUS, poisson)
     return half_space(space, elastic, bowl(RADIUS), exact(hertz(poisson)), spread=1.3)
 
 
 @cache
 def errors(poisson: float, level: int) -> dict[str, float]:
-    """Return the errors in % by the names of TARGETS, with the displacement `nodes`."""
+    """Return what `measured` does on one of LEVELS."""
     truth = hertz(poisson)
-    pressed = body(poisson, level).pressed(truth.depth)
+    return measured(body(poisson, level).pressed(truth.depth), truth)
+
+
+def measured(pressed: Pressed, truth: Hertz) -> dict[str, float]:
+    """Return the errors in % by the names of TARGETS, with the displacement `nodes`."""
     below = strain_errors(pressed, truth)
     return {
         "nodes": float(pressed.body.space.n_nodes),

@@ -5,9 +5,12 @@ The pattern is made from the numbering alone, so that the whole needs no memory 
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fefinger.fem.spaces import Array, Integers
 
+
+Places = NDArray[np.int32]
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 """Corners of the edges of a cell, in scikit-fem's order of the quadratics after the corners."""
@@ -18,7 +21,7 @@ RULE = np.full((4, 4), _OUTER) + (_INNER - _OUTER) * np.eye(4)
 
 
 @njit(cache=True)
-def pattern(unknowns: Integers, count: int) -> tuple[Integers, Integers]:
+def pattern(unknowns: Integers, count: int) -> tuple[Places, Places]:
     """Return row starts (count + 1,) and ascending columns of all pairs that share a cell.
 
     unknowns (n_cells, n_local) are the numbers of each cell's unknowns, below `count`.
@@ -66,8 +69,8 @@ def small_strain(
     shear: Array,
     compressibility: Array,
     scale: float,
-    starts: Integers,
-    columns: Integers,
+    starts: Places,
+    columns: Places,
     data: Array,
 ) -> None:
     """Add the element matrices [[A, B'], [B, -M / K]] of all cells into `data`.
@@ -145,9 +148,7 @@ def _displacements(derivative: Array, weight: float, block: Array) -> None:
 
 
 @njit(cache=True)
-def _scatter(
-    block: Array, members: Integers, starts: Integers, columns: Integers, data: Array
-) -> None:
+def _scatter(block: Array, members: Integers, starts: Places, columns: Places, data: Array) -> None:
     """Add a block (34, 34) to its rows.
 
     The three unknowns of a node stand side by side in every row, and have the same columns.
