@@ -75,11 +75,7 @@ def _beside(rows: list[dict[str, Any]]) -> Any:
             f"{one.force:+.2f}",
             f"{one.peak:+.2f}",
             f"{one.rms:.1f}",
-            ""
-            if np.isnan(one.cpu_s)
-            else f"{one.cpu_s:.2g}"
-            if one.cpu_s < 1
-            else f"{one.cpu_s:.0f}",
+            _seconds(one.cpu_s),
         ]
         for one in sorted([*ours, *PEERS], key=lambda one: one.poisson)
     ]
@@ -97,6 +93,12 @@ def _beside(rows: list[dict[str, Any]]) -> Any:
             weight="bold" if row == 0 or lines[row - 1][0] == "fefinger" else "normal",
         )
     return drawn
+
+
+def _seconds(value: float) -> str:
+    if np.isnan(value):
+        return ""
+    return f"{value:.2g}" if value < 1 else f"{value:.0f}"
 
 
 def _kinds(rows: list[dict[str, Any]]) -> Any:
@@ -120,7 +122,7 @@ def _kinds(rows: list[dict[str, Any]]) -> Any:
     axes[0, 0].set(ylabel="force error / %", ylim=(0.01, 50))
     axes[1, 0].set(ylabel="strain error / %", ylim=(0.2, 40))
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    drawn.legend(handles, labels, loc="outside upper center", ncols=4)
+    drawn.legend(handles, labels, loc="outside upper center", ncols=3)
     return drawn
 
 
@@ -175,5 +177,6 @@ def _histories() -> Any:
         axis.set_title(name)
         axis.set_xlabel("time / s")
     axes[0].set_ylabel("force / mN")
-    axes[0].legend()
+    handles, labels = axes[0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside upper right", ncols=2)
     return drawn
