@@ -85,6 +85,7 @@ TARGETS = {
     "peak pressure": (0.7, "relative error of the largest pressure"),
     "pressure within 0.9 a": (1.0, "L2 error of the pressure over the inner disk"),
     "pressure": (2.5, "L2 error of the pressure over the true disk"),
+    "contact area": (5.0, "area of the hats in contact, whole ones, so a fraction of a cell"),
     "strain": (1.0, "RMS error of the strain tensor 0.15 a to 1.5 a deep, over the largest"),
     "strain anywhere": (1.25, "the same at the worst of those points"),
 }
@@ -147,6 +148,8 @@ def measured(pressed: Pressed, truth: Hertz) -> dict[str, float]:
         "peak pressure": 100 * float(pressed.pressure.max() / truth.peak_pressure - 1),
         "pressure within 0.9 a": 100 * pressed.pressure_error(exact(truth), 0.9),
         "pressure": 100 * pressed.pressure_error(exact(truth), 1.0),
+        "contact area": 100 * (pressed.area / (np.pi * truth.contact_radius**2) - 1),
+        "imbalance": pressed.imbalance,
         "strain": 100 * float(np.sqrt(np.mean(below**2))),
         "strain anywhere": 100 * float(below.max()),
     }
@@ -175,6 +178,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for nu in (0.49,) if quick else RATIOS:
         level = FINEST - 1 if quick else FINEST
         yield from _errors(nu, level)
+        yield from _balance(nu, level)
         if not quick:
             yield from _orders(nu)
 
@@ -200,6 +204,19 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
         "nodes",
         "the budget of the mesh",
         reason="no more than the budget",
+    )
+
+
+def _balance(nu: float, level: int) -> Iterator[Case]:
+    yield Case(
+        "fem",
+        f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: force and reactions, over the force",
+        lambda: errors(nu, level)["imbalance"],
+        0.0,
+        1e-8,
+        "1",
+        "equilibrium of the body",
+        reason="the residual of the linear solution, 1e-10, with a margin",
     )
 
 

@@ -128,6 +128,16 @@ class Pressed:
         """Displacements and mean stresses (n,)."""
         return np.asarray(self.body.unloaded + self.body.unit @ self.pressure)
 
+    @property
+    def imbalance(self) -> float:
+        """Force and the reactions of the outer faces along it, over the force."""
+        system = self.body.system
+        loads = self.body.patch.loads @ self.pressure
+        along = system.fixed % 3 == 2
+        along &= system.fixed < self.body.space.n_displacements
+        reactions = system.reactions(self.unknowns, loads)[along]
+        return float(4 * reactions.sum() / self.force + 1)
+
     def strain(self, points: Array) -> Array:
         """Return the strain (n_points, 3, 3) at points (n_points, 3) mm."""
         rows = strain_at(self.body.space, points) @ self.unknowns
