@@ -10,7 +10,7 @@ from fefinger.validation.element_kinds import OURS, Kind, assembled
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from fefinger.fem.forms import Elastic, pressure_scale, stiffness
+from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
 from fefinger.fem.probe import strain_at, tensors
 from fefinger.fem.solve import factor
@@ -137,7 +137,7 @@ def errors(poisson: float, cells: int) -> dict[str, float]:
     points = np.moveaxis(np.asarray(basis.global_coordinates()), 0, 2).reshape(-1, 3)
     moved = unknowns[: space.n_displacements].reshape(-1, 3)[space.nodes]
     gradient = np.einsum("eki,kjeq->eqij", moved, slopes).reshape(-1, 3, 3)
-    pressures = unknowns[space.n_displacements :][space.pressures] * pressure_scale(tissues)
+    pressures = unknowns[space.n_displacements :][space.pressures] * exact.elastic.shear
     # At the quadrature points the linear shapes are the barycentric coordinates.
     linear = np.linalg.solve(_corner_matrix(space), _lifted(points, len(space.cells)))
     mean = np.einsum("ek,ekq->eq", pressures, linear).ravel()

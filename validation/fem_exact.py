@@ -108,6 +108,16 @@ def layer(base: Base, poisson: float) -> Comparison:
     return _layered(space, tissues, truth, base=base)
 
 
+def on_bone() -> Comparison:
+    """Return the bonded layer on bone that is meshed, and 1e9 times stiffer than it."""
+    truth = indentation.paraboloid(Sheet(1.0, MODULUS, NU), 100.0, contact_radius=1.0)
+    r = np.array([*LINES[:3], 2.1, 2.84, 3.6, 4.4, 5.5, 7.0])
+    z = np.array([0.0, 0.5, 1.0, 1.5])
+    space = quarter(r, z, EVERYDAY.size(1.0), EVERYDAY.sectors, interfaces=(1.0,))
+    tissues = {1: Elastic(MODULUS, NU), 2: Elastic(1e9 * MODULUS, 0.3)}
+    return _layered(space, tissues, truth, base="bonded")
+
+
 def stack_contact() -> indentation.Contact:
     """Return a contact 2 mm wide on skin, softer tissue and bone."""
     return indentation.paraboloid(Stack(LAYERS), 10.0, contact_radius=2.0)
@@ -130,6 +140,7 @@ BODIES: dict[str, Callable[[], Comparison]] = {
     "ellipse": ellipse,
     "bonded layer, a = h": lambda: layer("bonded", NU),
     "bonded layer, a = h, nu 0.5": lambda: layer("bonded", 0.5),
+    "bonded layer on bone 1e9 times stiffer": on_bone,
     "sliding layer, a = h": lambda: layer("sliding", NU),
     "skin, subcutaneous tissue, bone, a = 2 mm": lambda: stack(FINE),
 }
@@ -142,6 +153,7 @@ LIMITS: dict[str, tuple[dict[str, float], str]] = {
     "ellipse": (SMOOTH, "Hertz 1881; Johnson 1985, 4.2"),
     "bonded layer, a = h": (SMOOTH, LAYER),
     "bonded layer, a = h, nu 0.5": (SMOOTH, LAYER),
+    "bonded layer on bone 1e9 times stiffer": (SMOOTH, f"{LAYER}, on a rigid base"),
     "sliding layer, a = h": (SMOOTH, LAYER),
     "skin, subcutaneous tissue, bone, a = 2 mm": (SMOOTH, f"{LAYER}; Haskell 1953"),
 }

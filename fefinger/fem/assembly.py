@@ -68,7 +68,6 @@ def small_strain(
     unknowns: Integers,
     shear: Array,
     compressibility: Array,
-    scale: float,
     starts: Places,
     columns: Places,
     data: Array,
@@ -76,7 +75,7 @@ def small_strain(
     """Add the element matrices [[A, B'], [B, -M / K]] of all cells into `data`.
 
     corners (n_cells, 4, 3) mm; unknowns (n_cells, 34), displacements first, three to a node;
-    shear (n_cells,) kPa; compressibility (n_cells,) 1/kPa; pressures in units of `scale` kPa.
+    shear (n_cells,) kPa, which pressures are in units of; compressibility (n_cells,) 1/kPa.
     """
     slopes, derivative = np.empty((4, 3)), np.empty((10, 3))
     block = np.empty((34, 34))
@@ -87,11 +86,11 @@ def small_strain(
             _quadratic(RULE[q], slopes, derivative)
             _displacements(derivative, volume / 4 * shear[e], block)
             for k in range(4):
-                factor = volume / 4 * scale * RULE[q, k]
+                factor = volume / 4 * shear[e] * RULE[q, k]
                 for i in range(10):
                     for a in range(3):
                         block[30 + k, 3 * i + a] += factor * derivative[i, a]
-        lump = -(scale**2) * compressibility[e] * volume / 20
+        lump = -(shear[e] ** 2) * compressibility[e] * volume / 20
         for k in range(4):
             for m in range(4):
                 block[30 + k, 30 + m] = 2 * lump if k == m else lump

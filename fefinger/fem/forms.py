@@ -35,8 +35,8 @@ class Elastic:
 def stiffness(space: Space, tissues: Mapping[int, Elastic]) -> sparse.csr_matrix:
     """Return the symmetric matrix [[A, B'], [B, -M / K]] of the space, mN/mm and mm².
 
-    `tissues` gives the elasticity of every label in `space.tissue`. The pressure is measured in
-    units of the largest shear modulus, so that all blocks have like size.
+    `tissues` gives the elasticity of every label in `space.tissue`. A pressure is measured in
+    units of the shear modulus of its own tissue, so that moduli 1e9 apart stay within rounding.
     """
     count, numbers = space.n_unknowns, space.unknowns
     starts, columns = assembly.pattern(numbers, count)
@@ -46,14 +46,8 @@ def stiffness(space: Space, tissues: Mapping[int, Elastic]) -> sparse.csr_matrix
         numbers,
         np.array([tissues[int(k)].shear for k in space.tissue]),
         np.array([tissues[int(k)].compressibility for k in space.tissue]),
-        pressure_scale(tissues),
         starts,
         columns,
         data,
     )
     return sparse.csr_matrix((data, columns, starts), shape=(count, count))
-
-
-def pressure_scale(tissues: Mapping[int, Elastic]) -> float:
-    """Return the pressure in kPa that one pressure unknown stands for."""
-    return max(tissue.shear for tissue in tissues.values())
