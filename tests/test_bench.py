@@ -67,7 +67,7 @@ def test_the_fem_suite_measures_every_stage(monkeypatch):
     assert all(figure.value > 0 for name, figure in figures.items() if name not in errors)
     assert 0.5 < figures["exponent in the unknowns, memory of the factor"].value < 2
     assert figures["factor: entries"].ratio < 1.5
-    for name in ("factor: wall", "64 loads: wall"):
+    for name in ("factor: CPU", "64 loads: CPU"):
         assert figures[name].baseline > 0
 
 
