@@ -1,11 +1,21 @@
 """The suite `fem`: its oracles, its measures, and that a wrong program would not pass."""
 
+import json
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
-from fefinger.validation import element_kinds, fem_exact, fem_hertz, fem_history, suites
+from fefinger.validation import (
+    element_kinds,
+    fem_drawings,
+    fem_exact,
+    fem_hertz,
+    fem_history,
+    suites,
+)
 from fefinger.validation.fem_quarter import Indenter, half_space_field, turned
+from fefinger.validation.peers import PEERS
 
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
@@ -142,3 +152,17 @@ def test_the_kinds_of_linear_elements_hold_a_linear_displacement():
         assert np.abs(rest).max() < 1e-12, kind.name
         moved = wide @ unknowns[: discrete.n_displacements]
         assert moved == pytest.approx((space.node_points @ gradient.T).ravel(), abs=1e-14)
+
+
+def test_the_report_on_elements_is_drawn_beside_other_programs():
+    text = resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
+    rows = json.loads(text)["rows"]
+    names = {kind.name for kind in element_kinds.KINDS}
+    assert {row["element"] for row in rows} == names
+    (axis,) = fem_drawings.beside(rows).axes
+    (table,) = axis.tables
+    shown = [cell.get_text().get_text() for cell in table.get_celld().values()]
+    assert shown.count("fefinger") == 3 * len(element_kinds.RATIOS)
+    assert {peer.program for peer in PEERS} < set(shown)
+    drawn = fem_drawings.kinds(rows)
+    assert {line.get_label() for line in drawn.axes[0].lines} == names

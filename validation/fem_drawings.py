@@ -31,14 +31,14 @@ def figures() -> Iterator[tuple[str, Any]]:
             "Hertz contact: fefinger (reports/elements.json) beside other programs, each in its "
             "own mesh of tetrahedra and measured on two cores. Errors of force, largest pressure "
             "and pressure over the true disk; FEBio's RMS is the scatter about its own fit.",
-            _beside(rows),
+            beside(rows),
         )
         yield (
             "Elements on the same meshes: error of force and of strain against the CPU seconds of "
             "assembly, factor, loads and contact (reports/elements.json). P1 at nu = 0.4999 is "
             "beyond the axis. Right: skin on softer tissue, where one continuous pressure smears "
             "what the pressure per tissue keeps.",
-            _kinds(rows),
+            kinds(rows),
         )
         yield "Hertz pressure at nu = 0.49 on two meshes, at every vertex, over the peak.", _hertz()
         yield (
@@ -53,7 +53,8 @@ def figures() -> Iterator[tuple[str, Any]]:
         )
 
 
-def _beside(rows: list[dict[str, Any]]) -> Any:
+def beside(rows: list[dict[str, Any]]) -> Any:
+    """Draw the rows of Hertz contact with our element as a table with other programs."""
     ours = [
         Peer(
             "fefinger",
@@ -101,7 +102,8 @@ def _seconds(value: float) -> str:
     return f"{value:.2g}" if value < 1 else f"{value:.0f}"
 
 
-def _kinds(rows: list[dict[str, Any]]) -> Any:
+def kinds(rows: list[dict[str, Any]]) -> Any:
+    """Draw errors of force and strain against CPU seconds, one line per element."""
     drawn = figure(WIDE, 5.4)
     axes = drawn.subplots(2, 3, sharex="col", sharey="row")
     panels = (("Hertz", 0.3), ("Hertz", 0.4999), ("stack", 0.49))
