@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from fefinger.validation import fem_hertz
 
 from fefinger import bench
 from fefinger.__main__ import main
@@ -56,11 +57,17 @@ def test_the_fem_suite_measures_every_stage(monkeypatch):
     monkeypatch.setattr(fem, "RESOLUTION", "coarse")
     monkeypatch.setattr(fem, "REPEATS", 1)
     monkeypatch.setattr(fem, "STEPS", 20)
+    monkeypatch.setattr(fem, "CUBES", (3, 4, 5))
+    monkeypatch.setattr(fem, "HERTZ", fem_hertz.LEVELS[0])
     figures = {figure.name: figure for figure in bench.run(["fem"])["fem"]}
     assert figures["unknowns"].value > 10_000
-    assert all(figure.value > 0 for figure in figures.values())
+    errors = {name for name in figures if name.startswith("Hertz") and figures[name].unit == "%"}
+    assert {name.partition(": ")[2] for name in errors} < set(fem_hertz.TARGETS)
+    assert all(abs(figures[name].value) > 0 for name in errors)
+    assert all(figure.value > 0 for name, figure in figures.items() if name not in errors)
+    assert 0.5 < figures["exponent in the unknowns, memory of the factor"].value < 2
     assert figures["factor: entries"].ratio < 1.5
-    for name in ("factor: wall", "64 loads: wall"):
+    for name in ("factor: CPU", "64 loads: CPU"):
         assert figures[name].baseline > 0
 
 

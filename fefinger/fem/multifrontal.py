@@ -21,6 +21,7 @@ from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import SINGULAR_PIVOT
 
 
+UNEVEN = 0.15  # how far from half the cells a part may be cut: 1.2 to 1.7 times fewer entries
 LEAF = 48  # cells in the smallest part: smaller ones cost more in Python than they save
 
 SINGULAR = (
@@ -184,17 +185,35 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
 def _halved(
     unknowns: Integers, centers: Array, cells: Integers
 ) -> tuple[list[Integers], list[Integers], Integers]:
-    """Split cells at a median plane, the one of the three that the fewest unknowns share."""
-    best: tuple[list[Integers], list[Integers], Integers] | None = None
+    """Split cells by the plane across an axis that the fewest unknowns share.
+
+    Of all planes that leave each side its part of the cells: meshes have some that cut far less
+    than the median.
+    """
+    members, inverse = np.unique(unknowns[cells], return_inverse=True)
+    local = inverse.reshape(len(cells), -1)
+    low = int(np.ceil((0.5 - UNEVEN) * len(cells)))
+    high = len(cells) - low
+    least = len(members) + 1
     for axis in range(3):
         order = np.argsort(centers[cells, axis], kind="stable")
-        halves = np.split(cells[order], [len(cells) // 2])
-        sides = [_members(unknowns[half]) for half in halves]
-        shared = np.intersect1d(sides[0], sides[1], assume_unique=True)
-        if best is None or len(shared) < len(best[2]):
-            best = (halves, sides, shared)
-    assert best is not None
-    return best
+        touched = local[order].ravel()
+        place = np.repeat(np.arange(len(cells)), local.shape[1])
+        first, last = np.empty_like(members), np.empty_like(members)
+        first[touched[::-1]] = place[::-1]
+        last[touched] = place
+        real = members >= 0
+        changes = np.bincount(first[real], minlength=len(cells))
+        changes -= np.bincount(last[real], minlength=len(cells))
+        shared = np.cumsum(changes)[low - 1 : high]
+        if shared.min() < least:
+            least = int(shared.min())
+            # The most even of the best.
+            cuts = low + np.flatnonzero(shared == least)
+            cut = int(cuts[np.argmin(np.abs(cuts - len(cells) / 2))])
+            halves = [cells[order[:cut]], cells[order[cut:]]]
+            before, after = real & (first < cut), real & (last >= cut)
+    return halves, [members[before], members[after]], members[before & after]
 
 
 def _members(unknowns: Integers) -> Integers:

@@ -8,6 +8,7 @@ from scipy.sparse.linalg import spsolve
 from fefinger.checks import InputError
 from fefinger.fem import multifrontal, solve
 from fefinger.fem.forms import Elastic, stiffness
+from fefinger.fem.grids import box
 from fefinger.fem.spaces import Space
 
 
@@ -81,3 +82,19 @@ def test_a_body_that_can_still_turn_is_refused(space: Space) -> None:
     one_point = 3 * int(np.argmin(space.node_points.sum(axis=1))) + np.arange(3)
     with pytest.raises(InputError, match="held facets"):
         solve.factor(space, stiffness(space, {1: Elastic(1.0, 0.3)}), one_point)
+
+
+def test_moduli_a_billion_apart_cost_no_balance() -> None:
+    line = np.linspace(0, 1, 4)
+    even = box(line, line, line)
+    tissue = np.where(even.points[even.cells][:, :, 2].mean(axis=1) < 0.5, 1, 2).astype(np.int8)
+    space = Space(even.points, even.cells, tissue)
+    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 1, 3))
+    tissues = {1: Elastic(1.0, 0.49), 2: Elastic(1e9, 0.3)}
+    system = solve.factor(space, stiffness(space, tissues), held)
+    loads = np.zeros(space.n_unknowns)
+    loads[3 * np.flatnonzero(space.node_points[:, 2] == 0) + 2] = 0.01
+    reactions = system.reactions(system.solve(loads), loads)
+    assert reactions.reshape(-1, 3).sum(axis=0) == pytest.approx(
+        [0, 0, -loads.sum()], abs=1e-9 * loads.sum()
+    )

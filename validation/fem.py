@@ -1,0 +1,30 @@
+"""Suite `fem`: the finite elements and their contact against exact solutions, in small strain.
+
+Everything is solved by the code that answers scenes (`fefinger.fem`), on meshes that are made here.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from fefinger.validation import (
+    fem_drawings,
+    fem_elements,
+    fem_exact,
+    fem_hertz,
+    fem_history,
+)
+from fefinger.validation.case import Case
+
+
+PARTS = (fem_hertz, fem_elements, fem_exact, fem_history)
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield the cases of all parts."""
+    for part in PARTS:
+        yield from part.cases(quick=quick)
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure."""
+    yield from fem_drawings.figures()

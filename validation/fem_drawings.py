@@ -1,0 +1,184 @@
+"""Figures of the suite `fem`: fefinger beside other programs and elements, pressures, histories."""
+
+import json
+from collections.abc import Iterator
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from fefinger.validation import element_kinds, fem_exact, fem_hertz, fem_history
+from fefinger.validation.peers import PEERS, Peer
+
+from fefinger.figures import INK, STEEL, figure, style
+
+
+WIDE = 6.2  # inches; two stand side by side
+COLORS = ("#D55E00", "#E69F00", "#009E73", "#56B4E9", "#0072B2", "#AA4499", STEEL)
+DRAWN = (
+    *("sphere, a / R = 0.3", "cone", "ellipse", "bonded layer, a = h"),
+    *("bonded layer, a = h, nu 0.5", "sliding layer, a = h"),
+)
+COLUMNS = ("program", "nodes", "nu", "force %", "peak %", "pressure RMS %", "CPU s")
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure."""
+    rows = json.loads(
+        resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
+    )["rows"]
+    with style():
+        yield (
+            "Hertz contact: fefinger (reports/elements.json) beside other programs, each in its "
+            "own mesh of tetrahedra and measured on two cores. Errors of force, largest pressure "
+            "and pressure over the true disk; FEBio's RMS is the scatter about its own fit.",
+            beside(rows),
+        )
+        yield (
+            "Elements on the same meshes: error of force and of strain against the CPU seconds of "
+            "assembly, factor, loads and contact (reports/elements.json). P1 at nu = 0.4999 is "
+            "beyond the axis. Right: skin on softer tissue, where one continuous pressure smears "
+            "what the pressure per tissue keeps.",
+            kinds(rows),
+        )
+        yield "Hertz pressure at nu = 0.49 on two meshes, at every vertex, over the peak.", _hertz()
+        yield (
+            "Pressure at every vertex (dots) beside the exact contact (line), over the exact "
+            "largest; for the ellipse against the distance in its own axes.",
+            _profiles(),
+        )
+        yield (
+            "A bonded viscoelastic layer: force of the finite elements (line) and of Ting's theory "
+            "on the exact layer (dots). Where the line is at zero, the indenter has left the pad.",
+            _histories(),
+        )
+
+
+def beside(rows: list[dict[str, Any]]) -> Any:
+    """Draw the rows of Hertz contact with our element as a table with other programs."""
+    ours = [
+        Peer(
+            "fefinger",
+            row["nodes"],
+            row["poisson"],
+            row["force_%"],
+            row["peak_%"],
+            row["pressure_%"],
+            row["cpu_s"],
+        )
+        for row in rows
+        if row["case"] == "Hertz" and row["element"] == element_kinds.OURS.name
+    ]
+    lines = [
+        [
+            one.program,
+            f"{one.nodes:,}",
+            f"{one.poisson:g}",
+            f"{one.force:+.2f}",
+            f"{one.peak:+.2f}",
+            f"{one.rms:.1f}",
+            _seconds(one.cpu_s),
+        ]
+        for one in sorted([*ours, *PEERS], key=lambda one: one.poisson)
+    ]
+    drawn = figure(WIDE, 0.3 + 0.19 * len(lines))
+    axis = drawn.subplots()
+    axis.axis("off")
+    table = axis.table(lines, colLabels=COLUMNS, loc="center", cellLoc="right", edges="horizontal")
+    table.auto_set_font_size(False)
+    table.set_fontsize(8)
+    table.auto_set_column_width(list(range(len(COLUMNS))))
+    for (row, column), cell in table.get_celld().items():
+        cell.set_edgecolor("#e8ecf0")
+        cell.set_text_props(
+            ha="left" if column == 0 else "right",
+            weight="bold" if row == 0 or lines[row - 1][0] == "fefinger" else "normal",
+        )
+    return drawn
+
+
+def _seconds(value: float) -> str:
+    if np.isnan(value):
+        return ""
+    return f"{value:.2g}" if value < 1 else f"{value:.0f}"
+
+
+def kinds(rows: list[dict[str, Any]]) -> Any:
+    """Draw errors of force and strain against CPU seconds, one line per element."""
+    drawn = figure(WIDE, 5.4)
+    axes = drawn.subplots(2, 3, sharex="col", sharey="row")
+    panels = (("Hertz", 0.3), ("Hertz", 0.4999), ("stack", 0.49))
+    for column, (case, poisson) in zip(axes.T, panels, strict=True):
+        for kind, color in reversed([*zip(element_kinds.KINDS, COLORS, strict=True)]):
+            chosen = [
+                row
+                for row in rows
+                if (row["case"], row["poisson"], row["element"]) == (case, poisson, kind.name)
+            ]
+            seconds = [row["cpu_s"] for row in chosen]
+            for axis, key in zip(column, ("force_%", "strain_%"), strict=True):
+                error = np.abs([row[key] for row in chosen])
+                axis.loglog(seconds, error, "o-", ms=3, color=color, label=kind.name)
+                axis.tick_params(which="minor", length=0)
+        column[0].set_title(f"{case}, nu {poisson:g}" if case == "Hertz" else "skin on soft tissue")
+        column[1].set_xlabel("CPU s")
+    axes[0, 0].set(ylabel="force error / %", ylim=(0.01, 50))
+    axes[1, 0].set(ylabel="strain error / %", ylim=(0.2, 40))
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside upper center", ncols=3)
+    return drawn
+
+
+def _hertz() -> Any:
+    drawn = figure(WIDE, 3.4)
+    axis = drawn.subplots()
+    truth = fem_hertz.hertz(0.49)
+    r = np.linspace(0, 1.3, 400)
+    axis.plot(r, truth.pressure(r) / truth.peak_pressure, color=STEEL, label="Hertz")
+    for level, color in ((0, COLORS[1]), (1, COLORS[0])):
+        body = fem_hertz.body(0.49, level)
+        places = body.space.points[body.patch.vertices]
+        pressure = body.pressed(truth.depth).pressure / truth.peak_pressure
+        label = f"{body.space.n_nodes} nodes"
+        axis.plot(np.hypot(*places.T[:2]), pressure, "o", ms=3, color=color, label=label)
+    axis.set(xlabel="r / a", ylabel="pressure / peak")
+    axis.legend()
+    return drawn
+
+
+def _profiles() -> Any:
+    drawn = figure(WIDE, 4.0)
+    axes = drawn.subplots(2, len(DRAWN) // 2, sharey=True, sharex=True)
+    for axis, name in zip(axes.flat, DRAWN, strict=True):
+        found = fem_exact.solved(name)
+        distance = np.hypot(*found.places.T)
+        if name == "ellipse":
+            distance = np.hypot(*(found.places / fem_exact.ellipse().exact.axes).T)
+        finite = np.isfinite(found.exact)
+        order = np.argsort(distance[finite])
+        scale = found.exact[finite].max()
+        axis.plot(
+            distance[finite][order], found.exact[finite][order] / scale, color=STEEL, label="exact"
+        )
+        axis.plot(distance, found.pressure / scale, "o", ms=2, color=COLORS[0])
+        axis.set_title(name)
+    for axis in axes[-1]:
+        axis.set_xlabel("r / a")
+    for axis in axes[:, 0]:
+        axis.set(ylabel="pressure / exact largest", ylim=(-0.05, 1.4))
+    return drawn
+
+
+def _histories() -> Any:
+    names = fem_history.UNLOADED
+    drawn = figure(WIDE, 2.8)
+    axes = drawn.subplots(1, len(names), sharey=True)
+    for axis, name in zip(axes, names, strict=True):
+        time, found, exact = fem_history.cycle(name, fem_history.STEPS)
+        axis.plot(time[::25], exact[::25], "o", ms=3, color=COLORS[0], label="Ting")
+        axis.plot(time, found, color=INK, lw=1.2, label="finite elements")
+        axis.set_title(name)
+        axis.set_xlabel("time / s")
+    axes[0].set_ylabel("force / mN")
+    handles, labels = axes[0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside upper right", ncols=2)
+    return drawn
