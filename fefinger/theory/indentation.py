@@ -25,7 +25,7 @@ from scipy.special import j0
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
-from fefinger.theory.quadrature import even_rule, panels
+from fefinger.theory.quadrature import even_basis, even_rule, panels
 
 
 DECAY = 20.0
@@ -107,9 +107,7 @@ class Contact:
 
     def _over_edge(self) -> Array:
         """Return the Legendre series of a y p in y = sqrt(1 - r² / a²)."""
-        half = np.arange(1, len(self.phi))
-        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
-        return _even(self.phi / at_zero)
+        return over_edge(self.phi)
 
     def displacement(self, r: ArrayLike) -> Array:
         """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
@@ -210,9 +208,19 @@ def _spectrum(body: Body, half_octave: int) -> tuple[Array, Array]:
     return xi, departure
 
 
+def over_edge(phi: Array) -> Array:
+    """Return the Legendre series (2 n - 1, ...) of a y p in y = sqrt(1 - r² / a²) of phi (n, ...).
+
+    P_2k(sqrt(1 - y²)) integrates over the edge to P_2k(y) / P_2k(0).
+    """
+    half = np.arange(1, len(phi))
+    at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
+    return _even((phi.T / at_zero).T)
+
+
 def _even(coefficients: Array) -> Array:
-    """Return the Legendre series whose even coefficients are given."""
-    series = np.zeros(2 * len(coefficients) - 1)
+    """Return the Legendre series (2 n - 1, ...) whose even coefficients (n, ...) are given."""
+    series = np.zeros((2 * len(coefficients) - 1, *coefficients.shape[1:]))
     series[::2] = coefficients
     return series
 
@@ -245,7 +253,6 @@ def _solve(body: Body, a: float) -> tuple[Array, Array]:
     matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
     right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
     values = np.linalg.solve(matrix, right)
-    basis = legendre.legvander(nodes, 2 * count - 1)[:, ::2]
     norm = 4.0 * np.arange(count) + 1
-    found = norm[:, None] * (basis.T * weights) @ values
+    found = norm[:, None] * (even_basis(count).T * weights) @ values
     return found[:, 0], found[:, 1]
