@@ -72,6 +72,51 @@ class Sheet:
         return top / bottom
 
 
+@dataclass(frozen=True)
+class Faced:
+    """A sheet that is touched by an elastic body, such as a ball, instead of a rigid one.
+
+    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. Its surface
+    sinks in too, so the compliances add: 1 - L is that of the sheet, in the part that the sheet has
+    in both. The depth of a contact is the approach of the two. ValueError for a value outside its
+    range.
+    """
+
+    sheet: Sheet
+    modulus: float
+    poisson: float
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        elastic.require_elastic("Faced", self.modulus, self.poisson)
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Modulus in kPa of the incompressible half-space that is as compliant as both at the top.
+
+        The sheet is as thick as a half-space there.
+        """
+        return 0.75 / (self._own + self._under), 0.5
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Smallest and largest length in mm: the thickness of the sheet."""
+        return self.sheet.scales
+
+    def compliance(self, xi: ArrayLike) -> Array:
+        """Return L (n,) at wavenumbers xi (n,) in 1/mm: both u_z over those of two half-spaces."""
+        part = self._under / (self._own + self._under)
+        return 1 - part * (1 - self.sheet.compliance(xi))
+
+    @property
+    def _own(self) -> float:
+        return 1 / elastic.plane_modulus(self.modulus, self.poisson)
+
+    @property
+    def _under(self) -> float:
+        return 1 / elastic.plane_modulus(*self.sheet.surface)
+
+
 def small_contact(sheet: Sheet) -> float:
     """Return the slope of P / P_Hertz in chi at chi = 0: 2/pi times the integral of 1 - L(x)."""
     from fefinger.theory.indentation import spectrum
