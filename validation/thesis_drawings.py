@@ -4,6 +4,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.thesis_array import (
+    ELEMENTS,
+    LEVEL,
+    blurred_nodes,
+    felt_history,
+    sinusoid,
+)
 from fefinger.validation.thesis_figures import COLORS, canvas
 from fefinger.validation.thesis_pressure import PROFILES, ball, pad
 from fefinger.validation.thesis_sensor import ball_pressure, felt
@@ -11,15 +18,12 @@ from numpy.typing import NDArray
 
 from fefinger.figures import INK, STEEL, figure, style
 from fefinger.theory.curvature import at_depth, goodwin, goodwin_radius
-from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.theory.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]
 
-ELEMENTS = (0.0, 2.0, 4.0, 6.0)  # mm from the center of contact
 SLOW = 0.2  # mm/s
-LEVEL = 4.0  # kPa between isobars
 GOODWIN_FORCES = (20.0, 15.0, 10.0)  # gf
 
 
@@ -59,27 +63,6 @@ def figures() -> Iterator[tuple[str, Any]]:
             "(dashes), and net force. The cross is the force that the thesis gives, 1.8 N.",
             _ball(),
         )
-
-
-def blurred_nodes(one: Fingerpad, nodes: Array, r: Array) -> Array:
-    """Return the instantaneous pressure (n, m) kPa at depths (n,) and distances (m,) mm, felt."""
-    rows = []
-    for depth in nodes.tolist():
-        reach = float(one.contact_radius(depth))
-
-        def pressure(s: Array, depth: float = depth) -> Array:
-            return one.pressure(s, depth)
-
-        rows.append(blurred(pressure, reach, r) if reach > 0 else np.zeros_like(r))
-    return np.array(rows)
-
-
-def felt_history(time: Array, depth: Array) -> tuple[Array, Array]:
-    """Return force N and what ELEMENTS feel (n_t, 4) kPa of the means through a motion."""
-    means = pad("means", "relaxed")
-    history = means.press(time, depth, count=64)
-    pressures = history.stress(blurred_nodes(means, history.nodes, np.array(ELEMENTS)))
-    return history.stress(means.force(history.nodes)) / 1e3, pressures
 
 
 def _label(r: float) -> str:
@@ -140,10 +123,7 @@ def _relaxation() -> Any:
 
 
 def _sinusoid() -> Any:
-    turn = np.linspace(0.0, 5.0, 601)
-    time = np.concatenate([np.linspace(0.0, 0.075, 40)[:-1], 0.075 + turn / 4])
-    wave = 1.5 + 0.4 * np.sin(2 * np.pi * turn)
-    depth = np.concatenate([np.linspace(0.0, 1.5, 40)[:-1], wave])
+    time, depth = sinusoid()
     drawn, axis = canvas("time / s", "pressure / kPa", xlim=(0, 1.35))
     _elements(axis, time, felt_history(time, depth)[1])
     return drawn

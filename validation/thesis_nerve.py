@@ -14,13 +14,29 @@ AMPLITUDES = (12.5, 25.0, 50.0)  # uA/cm²
 SLOWED = {1: (9, 14, 18), 2: (5, 7, 9), 4: (3, 3, 4), 8: (1, 2, 2), 16: (1, 1, 1)}
 """Impulses per cycle with the rates divided by 6, by frequency in Hz (recomputed A5-8)."""
 
-STANDARD = {6.5: 0, 12.5: 79, 25.0: 128, 50.0: 181}
+FASTER = {
+    (32, 12.5): 1 / 2,
+    (32, 50.0): 1,
+    **{(64, 12.5): 1 / 4, (64, 25.0): 1 / 3, (64, 50.0): 1 / 2},
+}
+"""The same by frequency and amplitude where units skip cycles."""
+
+SLOWEST = {8.0: 5, 12.5: 14, 25.0: 25, 50.0: 36}
+"""The same at 0.5 Hz by amplitude."""
+
+INVERTED_U = {0.5: 0, 1: 0, 2: 3, 4: 2, 8: 1, 16: 1, 32: 0.5}
+"""The same at 6 uA/cm², by frequency."""
+
+STANDARD = {6.5: 0, 7.0: 26, 8.0: 42, 12.5: 79, 25.0: 128, 50.0: 181}
 """Impulses per cycle at 0.5 Hz at full rate, by amplitude in uA/cm² (recomputed A5-8)."""
 
 
 def per_cycle(divisor: float, frequency: float, amplitude: float) -> float:
-    """Return the impulses per cycle in the second half of 4 cycles (16 from 8 Hz on, 2 of 2 s)."""
-    cycles = 2 if frequency < 1 else 4 if frequency < 8 else 16
+    """Return the impulses per cycle in the second half of 4 cycles (16 or 48 fast ones, 2 of 2 s).
+
+    48 from 32 Hz on: its half is a whole number of 2, 3 and 4 skipped cycles.
+    """
+    cycles = 2 if frequency < 1 else 4 if frequency < 8 else 16 if frequency < 32 else 48
     turn = np.linspace(0.0, cycles, cycles * SAMPLES + 1)
     current = amplitude * (1 - np.cos(2 * np.pi * turn))
     (times,) = HodgkinHuxley(divisor).fire(turn / frequency, current).times
@@ -48,6 +64,22 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 "recomputed A5-8",
                 reason="a count, locked to the cycle",
             )
+    slowed = {
+        **FASTER,
+        **{(0.5, amplitude): count for amplitude, count in SLOWEST.items()},
+        **{(frequency, 6.0): count for frequency, count in INVERTED_U.items()},
+    }
+    for (frequency, amplitude), expected in slowed.items():
+        yield Case(
+            "thesis",
+            f"A5-8: impulses per cycle at {frequency:g} Hz, {amplitude:g} uA/cm², rates / 6",
+            partial(per_cycle, 6.0, frequency, amplitude),
+            expected,
+            1e-9,
+            "1",
+            "recomputed A5-8",
+            reason="a count, locked to the cycle",
+        )
     for amplitude, expected in STANDARD.items():
         yield Case(
             "thesis",
