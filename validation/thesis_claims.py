@@ -52,7 +52,8 @@ def raised_mean(offset: float) -> float:
     turn = np.arange(128 * 256 + 1) / 256
     time = np.concatenate([[0.0], offset / 100 + turn / 16])
     wave = np.concatenate([[0.0], offset + 0.14 * (1 - np.cos(2 * np.pi * turn))])
-    return float(force(*finger("a.h."), time, wave)[-257:-1].mean())
+    spring, prony = finger("a.h.")
+    return float(force(spring, prony, time, wave)[-257:-1].mean())
 
 
 def rounded(offset: float, sign: int) -> float:
@@ -86,7 +87,8 @@ def figure_2_4(offset: float) -> tuple[Array, Array]:
     depth = np.interp(time, [0, 0.075], [0, 1.5]) + 0.4 * np.sin(
         8 * np.pi * np.maximum(time - 0.075, 0)
     )
-    return time, force(*finger("a.h."), time, depth + offset)
+    spring, prony = finger("a.h.")
+    return time, force(spring, prony, time, depth + offset)
 
 
 def moved(offset: float) -> float:

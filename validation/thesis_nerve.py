@@ -14,7 +14,7 @@ AMPLITUDES = (12.5, 25.0, 50.0)  # uA/cm²
 SLOWED = {1: (9, 14, 18), 2: (5, 7, 9), 4: (3, 3, 4), 8: (1, 2, 2), 16: (1, 1, 1)}
 """Impulses per cycle with the rates divided by 6, by frequency in Hz (recomputed A5-8)."""
 
-FASTER = {
+FASTER: dict[tuple[float, float], float] = {
     (32, 12.5): 1 / 2,
     (32, 50.0): 1,
     **{(64, 12.5): 1 / 4, (64, 25.0): 1 / 3, (64, 50.0): 1 / 2},
@@ -64,17 +64,17 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 "recomputed A5-8",
                 reason="a count, locked to the cycle",
             )
-    slowed = {
-        **FASTER,
+    slowed: dict[tuple[float, float], float] = {
         **{(0.5, amplitude): count for amplitude, count in SLOWEST.items()},
         **{(frequency, 6.0): count for frequency, count in INVERTED_U.items()},
+        **FASTER,
     }
-    for (frequency, amplitude), expected in slowed.items():
+    for (tone, current), count in slowed.items():
         yield Case(
             "thesis",
-            f"A5-8: impulses per cycle at {frequency:g} Hz, {amplitude:g} uA/cm², rates / 6",
-            partial(per_cycle, 6.0, frequency, amplitude),
-            expected,
+            f"A5-8: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
+            partial(per_cycle, 6.0, tone, current),
+            count,
             1e-9,
             "1",
             "recomputed A5-8",

@@ -76,7 +76,7 @@ class Contact:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
-        x = np.asarray(r, np.float64) / self.contact_radius
+        x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         series = self._over_edge()
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -86,7 +86,7 @@ class Contact:
 
     def load(self, r: ArrayLike) -> Array:
         """Return the force in mN that is carried within r (...,) mm of the axis."""
-        x = np.asarray(r, np.float64) / self.contact_radius
+        x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         inner = legendre.legint(self._over_edge(), lbnd=0)
         whole = legendre.legval(1.0, inner)
@@ -98,6 +98,8 @@ class Contact:
         It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
         """
         xi = np.asarray(xi, np.float64)
+        if xi.size:
+            elastic.numbers("Contact.transform", "wavenumbers", xi, least=0.0)
         a, flat = self.contact_radius, xi.reshape(-1)
         # phi itself turns at most as a wave of its degree; its last coefficients are rounding.
         fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
@@ -111,7 +113,7 @@ class Contact:
 
     def displacement(self, r: ArrayLike) -> Array:
         """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
-        r = np.asarray(r, np.float64)
+        r = elastic.distances("Contact.displacement", r)
         flat = np.atleast_1d(r).ravel()
         near = np.minimum(flat, self.contact_radius)
         top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))

@@ -62,7 +62,7 @@ class Sheet:
 
         Multiplied through by exp(-2 xi h), so that nothing overflows.
         """
-        x = np.asarray(xi, np.float64) * self.thickness
+        x = elastic.numbers("Sheet", "wavenumbers", xi, least=0.0) * self.thickness
         decay, double = np.exp(-2 * x), np.exp(-4 * x)
         if self.base == "sliding":
             return (1 - decay) ** 2 / (1 - double + 4 * x * decay)
@@ -197,7 +197,7 @@ class Thin:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure 3 G (a² - r²)² / (32 R h³) in kPa at r (...,) mm, zero outside."""
-        inside = np.maximum(self.contact_radius**2 - np.asarray(r, np.float64) ** 2, 0.0)
+        inside = np.maximum(self.contact_radius**2 - elastic.distances("Thin", r) ** 2, 0.0)
         shear = elastic.shear_modulus(self.modulus, 0.5)
         return 3 * shear / (32 * self.radius * self.thickness**3) * inside**2
 

@@ -27,7 +27,7 @@ def even_rule(count: int) -> tuple[Array, Array]:
 def even_basis(count: int) -> Array:
     """Return P_0, P_2, ... (count, count) at the nodes of `even_rule`, one row per node."""
     nodes, _ = even_rule(count)
-    basis = legendre.legvander(nodes, 2 * count - 1)[:, ::2]
+    basis = np.array(legendre.legvander(nodes, 2 * count - 1)[:, ::2], np.float64)
     basis.flags.writeable = False
     return basis
 
