@@ -259,7 +259,8 @@ def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Shar
 
     def solve(smoothing: float) -> tuple[Array, float]:
         found = np.linalg.solve(weights.T @ weights + smoothing * rough, weights.T @ pressure)
-        return found, float(np.sqrt(np.mean((weights @ found - pressure) ** 2)))
+        left = weights @ found - pressure
+        return np.asarray(found, np.float64), float(np.sqrt(np.mean(left**2)))
 
     low, high = -10.0, 6.0
     for _ in range(40):

@@ -13,6 +13,7 @@ from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
 from fefinger.theory.indentation import paraboloid
 from fefinger.theory.relaxation import hereditary_integral
+from fefinger.theory.ting import creep_integral
 
 
 FINGER = ff.Finger.subject("a.h.")
@@ -93,6 +94,15 @@ def test_at_fixed_force_strain_and_depth_creep_to_the_relaxed_stack():
     assert answer.depth[-1] == pytest.approx(BODY.depth(300.0), rel=1e-3)
     want = elastic(answer, answer.depth)
     assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+    # Long before that, too: the elastic force of the depth is the force convolved with J.
+    want = creep_integral(FINGER.prony, answer.time, 1e3 * answer.force) * FINGER.prony.long_time
+    assert BODY.force(answer.depth) == pytest.approx(want, abs=1e-3 * want.max())
+    ceiling, weights, rates = FINGER.prony.creep()
+    later = answer.time[holding][3:] - 0.035  # after the middle of the ramp of 60 ms and a corner
+    growth = FINGER.prony.long_time * (ceiling - np.exp(-np.outer(later, rates)) @ weights)
+    reached = BODY.force(answer.depth[holding][3:]) / 300.0
+    slow = later > 0.1
+    assert reached[slow] == pytest.approx(growth[slow], rel=2e-3)
 
 
 def test_loading_is_the_integral_of_the_relaxation_over_contacts_solved_one_by_one():
