@@ -299,6 +299,9 @@ def _array() -> Iterator[Case]:
             unit,
             text,
             printed=printed,
-            erratum="" if printed is None else f"{printed:g} {unit} as printed is rounded up.",
+            erratum={
+                "gf": "The quoted 1.2 g fits neither this area nor that of an element.",
+                "ms": "About 5 ms, as the text has it, rounds this up.",
+            }.get(unit, ""),
             reason=DIGITS,
         )

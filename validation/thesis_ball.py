@@ -140,14 +140,15 @@ def _fits() -> Iterator[Case]:
             f"A5-5: {name} that the fit finds over the true one, cover bonded",
             lambda n=name: fitted("bonded")[n] / NOMINAL[n],
             expected,
-            0.06 * expected,
+            0.03 * expected,
             "1",
             "second method: least squares on the pressures without blur and noise",
             printed=PRINTED_FIT[name] / nominal,
             erratum=(
-                "Were the cover bonded and incompressible, the thesis's fit would return another "
-                "ball altogether. So the cover was softer in place than that, or it slid, or the "
-                "gain of the elements was set by this fit: the text does not say."
+                "Were the cover bonded and incompressible, the thesis's fit would find nearly the "
+                "radius that the thesis found, but a ball almost twice as stiff. So the cover was "
+                "softer than that, or slid on its plane, or the gain of the elements was set by "
+                "the ball: the text does not say. 1.8 N, between the two readings, fits any."
             ),
             reason="the blur weighs the rim of the contact differently",
         )

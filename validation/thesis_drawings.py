@@ -11,6 +11,7 @@ from fefinger.validation.thesis_array import (
     felt_history,
     sinusoid,
 )
+from fefinger.validation.thesis_ball import bonded
 from fefinger.validation.thesis_figures import COLORS, canvas
 from fefinger.validation.thesis_pressure import PROFILES, ball, pad
 from fefinger.validation.thesis_sensor import ball_pressure, felt
@@ -60,7 +61,8 @@ def figures() -> Iterator[tuple[str, Any]]:
         yield "Figure A-4. Response of an element against the distance of a load.", _response()
         yield (
             "Figure A-5. The fitted rubber ball: pressure at 0.59 mm, filtered (line) and not "
-            "(dashes), and net force. The cross is the force that the thesis gives, 1.8 N.",
+            "(dashes), and net force, on a cover that is a half-space (lines) or a bonded layer "
+            "(dots). The cross is the force that the thesis gives, 1.8 N.",
             _ball(),
         )
 
@@ -170,6 +172,9 @@ def _ball() -> Any:
         plane, at = ball(name)
         radius = float(at.radius) ** 2 / float(at.depth)
         right.plot(depth, at_depth(depth, radius, plane).force / 1e3, color=color, label=name)
+    some = depth[4::5]
+    forces = [bonded("nominal", each).force / 1e3 for each in some.tolist()]
+    right.plot(some, forces, ":", color=INK, label="nominal, bonded")
     right.plot([0.59], [1.8], "x", color=INK, label="printed")
     right.set(xlabel="depth / mm", ylabel="force / N")
     right.legend()
