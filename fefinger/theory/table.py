@@ -23,6 +23,9 @@ from fefinger.theory.stack import Stack
 LEVELS = 40
 """Contacts per table; the force of a finger over bone is then within 1e-6, its strain 1e-4."""
 
+FEWEST = 4
+"""Contacts that a cubic spline needs at least."""
+
 STEP = 2**0.25
 """Ratio of the contact radii at which tables end, so that presses of one body share them."""
 
@@ -157,6 +160,9 @@ def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS
     ValueError for what `indentation.paraboloid` refuses at `widest`.
     """
     elastic.require_positive("tabulate", radius=radius, widest=widest)
+    if levels < FEWEST:
+        msg = f"tabulate: expected at least {FEWEST} levels, received {levels!r}"
+        raise ValueError(msg)
     # Squares: the departure from Hertz begins at the thickness of the top layer, however thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2
     solved = [paraboloid(stack, radius, contact_radius=float(a)) for a in wide]

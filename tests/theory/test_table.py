@@ -106,6 +106,8 @@ def test_a_contact_wider_than_the_radius_is_refused_and_one_as_wide_is_not():
         (lambda: TABLE.depth(3000.0), "a force in 0 to"),
         (lambda: TABLE.at(0.0), "depth above 0"),
         (lambda: TABLE.strain([0.1], [0.0], z=[0.1]), r"at least 0\.02 contact radii"),
+        (lambda: tabulate(FINGER, 10.0, widest=1.0, levels=3), "at least 4 levels"),
+        (lambda: TABLE.load(math.nan, 1.0), "depths in 0 to"),
         (lambda: tabulate(FINGER, 10.0, widest=11.0), "at most the radius 10 mm"),
     ],
 )
