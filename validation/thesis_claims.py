@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.thesis_energy import slope
-from fefinger.validation.thesis_lumped import DIGITS, finger, ratio
+from fefinger.validation.thesis_lumped import DIGITS, finger, ratio, vibrated
 from numpy.typing import NDArray
 
 from fefinger.library import pawluk_bulk
@@ -200,6 +200,18 @@ def _explanations() -> Iterator[Case]:
             "exact one is 9 to 12 % below.",
             reason=DIGITS,
         )
+    yield Case(
+        "thesis",
+        "Eq. 2.20: peak to peak about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm, a.h.",
+        lambda: vibrated(3.0, 0.28, 16).peak_to_peak / vibrated(1.5, 0.28, 16).peak_to_peak,
+        math.exp(3.15),
+        2e-4 * math.exp(3.15),
+        "1",
+        "exp(m (3.0 - 1.5)): changes of the force scale so; section 2.4.3",
+        printed=21.0 / 0.93,
+        erratum="21 over 0.93 N is 22.6: the two digits of the print.",
+        reason="what the ramp has left after 8 s: the -1 of Eq. 2.1 does not scale",
+    )
     for offset, expected in ((1.5, 0.67), (3.0, 16.0)):
         yield Case(
             "thesis",

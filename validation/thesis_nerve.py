@@ -6,6 +6,8 @@ from functools import partial
 import numpy as np
 from fefinger.validation.case import Case
 
+from fefinger.neural.chains import SpringDamper, slow_chain
+from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import HodgkinHuxley
 
 
@@ -50,8 +52,49 @@ def warm(temperature: float) -> float:
     return float(len(times))
 
 
+def decay() -> float:
+    """Return the rate in 1/s at which the FAI end organ forgets a step, from its late response."""
+    time = np.array([0.0, 0.0, 0.5, 0.7])
+    out = END_ORGANS["FAI"].respond(time, np.array([0.0, 1.0, 1.0, 1.0]))
+    return float(np.log(out[3] / out[2]) / 0.2)
+
+
+def spring_chain() -> float:
+    """Return what reaches the nerve of a slow chain of springs 2, 0.3 and 0.7 per displacement."""
+    chain = slow_chain(2.0, SpringDamper(0.3, 0.05), 0.7)
+    return float(np.abs(chain.displacement_filter().frequency_response([1e-6]))[0])
+
+
+def _equations() -> Iterator[Case]:
+    yield Case(
+        "thesis",
+        "Eq. B.29: rate of the FAI end organ after a step",
+        decay,
+        -2 * np.pi,
+        1e-3,
+        "1/s",
+        "slower pole of Eq. B.28, 1 Hz; the faster one is gone by then",
+        printed=5.3,
+        erratum="With the printed sign of the last term the response grows at 5.3 1/s and more.",
+        reason="what is left of the pole at 10 Hz",
+    )
+    yield Case(
+        "thesis",
+        "Eq. 5.8: part of the displacement that reaches the nerve, springs 2, 0.3, 0.7",
+        spring_chain,
+        0.6 / (0.6 + 0.7 * 2.3),
+        1e-6,
+        "1",
+        "three springs in series",
+        printed=0.6 / (0.7 * 2.3),
+        erratum="The printed form is the limit of a stiff nerve; for a soft one it exceeds 1.",
+        reason="frequency of 1e-6 Hz",
+    )
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield impulses per cycle."""
+    yield from _equations()
     for frequency, counts in SLOWED.items():
         for amplitude, expected in zip(AMPLITUDES, counts, strict=True):
             yield Case(

@@ -307,7 +307,28 @@ def _readings() -> Iterator[Case]:
         )
 
 
+def integrated(subject: str, depth: float) -> float:
+    """Return the integral of p over the contact in mN, Eq. 3.15 by quadrature."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    one = pad(subject, "relaxed")
+    turn = np.pi / 4 * (nodes + 1)
+    a = float(one.contact_radius(depth))
+    r, ring = a * np.sin(turn), 2 * np.pi * a**2 * np.sin(turn) * np.cos(turn)
+    return float(np.pi / 4 * weights @ (ring * one.pressure(r, depth)))
+
+
 def _others() -> Iterator[Case]:
+    for subject in pawluk_quasistatic():
+        yield Case(
+            "thesis",
+            f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
+            lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),
+            1.0,
+            1e-10,
+            "1",
+            "(8/3) sqrt(R) x^(3/2) t(x) against quadrature of Eq. 3.15",
+            reason="quadrature of 60 points",
+        )
     yield Case(
         "thesis",
         "A5-6: error of 234 kPa when a cover of 1 MPa is taken for rigid",
