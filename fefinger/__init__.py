@@ -32,11 +32,13 @@ if TYPE_CHECKING:
     from fefinger.motion import ForceRampHold as ForceRampHold
     from fefinger.motion import ForceRampSinusoid as ForceRampSinusoid
     from fefinger.motion import ForceSampled as ForceSampled
+    from fefinger.motion import ForceSinusoid as ForceSinusoid
     from fefinger.motion import ForceTrapezoid as ForceTrapezoid
     from fefinger.motion import Ramp as Ramp
     from fefinger.motion import RampHold as RampHold
     from fefinger.motion import RampSinusoid as RampSinusoid
     from fefinger.motion import Sampled as Sampled
+    from fefinger.motion import Sinusoid as Sinusoid
     from fefinger.motion import Trapezoid as Trapezoid
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
@@ -53,8 +55,9 @@ _HOMES = {
     "finger": ("Finger",),
     "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
     "motion": (
-        *("Ramp", "RampHold", "RampSinusoid", "Trapezoid", "Sampled"),
-        *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceTrapezoid", "ForceSampled"),
+        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
+        *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
+        "ForceSampled",
     ),
     "plan": ("choose", "explain"),
     "scene": ("Scene",),

@@ -1,322 +1,50 @@
 """The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
 
-Each one is a shape; the depth and the force kind share it and its `Trajectory`.
+Each one is a shape of `shapes.py`; the depth and the force kind share it and its `Trajectory`.
 """
 
-import csv
-from dataclasses import KW_ONLY, dataclass, fields
-from functools import cached_property
-from itertools import pairwise
-from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from fefinger.checks import InputError, number
-from fefinger.lists import numbers
-from fefinger.trajectory import Trajectory, Wave
-
-
-Array = NDArray[np.float64]
-
-LIMITS: dict[str, dict[str, Any]] = {
-    "speed": {"above": 0, "unit": "mm/s"},
-    "loading_rate": {"above": 0, "unit": "N/s"},
-    "depth": {"above": 0, "unit": "mm"},
-    "force": {"above": 0, "unit": "N"},
-    "hold": {"at_least": 0, "unit": "s"},
-    "settle": {"at_least": 0, "unit": "s"},
-    "corner": {"at_least": 0, "unit": "s"},
-    "amplitude": {"above": 0},
-    "frequency": {"above": 0, "unit": "Hz"},
-    "cycles": {"at_least": 1},
-}
-
-CORNER = 0.01
-"""Default corner of the ramps in s: the rounding of Pawluk (1997), section 4.3.5."""
+from fefinger.shapes import (
+    DepthMotion,
+    ForceMotion,
+    RampHoldShape,
+    RampShape,
+    RampSinusoidShape,
+    SinusoidShape,
+    TrapezoidShape,
+)
+from fefinger.shapes import (
+    Motion as Motion,
+)
+from fefinger.shapes import (
+    SampledMotion as SampledMotion,
+)
 
 
 @dataclass(frozen=True)
-class Motion:
-    """A motion of the indenter; its depth in mm or its force in N follows `trajectory`.
-
-    Every number is checked; the messages call the fields "motion.depth" and so on.
-    """
-
-    kind: ClassVar[str]
-    control: ClassVar[Literal["depth", "force"]]
-
-    def __post_init__(self) -> None:
-        """Check every field, then build the trajectory."""
-        for field in fields(self):
-            limits = LIMITS.get(field.name)
-            if limits is not None:
-                value = number(f"motion.{field.name}", getattr(self, field.name), **limits)
-                object.__setattr__(self, field.name, value)
-        self._check()
-
-    def _check(self) -> None:
-        """Build the trajectory, which finds corners that are too long."""
-        _ = self.trajectory
-
-    def _build(self) -> Trajectory:
-        raise NotImplementedError
-
-    def _leg(self) -> tuple[float, float]:
-        """Return the pace of the ramp and the level that it reaches."""
-        raise NotImplementedError
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The motion as quadratics in time."""
-        return self._build()
-
-    @property
-    def duration(self) -> float:
-        """Length of the motion in s."""
-        return self.trajectory.duration
-
-    @property
-    def peak(self) -> float:
-        """Largest depth in mm, or largest force in N."""
-        return self.trajectory.peak
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Times in s at which a derivative jumps, the start and the end among them."""
-        return self.trajectory.breaks
-
-    @property
-    def moving(self) -> tuple[tuple[float, float], ...]:
-        """Intervals (t0, t1) in s in which the depth or the force changes."""
-        return self.trajectory.moving
-
-    def value(self, t: ArrayLike) -> Array:
-        """Return the depth in mm or the force in N at the times `t` in s."""
-        return self.trajectory.value(t)
-
-    def rate(self, t: ArrayLike) -> Array:
-        """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
-        return self.trajectory.rate(t)
-
-
-@dataclass(frozen=True)
-class _Depth(Motion):
-    control = "depth"
-
-    speed: float
-    depth: float
-
-    def _leg(self) -> tuple[float, float]:
-        return self.speed, self.depth
-
-
-@dataclass(frozen=True)
-class _Force(Motion):
-    control = "force"
-
-    loading_rate: float
-    force: float
-
-    def _leg(self) -> tuple[float, float]:
-        return self.loading_rate, self.force
-
-
-@dataclass(frozen=True)
-class _Ramp(Motion):
-    _: KW_ONLY
-    corner: float = CORNER
-
-    def _build(self) -> Trajectory:
-        pace, level = self._leg()
-        return Trajectory.through([0, level / pace], [0, level], corner=self.corner, stop=False)
-
-
-@dataclass(frozen=True)
-class _RampHold(Motion):
-    _: KW_ONLY
-    hold: float
-    corner: float = CORNER
-
-    def _build(self) -> Trajectory:
-        return _ramp_hold(*self._leg(), self.hold, self.corner)
-
-
-def _ramp_hold(pace: float, level: float, hold: float, corner: float) -> Trajectory:
-    top, rest = level / pace, hold + corner / 2
-    times, levels = ([0, top, top + rest], [0, level, level]) if rest else ([0, top], [0, level])
-    return Trajectory.through(times, levels, corner=corner, stop=False)
-
-
-@dataclass(frozen=True)
-class _Trapezoid(Motion):
-    _: KW_ONLY
-    hold: float
-    corner: float = CORNER
-
-    def _build(self) -> Trajectory:
-        pace, level = self._leg()
-        top, rest = level / pace, self.hold + self.corner
-        times, levels = [0, top, top + rest, 2 * top + rest], [0, level, level, 0]
-        if rest == 0:
-            times, levels = [0, top, 2 * top], [0, level, 0]
-        return Trajectory.through(times, levels, corner=self.corner, stop=True)
-
-
-@dataclass(frozen=True)
-class _RampSinusoid(Motion):
-    _: KW_ONLY
-    amplitude: float
-    frequency: float
-    cycles: int
-    settle: float = 0.0
-    corner: float = CORNER
-
-    def _check(self) -> None:
-        if self.cycles != int(self.cycles):
-            msg = f"motion.cycles: expected a whole number of cycles, received {self.cycles:g}"
-            raise InputError(msg)
-        object.__setattr__(self, "cycles", int(self.cycles))
-        longest = self.cycles / self.frequency
-        if self.corner > longest:
-            msg = (
-                f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
-                f"received {self.corner:g}; 0 starts it at once"
-            )
-            raise InputError(msg)
-        level = self._leg()[1]
-        if self.control == "force" and self.amplitude >= level:
-            msg = (
-                f"motion.amplitude: expected less than the mean force of {level:g} N, "
-                f"received {self.amplitude:g}; a contact cannot pull"
-            )
-            raise InputError(msg)
-        super()._check()
-
-    def _build(self) -> Trajectory:
-        base = _ramp_hold(*self._leg(), self.settle, self.corner)
-        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
-        return base.followed_by(wave, self.cycles)
-
-
-@dataclass(frozen=True)
-class SampledMotion(Motion):
-    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
-
-    time: tuple[float, ...]
-    _: KW_ONLY
-    corner: float = 0.0
-
-    @property
-    def _column(self) -> tuple[float, ...]:
-        """The depths or the forces."""
-        values: tuple[float, ...] = getattr(self, self.control)
-        return values
-
-    def __post_init__(self) -> None:
-        """Check the corner, the times and the values."""
-        corner = number("motion.corner", self.corner, **LIMITS["corner"])
-        object.__setattr__(self, "corner", corner)
-        for name in ("time", self.control):
-            object.__setattr__(self, name, numbers(f"motion.{name}", getattr(self, name)))
-        self._check()
-
-    def _check(self) -> None:
-        time, values, name = self.time, self._column, self.control
-        if len(time) != len(values) or len(time) < 2:
-            msg = (
-                f"motion.{name}: expected as many values as times, at least 2, "
-                f"received {len(values)} values and {len(time)} times"
-            )
-            raise InputError(msg)
-        if time[0] != 0:
-            msg = (
-                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
-                "subtract it from all of them"
-            )
-            raise InputError(msg)
-        for i, (before, after) in enumerate(pairwise(time), start=1):
-            if after <= before:
-                msg = (
-                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
-                    "sort the samples and keep one of each time"
-                )
-                raise InputError(msg)
-        if max(values) <= 0:
-            msg = (
-                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
-                "so the indenter never touches the finger"
-            )
-            raise InputError(msg)
-        if name == "force" and min(values) < 0:
-            msg = (
-                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
-                "a contact cannot pull"
-            )
-            raise InputError(msg)
-        super()._check()
-
-    def _build(self) -> Trajectory:
-        return Trajectory.through(self.time, self._column, corner=self.corner, stop=False)
-
-    @classmethod
-    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
-        time, values = _read_columns(Path(file), ("time", cls.control))
-        columns: dict[str, Any] = {"time": time, cls.control: values}
-        return cls(corner=corner, **columns)
-
-
-def _read_columns(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], ...]:
-    """Return two columns of a CSV file whose first line starts with `names`."""
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            rows = [row for row in csv.reader(stream) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        msg = f"motion.file: cannot read {str(file)!r}: {error}"
-        raise InputError(msg) from None
-    head = [cell.strip().lower() for cell in rows[0]] if rows else []
-    if len(head) != 2 or not all(map(str.startswith, head, names)):
-        msg = (
-            f"motion.file: expected the first line of {str(file)!r} to be '{','.join(names)}', "
-            f"received {','.join(rows[0]) if rows else 'an empty file'!r}"
-        )
-        raise InputError(msg)
-    table: list[tuple[float, float]] = []
-    for count, row in enumerate(rows[1:], start=1):
-        try:
-            first, second = map(float, row)
-        except ValueError:
-            msg = f"motion.file: row {count} of {str(file)!r}: expected two numbers, received {row}"
-            raise InputError(msg) from None
-        table.append((first, second))
-    return tuple(row[0] for row in table), tuple(row[1] for row in table)
-
-
-@dataclass(frozen=True)
-class Ramp(_Ramp, _Depth):
+class Ramp(RampShape, DepthMotion):
     """A ramp from rest at `speed` mm/s to `depth` mm, which ends while moving."""
 
     kind = "ramp"
 
 
 @dataclass(frozen=True)
-class RampHold(_RampHold, _Depth):
+class RampHold(RampHoldShape, DepthMotion):
     """A ramp at `speed` mm/s to `depth` mm, and then a rest of `hold` s."""
 
     kind = "ramp-hold"
 
 
 @dataclass(frozen=True)
-class Trapezoid(_Trapezoid, _Depth):
+class Trapezoid(TrapezoidShape, DepthMotion):
     """A ramp at `speed` mm/s to `depth` mm, a rest of `hold` s, and the same ramp back to 0."""
 
     kind = "trapezoid"
 
 
 @dataclass(frozen=True)
-class RampSinusoid(_RampSinusoid, _Depth):
+class RampSinusoid(RampSinusoidShape, DepthMotion):
     """A ramp at `speed` mm/s to `depth` mm, `settle` s of rest, then a sine about that depth.
 
     The sine starts upward (`cycles` whole ones of `amplitude` mm at `frequency` Hz); its amplitude
@@ -325,6 +53,18 @@ class RampSinusoid(_RampSinusoid, _Depth):
     """
 
     kind = "ramp-sinusoid"
+
+
+@dataclass(frozen=True)
+class Sinusoid(SinusoidShape):
+    """Depths amplitude (1 - cos(2 pi frequency t)) in mm: from first touch, at rest at both ends.
+
+    `amplitude` in mm is half of the largest depth, `frequency` in Hz, `cycles` whole ones (Pawluk
+    1997, Eq. 4.1 and 4.2 as appendix B starts them).
+    """
+
+    kind = "sinusoid"
+    control = "depth"
 
 
 @dataclass(frozen=True)
@@ -341,31 +81,39 @@ class Sampled(SampledMotion):
 
 
 @dataclass(frozen=True)
-class ForceRamp(_Ramp, _Force):
+class ForceRamp(RampShape, ForceMotion):
     """A ramp of the force from 0 at `loading_rate` N/s to `force` N, which ends while rising."""
 
     kind = "force-ramp"
 
 
 @dataclass(frozen=True)
-class ForceRampHold(_RampHold, _Force):
+class ForceRampHold(RampHoldShape, ForceMotion):
     """A ramp of the force at `loading_rate` N/s to `force` N, and then `hold` s at that force."""
 
     kind = "force-ramp-hold"
 
 
 @dataclass(frozen=True)
-class ForceTrapezoid(_Trapezoid, _Force):
+class ForceTrapezoid(TrapezoidShape, ForceMotion):
     """A ramp of the force at `loading_rate` N/s to `force` N, `hold` s there, and back to 0."""
 
     kind = "force-trapezoid"
 
 
 @dataclass(frozen=True)
-class ForceRampSinusoid(_RampSinusoid, _Force):
+class ForceRampSinusoid(RampSinusoidShape, ForceMotion):
     """As `RampSinusoid`, with a force in N at `loading_rate` N/s; amplitude below the force."""
 
     kind = "force-ramp-sinusoid"
+
+
+@dataclass(frozen=True)
+class ForceSinusoid(SinusoidShape):
+    """As `Sinusoid`, with forces in N: from none to twice the amplitude."""
+
+    kind = "force-sinusoid"
+    control = "force"
 
 
 @dataclass(frozen=True)
@@ -384,11 +132,13 @@ MOTIONS: dict[str, type[Motion]] = {
         Ramp,
         RampHold,
         RampSinusoid,
+        Sinusoid,
         Trapezoid,
         Sampled,
         ForceRamp,
         ForceRampHold,
         ForceRampSinusoid,
+        ForceSinusoid,
         ForceTrapezoid,
         ForceSampled,
     )

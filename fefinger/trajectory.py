@@ -19,26 +19,36 @@ _INSTANT = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Wave:
-    """A sine that starts at `start` s and rises to its amplitude over `rise` s (a cubic step)."""
+    """A sine that starts at `start` s and rises to its amplitude over `rise` s (a cubic step).
+
+    `phase` in radians is that of the sine at its start; a rise of 0 starts it at its amplitude.
+    """
 
     start: float
     amplitude: float
     frequency: float
     rise: float
+    phase: float = 0.0
 
     def value(self, t: Array) -> Array:
         """Return the wave at the times `t` in s."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, _ = self._envelope(tau)
-        return self.amplitude * envelope * np.sin(2 * np.pi * self.frequency * tau)
+        return self.amplitude * envelope * np.sin(2 * np.pi * self.frequency * tau + self.phase)
 
     def rate(self, t: Array) -> Array:
         """Return the derivative of the wave at the times `t` in s, from the right."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, slope = self._envelope(tau)
         omega = 2 * np.pi * self.frequency
-        speed = envelope * omega * np.cos(omega * tau) + slope * np.sin(omega * tau)
+        angle = omega * tau + self.phase
+        speed = envelope * omega * np.cos(angle) + slope * np.sin(angle)
         return self.amplitude * np.where(t >= self.start, speed, 0.0)
+
+    @property
+    def first_crest(self) -> float:
+        """Cycles from the start to the first crest of the sine, at most 1."""
+        return (0.25 - self.phase / (2 * np.pi)) % 1.0
 
     def _envelope(self, tau: Array) -> tuple[Array, Array]:
         if self.rise == 0:
@@ -101,6 +111,12 @@ class Trajectory:
         end = float(t[-1] + (corner if kink[-1] else corner / 2))
         table = np.array([row for row in rows if end - row[0] > _INSTANT * end])
         return cls(table[:, 0], table[:, 1], table[:, 2], table[:, 3], end)
+
+    @classmethod
+    def level(cls, value: float, wave: Wave, cycles: int) -> "Trajectory":
+        """Return `cycles` of `wave` about a constant value, from t = 0 on."""
+        zero = np.zeros(1)
+        return cls(zero, np.array([value]), zero, zero, cycles / wave.frequency, wave)
 
     def followed_by(self, wave: Wave, cycles: int) -> "Trajectory":
         """Return this trajectory with `cycles` of `wave` about its last value at its end."""
@@ -167,7 +183,8 @@ class Trajectory:
         times = np.concatenate([self.breaks, turns])
         if self.wave is not None:
             last = min(self.duration - self.wave.start, self.wave.rise + 1 / self.wave.frequency)
-            crests = np.arange(0.25, last * self.wave.frequency + 0.25, 1.0) / self.wave.frequency
+            first = self.wave.first_crest
+            crests = np.arange(first, last * self.wave.frequency + first, 1.0) / self.wave.frequency
             times = np.concatenate([times, self.wave.start + crests])
         return float(self.value(times).max())
 

@@ -9,11 +9,13 @@ from fefinger.motion import (
     ForceRampHold,
     ForceRampSinusoid,
     ForceSampled,
+    ForceSinusoid,
     ForceTrapezoid,
     Ramp,
     RampHold,
     RampSinusoid,
     Sampled,
+    Sinusoid,
     Trapezoid,
 )
 
@@ -102,6 +104,23 @@ def test_the_sine_starts_upward_about_the_depth_as_in_the_thesis():
     assert motion.rate(start) == pytest.approx(2 * np.pi * 4 * 0.4)
 
 
+WAVE = Sinusoid(amplitude=0.5, frequency=4, cycles=3)
+
+
+def test_a_sinusoid_starts_at_touch_and_at_rest_and_ends_so():
+    t = np.linspace(0, 0.75, 1001)
+    assert WAVE.value(t) == pytest.approx(0.5 * (1 - np.cos(8 * np.pi * t)), abs=1e-12)
+    assert WAVE.rate(t[1:-1]) == pytest.approx(
+        0.5 * 8 * np.pi * np.sin(8 * np.pi * t[1:-1]), abs=1e-9
+    )
+    assert WAVE.value([-1, 0, 0.125, 0.75, 2]) == pytest.approx([0, 0, 1, 0, 0], abs=1e-12)
+    assert WAVE.value(0.0) == 0
+    assert (WAVE.peak, WAVE.duration) == (1.0, 0.75)
+    assert WAVE.moving == ((0.0, 0.75),)
+    assert WAVE.breaks == (0.0, 0.75)
+    assert ForceSinusoid(amplitude=0.5, frequency=4, cycles=3).value(t).min() >= 0
+
+
 def test_depth_and_force_kinds_share_their_shape():
     t = np.linspace(0, 2, 777)
     depth = RampSinusoid(2, 1, settle=0.1, **SINE)
@@ -136,6 +155,11 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
         (lambda: Ramp(600, 1, corner=0.01), r"motion.corner: expected at most 0.00333333 s"),
         (lambda: RampHold(600, 1, hold=1), r"motion.corner: expected at most 0.00166667 s"),
         (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
+        (
+            lambda: Sinusoid(1, frequency=4, cycles=1.5),
+            "motion.cycles: expected a whole number of cycles, received 1.5",
+        ),
+        (lambda: Sinusoid(0, frequency=4, cycles=1), "motion.amplitude: expected"),
         (
             lambda: RampSinusoid(20, 1, amplitude=1, frequency=4, cycles=1.5),
             r"motion.cycles: expected a whole number of cycles, received 1.5",

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from fefinger.validation import (
+    thesis_array,
+    thesis_ball,
+    thesis_claims,
     thesis_drawings,
     thesis_energy,
     thesis_figures,
@@ -13,13 +16,14 @@ from fefinger.validation import (
     thesis_pressure,
     thesis_sensor,
     thesis_tables,
+    thesis_unloading,
 )
 from fefinger.validation.case import Case
 
 
 PARTS = (
-    *(thesis_tables, thesis_lumped, thesis_fit, thesis_energy, thesis_pressure),
-    *(thesis_sensor, thesis_nerve),
+    *(thesis_tables, thesis_lumped, thesis_claims, thesis_fit, thesis_energy, thesis_pressure),
+    *(thesis_unloading, thesis_array, thesis_sensor, thesis_ball, thesis_nerve),
 )
 
 

@@ -4,6 +4,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.thesis_array import (
+    ELEMENTS,
+    LEVEL,
+    blurred_nodes,
+    felt_history,
+    sinusoid,
+)
+from fefinger.validation.thesis_ball import bonded
 from fefinger.validation.thesis_figures import COLORS, canvas
 from fefinger.validation.thesis_pressure import PROFILES, ball, pad
 from fefinger.validation.thesis_sensor import ball_pressure, felt
@@ -11,15 +19,12 @@ from numpy.typing import NDArray
 
 from fefinger.figures import INK, STEEL, figure, style
 from fefinger.theory.curvature import at_depth, goodwin, goodwin_radius
-from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.theory.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]
 
-ELEMENTS = (0.0, 2.0, 4.0, 6.0)  # mm from the center of contact
 SLOW = 0.2  # mm/s
-LEVEL = 4.0  # kPa between isobars
 GOODWIN_FORCES = (20.0, 15.0, 10.0)  # gf
 
 
@@ -56,30 +61,10 @@ def figures() -> Iterator[tuple[str, Any]]:
         yield "Figure A-4. Response of an element against the distance of a load.", _response()
         yield (
             "Figure A-5. The fitted rubber ball: pressure at 0.59 mm, filtered (line) and not "
-            "(dashes), and net force. The cross is the force that the thesis gives, 1.8 N.",
+            "(dashes), and net force, on a cover that is a half-space (lines) or a bonded layer "
+            "(dots). The cross is the force that the thesis gives, 1.8 N.",
             _ball(),
         )
-
-
-def blurred_nodes(one: Fingerpad, nodes: Array, r: Array) -> Array:
-    """Return the instantaneous pressure (n, m) kPa at depths (n,) and distances (m,) mm, felt."""
-    rows = []
-    for depth in nodes.tolist():
-        reach = float(one.contact_radius(depth))
-
-        def pressure(s: Array, depth: float = depth) -> Array:
-            return one.pressure(s, depth)
-
-        rows.append(blurred(pressure, reach, r) if reach > 0 else np.zeros_like(r))
-    return np.array(rows)
-
-
-def felt_history(time: Array, depth: Array) -> tuple[Array, Array]:
-    """Return force N and what ELEMENTS feel (n_t, 4) kPa of the means through a motion."""
-    means = pad("means", "relaxed")
-    history = means.press(time, depth, count=64)
-    pressures = history.stress(blurred_nodes(means, history.nodes, np.array(ELEMENTS)))
-    return history.stress(means.force(history.nodes)) / 1e3, pressures
 
 
 def _label(r: float) -> str:
@@ -140,10 +125,7 @@ def _relaxation() -> Any:
 
 
 def _sinusoid() -> Any:
-    turn = np.linspace(0.0, 5.0, 601)
-    time = np.concatenate([np.linspace(0.0, 0.075, 40)[:-1], 0.075 + turn / 4])
-    wave = 1.5 + 0.4 * np.sin(2 * np.pi * turn)
-    depth = np.concatenate([np.linspace(0.0, 1.5, 40)[:-1], wave])
+    time, depth = sinusoid()
     drawn, axis = canvas("time / s", "pressure / kPa", xlim=(0, 1.35))
     _elements(axis, time, felt_history(time, depth)[1])
     return drawn
@@ -190,6 +172,9 @@ def _ball() -> Any:
         plane, at = ball(name)
         radius = float(at.radius) ** 2 / float(at.depth)
         right.plot(depth, at_depth(depth, radius, plane).force / 1e3, color=color, label=name)
+    some = depth[4::5]
+    forces = [bonded("nominal", each).force / 1e3 for each in some.tolist()]
+    right.plot(some, forces, ":", color=INK, label="nominal, bonded")
     right.plot([0.59], [1.8], "x", color=INK, label="printed")
     right.set(xlabel="depth / mm", ylabel="force / N")
     right.legend()

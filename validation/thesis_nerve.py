@@ -6,6 +6,8 @@ from functools import partial
 import numpy as np
 from fefinger.validation.case import Case
 
+from fefinger.neural.chains import SpringDamper, slow_chain
+from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import HodgkinHuxley
 
 
@@ -14,13 +16,29 @@ AMPLITUDES = (12.5, 25.0, 50.0)  # uA/cm²
 SLOWED = {1: (9, 14, 18), 2: (5, 7, 9), 4: (3, 3, 4), 8: (1, 2, 2), 16: (1, 1, 1)}
 """Impulses per cycle with the rates divided by 6, by frequency in Hz (recomputed A5-8)."""
 
-STANDARD = {6.5: 0, 12.5: 79, 25.0: 128, 50.0: 181}
+FASTER: dict[tuple[float, float], float] = {
+    (32, 12.5): 1 / 2,
+    (32, 50.0): 1,
+    **{(64, 12.5): 1 / 4, (64, 25.0): 1 / 3, (64, 50.0): 1 / 2},
+}
+"""The same by frequency and amplitude where units skip cycles."""
+
+SLOWEST = {8.0: 5, 12.5: 14, 25.0: 25, 50.0: 36}
+"""The same at 0.5 Hz by amplitude."""
+
+INVERTED_U = {0.5: 0, 1: 0, 2: 3, 4: 2, 8: 1, 16: 1, 32: 0.5}
+"""The same at 6 uA/cm², by frequency."""
+
+STANDARD = {6.5: 0, 7.0: 26, 8.0: 42, 12.5: 79, 25.0: 128, 50.0: 181}
 """Impulses per cycle at 0.5 Hz at full rate, by amplitude in uA/cm² (recomputed A5-8)."""
 
 
 def per_cycle(divisor: float, frequency: float, amplitude: float) -> float:
-    """Return the impulses per cycle in the second half of 4 cycles (16 from 8 Hz on, 2 of 2 s)."""
-    cycles = 2 if frequency < 1 else 4 if frequency < 8 else 16
+    """Return the impulses per cycle in the second half of 4 cycles (16 or 48 fast ones, 2 of 2 s).
+
+    48 from 32 Hz on: its half is a whole number of 2, 3 and 4 skipped cycles.
+    """
+    cycles = 2 if frequency < 1 else 4 if frequency < 8 else 16 if frequency < 32 else 48
     turn = np.linspace(0.0, cycles, cycles * SAMPLES + 1)
     current = amplitude * (1 - np.cos(2 * np.pi * turn))
     (times,) = HodgkinHuxley(divisor).fire(turn / frequency, current).times
@@ -34,8 +52,49 @@ def warm(temperature: float) -> float:
     return float(len(times))
 
 
+def decay() -> float:
+    """Return the rate in 1/s at which the FAI end organ forgets a step, from its late response."""
+    time = np.array([0.0, 0.0, 0.5, 0.7])
+    out = END_ORGANS["FAI"].respond(time, np.array([0.0, 1.0, 1.0, 1.0]))
+    return float(np.log(out[3] / out[2]) / 0.2)
+
+
+def spring_chain() -> float:
+    """Return what reaches the nerve of a slow chain of springs 2, 0.3 and 0.7 per displacement."""
+    chain = slow_chain(2.0, SpringDamper(0.3, 0.05), 0.7)
+    return float(np.abs(chain.displacement_filter().frequency_response([1e-6]))[0])
+
+
+def _equations() -> Iterator[Case]:
+    yield Case(
+        "thesis",
+        "Eq. B.29: rate of the FAI end organ after a step",
+        decay,
+        -2 * np.pi,
+        1e-3,
+        "1/s",
+        "slower pole of Eq. B.28, 1 Hz; the faster one is gone by then",
+        printed=5.3,
+        erratum="With the printed sign of the last term the response grows at 5.3 1/s and more.",
+        reason="what is left of the pole at 10 Hz",
+    )
+    yield Case(
+        "thesis",
+        "Eq. 5.8: part of the displacement that reaches the nerve, springs 2, 0.3, 0.7",
+        spring_chain,
+        0.6 / (0.6 + 0.7 * 2.3),
+        1e-6,
+        "1",
+        "three springs in series",
+        printed=0.6 / (0.7 * 2.3),
+        erratum="The printed form is the limit of a stiff nerve; for a soft one it exceeds 1.",
+        reason="frequency of 1e-6 Hz",
+    )
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield impulses per cycle."""
+    yield from _equations()
     for frequency, counts in SLOWED.items():
         for amplitude, expected in zip(AMPLITUDES, counts, strict=True):
             yield Case(
@@ -48,6 +107,22 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 "recomputed A5-8",
                 reason="a count, locked to the cycle",
             )
+    slowed: dict[tuple[float, float], float] = {
+        **{(0.5, amplitude): count for amplitude, count in SLOWEST.items()},
+        **{(frequency, 6.0): count for frequency, count in INVERTED_U.items()},
+        **FASTER,
+    }
+    for (tone, current), count in slowed.items():
+        yield Case(
+            "thesis",
+            f"A5-8: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
+            partial(per_cycle, 6.0, tone, current),
+            count,
+            1e-9,
+            "1",
+            "recomputed A5-8",
+            reason="a count, locked to the cycle",
+        )
     for amplitude, expected in STANDARD.items():
         yield Case(
             "thesis",

@@ -174,8 +174,10 @@ def turned(components: Array, frames: Array) -> Array:
     slanted = outer(radial, inward) + outer(inward, radial)
     parts = [outer(radial, radial), outer(around, around), outer(inward, inward), slanted]
     basis = np.stack(parts, axis=1).reshape(-1, 4, 9)
-    tensors = np.matmul(np.moveaxis(components, 1, 0), basis)
-    return np.moveaxis(tensors, 0, 1).reshape(*components.shape[:2], 3, 3)
+    tensors = np.empty((*components.shape[:2], 9))
+    # Written in place: with many sites a copy of the tensors takes as long as everything else.
+    np.matmul(np.moveaxis(components, 1, 0), basis, out=np.moveaxis(tensors, 1, 0))
+    return tensors.reshape(*components.shape[:2], 3, 3)
 
 
 def _reference(scene: Scene, plate: Contact) -> Reference:

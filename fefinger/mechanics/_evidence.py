@@ -107,12 +107,13 @@ def layered_seconds(scene: Scene) -> float:
 def layered_error(indenter: Indenter, depth: float) -> tuple[float, str]:
     """Return the measured error of the force of `layered` at `depth` mm, and its source.
 
-    It is linear between the measured depths, and constant beyond their ends.
+    It is that of the subject whose finger is worst; linear between the measured depths, and
+    constant beyond their ends.
     """
     press = layered_press(indenter)
     row = layered()["presses"][press]
     depths, errors = row["depth_mm"], row["force_error"]
-    source = f"reports/{LAYERED_REPORT}, {press}: against linear, on the finger of a.h."
+    source = f"reports/{LAYERED_REPORT}, {press}: against linear, the worst of four fingers"
     return float(np.interp(depth, depths, errors)), source
 
 

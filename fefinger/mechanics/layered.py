@@ -1,7 +1,8 @@
-"""Contact of relaxing skin and subcutaneous tissue over rigid bone, flat and exact: seconds.
+"""Contact of relaxing skin and subcutaneous tissue over rigid bone, flat and exact.
 
 `theory/stack.py` and `theory/indentation.py` are the equations, `theory/table.py` the contacts
-solved once per scene, `theory/ting.py` makes them right on unloading and touching again.
+solved once per stack, `theory/ting.py` makes them right on unloading and touching again. The first
+press of a stack takes a quarter of a second, another one some 30 ms (`reports/layered-force.json`).
 """
 
 from typing import TYPE_CHECKING
@@ -27,6 +28,10 @@ name = "layered"
 
 PLATE_LEVELS = 8
 
+THINNEST = 0.02
+"""Least share of the tissue over the bone that the layer below the skin has, a convention: a film
+thinner than that is no layer of a finger."""
+
 POISSON = 0.005
 """Distance from the measured Poisson's ratios within which the error holds, a convention.
 On `saal2017` (0.4, one modulus) a ball of 5 mm at 0.5 mm is 13 % off, not the 9 % of the report."""
@@ -43,13 +48,32 @@ NOTES = (
 
 
 def stack(finger: Finger) -> Stack:
-    """Return the layers of the finger under the pad, over rigid bone."""
+    """Return the layers of the finger under the pad, over rigid bone.
+
+    Raises
+    ------
+    InputError
+        If the skin leaves less than `THINNEST` of the tissue to the layer below it.
+    """
     skin, rest = finger.skin, finger.subcutaneous
-    thick = float(skin.thickness or 0.0)
-    below = BONE * finger.thickness - thick
+    thick, bone = float(skin.thickness or 0.0), BONE * finger.thickness
+    below = bone - thick
+    if below < THINNEST * bone:
+        msg = (
+            f"finger.skin.thickness: expected at most {(1 - THINNEST) * bone:.4g} mm, which leaves "
+            f"{THINNEST:g} of the {bone:.4g} mm above the bone to the tissue below, received "
+            f"{thick:g} mm; take a thinner skin or a thicker finger"
+        )
+        raise InputError(msg)
     return Stack(
         (Layer(thick, skin.modulus, skin.poisson), Layer(below, rest.modulus, rest.poisson))
     )
+
+
+def skin_share(finger: Finger) -> float:
+    """Return the thickness of the skin over that of all tissue above the bone."""
+    layers = stack(finger)
+    return layers.layers[0].thickness / layers.thickness
 
 
 def contact(scene: Scene) -> "Layered":
@@ -75,7 +99,11 @@ def contact(scene: Scene) -> "Layered":
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: what it has no place for, and what was not measured."""
     unable = [item.reason for item in hertz.refuse(scene) if item.about == "ability"]
-    bone, deepest = stack(scene.finger).thickness, max(dict(scene.ask.depths).values(), default=0)
+    try:
+        bone = stack(scene.finger).thickness
+    except InputError as error:
+        return (Refusal(name, "ability", str(error)),)
+    deepest = max(dict(scene.ask.depths).values(), default=0)
     if deepest >= bone:
         unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
     doubts = [] if unable else _doubts(scene)
@@ -117,7 +145,10 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     notes = (*NOTES, *normalized(scene.finger.prony))
     if isinstance(scene.indenter, Ellipsoid):
         notes = (*notes, hertz.ELLIPTIC)
-    widest = float(body.radius(np.array(body.table.deepest)))
+    peak = scene.motion.peak
+    if scene.motion.control == "force":
+        peak = body.depth(peak / NEWTON_PER_MILLINEWTON)
+    widest = float(body.radius(np.array(peak)))
     numbers = {
         "relative_radius_mm": body.table.radius,
         "contact_radius_over_thickness": widest / body.table.stack.thickness,
@@ -153,6 +184,10 @@ def _doubts_of_tissue(finger: Finger) -> list[str]:
     if max(contrast / known, known / contrast) > hertz.CONTRAST:
         reason = f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within a factor "
         doubts.append(f"{reason}{hertz.CONTRAST:g} of {known:.3g}, where the force was measured")
+    share, (low, high) = skin_share(finger), measured["skin_over_stack"]
+    if not low / hertz.CONTRAST <= share <= high * hertz.CONTRAST:
+        reason = f"skin thickness / tissue over the bone = {share:.3g}, not within a factor "
+        doubts.append(f"{reason}{hertz.CONTRAST:g} of {low:.3g} to {high:.3g}, as measured")
     for part, known in measured["poisson"].items():
         poisson = getattr(finger, part).poisson
         if abs(poisson - known) > POISSON:

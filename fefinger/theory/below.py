@@ -16,15 +16,15 @@ from scipy.special import j0, j1
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
 from fefinger.theory.indentation import Contact
-from fefinger.theory.quadrature import panels
+from fefinger.theory.quadrature import panels, panels_up_to
 from fefinger.theory.stack import Layer, Stack
 
 
 SHALLOWEST = 0.02
 """Smallest depth over the largest contact radius; the integral grows as its inverse."""
 
-_DECAY = 34.0
-"""What is left out, exp(-34), is 2e-15 of the whole."""
+_DECAY = 28.0
+"""What is left out, exp(-28), is 1e-12 of the whole."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,22 +61,24 @@ def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLi
     displacement = np.empty((len(contacts), 2, len(z)))
     strain = np.empty((len(contacts), 4, len(z)))
     stress = np.empty((len(contacts), 4, len(z)))
+    shallow = float(z.min())
+    xi, weights = panels(
+        1e-4 / min(stack.scales[1], shallow),
+        _DECAY / shallow,
+        reach=float(r.max()) + widest,
+    )
+    loads = weights * np.array([contact.transform(xi) for contact in contacts])
     octave = np.floor(np.log2(z))
     for level in np.unique(octave):
         members = np.flatnonzero(octave == level)
-        shallow = float(z[members].min())
-        xi, weights = panels(
-            1e-4 / min(stack.scales[1], shallow),
-            _DECAY / shallow,
-            reach=float(r[members].max()) + widest,
-        )
-        loads = weights * np.array([contact.transform(xi) for contact in contacts])
+        # Deeper points need fewer of the same wavenumbers, in whole panels.
+        last = panels_up_to(xi, _DECAY / float(z[members].min()))
         depths, place = np.unique(z[members], return_inverse=True)
-        kernels = stack.depths(xi, depths)
+        kernels = stack.depths(xi[:last], depths)
         for index, depth in enumerate(depths):
             here = members[place == index]
             layer = stack.layers[stack.locate(float(depth))[0]]
-            parts = _integrate(loads, layer, kernels[index], xi=xi, r=r[here])
+            parts = _integrate(loads[:, :last], layer, kernels[index], xi=xi[:last], r=r[here])
             displacement[:, :, here], strain[:, :, here], stress[:, :, here] = parts
     return Field(displacement, strain, stress)
 

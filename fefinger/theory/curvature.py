@@ -8,10 +8,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
 
-Array = NDArray[np.float64]
 
 GOODWIN_FINGER = 15.0
 """Radius in mm that the thesis assumes for the pad under Goodwin's spheres (section 3.6)."""
@@ -48,6 +49,7 @@ def equivalent_radius(first: float, second: float) -> float:
     For R'/R'' up to 5 the mean contact radius is then within 3.3 %, the depth within 3.4 % and the
     peak pressure within 7 % of the elliptic contact.
     """
+    elastic.require_positive("equivalent_radius", first=first, second=second)
     return math.sqrt(first * second)
 
 
@@ -56,8 +58,8 @@ def series_modulus(*solids: tuple[float, float]) -> float:
 
     A rigid solid has an infinite E.
     """
-    if not solids or any(modulus <= 0 for modulus, _ in solids):
-        msg = f"solids: expected pairs of a modulus above 0 kPa and a ratio, received {solids}"
+    if not solids or not all(e > 0 and 0 <= nu <= 0.5 for e, nu in solids):
+        msg = f"solids: expected pairs (E > 0 kPa, nu in 0 to 0.5), received {solids}"
         raise ValueError(msg)
     compliance = math.fsum((1 - poisson**2) / modulus for modulus, poisson in solids)
     if compliance == 0:
@@ -78,7 +80,10 @@ class Contact:
 
 def at_force(force: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Contact:
     """Return the contact under a force in mN (Eq. 3.22 and 3.24); radius R in mm, E* in kPa."""
-    force, radius = np.broadcast_arrays(np.asarray(force, float), np.asarray(radius, float))
+    elastic.require_positive("at_force", plane_modulus=plane_modulus)
+    force = elastic.numbers("at_force", "force", force, least=0.0)
+    radius = elastic.numbers("at_force", "radius", radius, above=0.0)
+    force, radius = np.broadcast_arrays(force, radius)
     a = np.cbrt(3 * force * radius / (4 * plane_modulus))
     peak = np.cbrt(6 * force * plane_modulus**2 / (np.pi**3 * radius**2))
     return Contact(a, peak, a**2 / radius, np.array(force))
@@ -86,7 +91,10 @@ def at_force(force: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Conta
 
 def at_depth(depth: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Contact:
     """Return the contact at a depth in mm (Eq. 3.8 and 3.20); radius R in mm, E* in kPa."""
-    depth, radius = np.broadcast_arrays(np.asarray(depth, float), np.asarray(radius, float))
+    elastic.require_positive("at_depth", plane_modulus=plane_modulus)
+    depth = elastic.numbers("at_depth", "depth", depth, least=0.0)
+    radius = elastic.numbers("at_depth", "radius", radius, above=0.0)
+    depth, radius = np.broadcast_arrays(depth, radius)
     peak = 2 * plane_modulus / np.pi * np.sqrt(depth / radius)
     force = 4 / 3 * plane_modulus * np.sqrt(radius) * depth**1.5
     return Contact(np.sqrt(radius * depth), peak, np.array(depth), force)
@@ -104,9 +112,10 @@ def goodwin(
     curvature of the sphere in 1/mm, force in any one unit, radius of the finger in mm; `reference`
     is a curvature and a force. At fixed force p0 follows P^(1/3) (C_finger + C_sphere)^(2/3).
     """
-    against = 1 / finger + np.asarray(curvature, float)
-    ratio = against / (1 / finger + reference[0])
-    return np.asarray(np.cbrt(np.asarray(force, float) / reference[1]) * np.cbrt(ratio) ** 2)
+    ratio = _against(finger, curvature) / _against(finger, reference[0])
+    elastic.require_positive("goodwin", reference=reference[1])
+    relative = elastic.numbers("goodwin", "force", force, least=0.0) / reference[1]
+    return np.asarray(np.cbrt(relative) * np.cbrt(ratio) ** 2)
 
 
 def goodwin_at_depth(
@@ -116,13 +125,18 @@ def goodwin_at_depth(
 
     It follows (C_finger + C_sphere)^(1/2); 0.295 at zero curvature is near the printed 0.3.
     """
-    against = 1 / finger + np.asarray(curvature, float)
-    return np.asarray(np.sqrt(against / (1 / finger + reference)))
+    return np.asarray(np.sqrt(_against(finger, curvature) / _against(finger, reference)))
 
 
 def goodwin_radius(curvature: ArrayLike, *, finger: float = GOODWIN_FINGER) -> Array:
     """Return the contact radius at one force relative to that of a plate (Eq. 3.25)."""
-    return np.asarray(1 / np.cbrt(1 + finger * np.asarray(curvature, float)))
+    return np.asarray(1 / np.cbrt(finger * _against(finger, curvature)))
+
+
+def _against(finger: float, curvature: ArrayLike) -> Array:
+    """Return the relative curvature in 1/mm of a finger and spheres that touch it in a point."""
+    elastic.require_positive("goodwin", finger=finger)
+    return 1 / finger + elastic.numbers("goodwin", "curvature", curvature, above=-1 / finger)
 
 
 def torsional_friction(friction: float, force: ArrayLike, contact_radius: ArrayLike) -> Array:
@@ -131,4 +145,7 @@ def torsional_friction(friction: float, force: ArrayLike, contact_radius: ArrayL
     `friction` mu, force P in mN, contact radius a in mm. The integral of mu p r over the contact:
     proportional to the contact radius at a given force, as section 3.1 says.
     """
-    return np.asarray(3 / 16 * np.pi * friction * np.asarray(force) * np.asarray(contact_radius))
+    elastic.require_not_negative("torsional_friction", friction=friction)
+    pressed = elastic.numbers("torsional_friction", "force", force, least=0.0)
+    wide = elastic.numbers("torsional_friction", "contact_radius", contact_radius, least=0.0)
+    return np.asarray(3 / 16 * np.pi * friction * pressed * wide)

@@ -21,6 +21,14 @@ def require_positive(owner: str, **values: float) -> None:
             raise ValueError(msg)
 
 
+def require_finite(owner: str, **values: float) -> None:
+    """Raise ValueError unless every value is finite."""
+    for name, value in values.items():
+        if not math.isfinite(value):
+            msg = f"{owner}: expected a finite {name}, received {value!r}"
+            raise ValueError(msg)
+
+
 def require_not_negative(owner: str, **values: float) -> None:
     """Raise ValueError unless every value is finite and zero or above."""
     for name, value in values.items():
@@ -50,10 +58,40 @@ def require_small(owner: str, name: str, value: float, *, limit: float, of: str)
 def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
     """Return r and z broadcast together, or raise ValueError for a point outside the body."""
     r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
-    if not (np.all(r >= 0) and np.all(z >= 0)):
-        msg = f"{owner}: expected points with r >= 0 and z >= 0 mm (z points into the body)"
+    inside = np.all(r >= 0) and np.all(z >= 0)
+    if not (inside and np.isfinite(r).all() and np.isfinite(z).all()):
+        msg = f"{owner}: expected finite r >= 0 and z >= 0 mm (z points into the body)"
         raise ValueError(msg)
     return r, z
+
+
+def numbers(
+    owner: str, name: str, values: ArrayLike, *, least: float = -math.inf, above: float = -math.inf
+) -> Array:
+    """Return values (...,) as an array, or raise ValueError unless they are finite and in range."""
+    array = np.asarray(values, np.float64)
+    wrong = array[~(np.isfinite(array) & (array >= least) & (array > above))]
+    if wrong.size or not array.size:
+        limit = f" of {least:g} or more" if least > -math.inf else ""
+        limit = f" above {above:g}" if above > -math.inf else limit
+        received = f"{wrong.flat[0]:g}" if wrong.size else "none"
+        msg = f"{owner}: expected finite {name}{limit}, received {received}"
+        raise ValueError(msg)
+    return array
+
+
+def distances(owner: str, r: ArrayLike) -> Array:
+    """Return the distances r (...,) mm from the axis, or raise ValueError unless 0 or above."""
+    return numbers(owner, "r", r, least=0.0)
+
+
+def places(owner: str, place: ArrayLike) -> Array:
+    """Return places (..., 3) mm below the surface, or raise ValueError."""
+    place = np.asarray(place, np.float64)
+    if place.shape[-1:] != (3,) or not np.isfinite(place).all() or np.any(place[..., 2] <= 0):
+        msg = f"{owner}: expected finite places (..., 3) below the surface, z > 0 mm"
+        raise ValueError(msg)
+    return place
 
 
 def plane_modulus(modulus: float, poisson: float) -> float:
@@ -68,11 +106,18 @@ def shear_modulus(modulus: float, poisson: float) -> float:
 
 def strain(stress: Array, modulus: float, poisson: float) -> Array:
     """Return the strain (4, ...) of the axially symmetric `stress` (4, ...) by Hooke's law."""
+    require_elastic("strain", modulus, poisson)
     radial, hoop, axial, shear = stress
     trace = poisson * (radial + hoop + axial)
     grow = 1 + poisson
     normal = [grow * part - trace for part in (radial, hoop, axial)]
     return np.array([*normal, grow * shear]) / modulus
+
+
+def strain_tensor(stress: Array, modulus: float, poisson: float) -> Array:
+    """Return the strain (..., 3, 3) of a `stress` (..., 3, 3) by Hooke's law."""
+    trace = np.trace(stress, axis1=-2, axis2=-1)[..., None, None]
+    return ((1 + poisson) * stress - poisson * trace * np.eye(3)) / modulus
 
 
 def energy_density(stress: Array, modulus: float, poisson: float) -> Array:

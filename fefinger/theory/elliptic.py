@@ -16,6 +16,7 @@ from scipy.special import ellipkm1, elliprd
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
+from fefinger.theory.ellipsoidal import deeper, potentials
 
 
 LONGEST = 1e6
@@ -123,8 +124,42 @@ class Elliptic:
     def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Contact pressure in kPa at x, y (...,) mm, zero outside the ellipse."""
         a, b = self.semi_axes
-        inside = 1 - (np.asarray(x, np.float64) / a) ** 2 - (np.asarray(y, np.float64) / b) ** 2
+        x, y = elastic.numbers("Elliptic", "x", x), elastic.numbers("Elliptic", "y", y)
+        inside = 1 - (x / a) ** 2 - (y / b) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
+
+    def stress(self, place: ArrayLike) -> Array:
+        """Return the stress tensor (..., 3, 3) in kPa at `place` (..., 3) mm from first touch.
+
+        x along the longest axis of the contact, z > 0 into the body (ValueError otherwise; the
+        surface itself carries `pressure`). Positive in tension.
+        """
+        place, nu = elastic.places("Elliptic.stress", place), self.poisson
+        found = potentials(place, self.semi_axes, self.peak_pressure)
+        z = place[..., 2, None, None]
+        stress = -z * found.hessian
+        sink = found.gradient[..., 2]
+        for i, part in enumerate((2 * nu, 2 * nu, 1.0)):
+            stress[..., i, i] += part * sink
+        if nu < 0.5:
+            _, across = deeper(place, self.semi_axes, self.peak_pressure)
+            stress[..., :2, :2] -= (1 - 2 * nu) * across
+        return stress / (2 * np.pi)
+
+    def strain(self, place: ArrayLike) -> Array:
+        """Return the strain tensor (..., 3, 3) at `place`, as `stress`."""
+        return elastic.strain_tensor(self.stress(place), self.modulus, self.poisson)
+
+    def displacement(self, place: ArrayLike) -> Array:
+        """Return u (..., 3) in mm at `place` (..., 3) mm, as `stress`; zero at infinity."""
+        place, nu = elastic.places("Elliptic.displacement", place), self.poisson
+        found = potentials(place, self.semi_axes, self.peak_pressure)
+        moved = -place[..., 2, None] * found.gradient
+        moved[..., 2] += 2 * (1 - nu) * found.psi
+        if nu < 0.5:
+            slope, _ = deeper(place, self.semi_axes, self.peak_pressure)
+            moved[..., :2] -= (1 - 2 * nu) * slope
+        return moved / (4 * np.pi * elastic.shear_modulus(self.modulus, nu))
 
     @property
     def _complete(self) -> float:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.theory import elastic
 from fefinger.theory.lumped import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 
@@ -78,6 +79,10 @@ def dissipation(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> Dissi
             f"received {time.shape}, {position.shape} and {force.shape}"
         )
         raise ValueError(msg)
+    steady = all(np.isfinite(values).all() for values in (time, position, force))
+    if not steady or (np.diff(time) < 0).any():
+        msg = "dissipation: expected finite values at times that never decrease"
+        raise ValueError(msg)
     push = np.maximum(force, 0.0)
     travel = np.diff(position)
     work = (push[1:] + push[:-1]) / 2 * travel
@@ -104,6 +109,7 @@ def vibration(
     `frequency` Hz, upward first, for the whole cycles within `seconds`. The transient is the first
     half cycle, the steady state the last whole cycle.
     """
+    elastic.require_positive("vibration", frequency=frequency, seconds=seconds)
     cycles = math.floor(seconds * frequency + 1e-9)
     if cycles < 2 or not min(offset, peak_to_peak, speed) > 0:
         msg = (
@@ -151,6 +157,7 @@ def offset_scale(m: float, shift: float) -> float:
     exact for changes of force about a relaxed offset, not for the force itself, which keeps the
     "-1" of Eq. 2.1. So the dissipated fraction depends on the offset after all, by 3 to 4 %.
     """
+    elastic.require_finite("offset_scale", m=m, shift=shift)
     return math.exp(m * shift)
 
 

@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory import elastic
 from fefinger.theory.curvature import relative_radius
+from fefinger.theory.elastic import Array
 from fefinger.theory.relaxation import Prony, hereditary_integral
 from fefinger.theory.ting import ContactHistory, press_by_depth, radius_nodes
 
-
-Array = NDArray[np.float64]
 
 Reading = Literal["relaxed", "instantaneous"]
 
@@ -50,12 +50,7 @@ class Fingerpad:
 
     def __post_init__(self) -> None:
         """Check every parameter."""
-        if not min(self.radius, self.m, self.b) > 0:
-            msg = (
-                f"fingerpad: expected a radius, m and b above 0, received {self.radius}, "
-                f"{self.m} and {self.b}"
-            )
-            raise ValueError(msg)
+        elastic.require_positive("fingerpad", radius=self.radius, m=self.m, b=self.b)
         if self.reading not in ("relaxed", "instantaneous"):
             msg = f"reading: expected 'relaxed' or 'instantaneous', received {self.reading!r}"
             raise ValueError(msg)
@@ -67,7 +62,7 @@ class Fingerpad:
 
     def stiffness(self, depth: ArrayLike) -> Array:
         """Return t (Eq. 3.11) in kPa at the depth u >= 0 in mm; 0 out of contact."""
-        reach = np.maximum(np.asarray(depth, float), 0.0)
+        reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
         return np.asarray(self.instantaneous_b / self.m * np.expm1(self.m * reach))
 
     def modulus(self, depth: ArrayLike) -> Array:
@@ -76,11 +71,13 @@ class Fingerpad:
 
     def contact_radius(self, depth: ArrayLike) -> Array:
         """Return a = sqrt(R x) (Eq. 3.8) in mm."""
-        return np.sqrt(self.radius * np.maximum(np.asarray(depth, float), 0.0))
+        reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
+        return np.sqrt(self.radius * reach)
 
     def pressure(self, r: ArrayLike, depth: ArrayLike) -> Array:
         """Return the instantaneous p(r, x) (Eq. 3.10) in kPa, of the broadcast shape."""
-        r, depth = np.asarray(r, float), np.asarray(depth, float)
+        r = elastic.numbers("fingerpad", "r", r)
+        depth = elastic.numbers("fingerpad", "depth", depth)
         inside = np.maximum(self.radius * depth - r**2, 0.0)
         return self.stiffness(depth) * 4 / (np.pi * self.radius) * np.sqrt(inside)
 
@@ -90,15 +87,13 @@ class Fingerpad:
 
     def force(self, depth: ArrayLike) -> Array:
         """Return T(x) of Eq. 3.16 in mN: (8/3) sqrt(R) x^(3/2) t(x) in closed form."""
-        reach = np.maximum(np.asarray(depth, float), 0.0)
+        reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
         return 8 / 3 * np.sqrt(self.radius) * reach**1.5 * self.stiffness(reach)
 
     def depth_at(self, force: ArrayLike, *, relaxed: bool = False) -> Array:
         """Return the depth in mm at which T, or c0 T if `relaxed`, is the force in mN."""
-        force = np.asarray(force, float) / (self.prony.long_time if relaxed else 1.0)
-        if (force < 0).any():
-            msg = "force: expected none below 0 mN"
-            raise ValueError(msg)
+        force = elastic.numbers("fingerpad", "force", force, least=0.0)
+        force = force / (self.prony.long_time if relaxed else 1.0)
         low, high = np.zeros_like(force), np.full_like(force, 1 / self.m)
         while (self.force(high) < force).any():
             high = high * 2
@@ -119,7 +114,8 @@ class Fingerpad:
         its note 1). Both bodies share one Hertz contact, so their shares are as 1 / E*, with
         E* = 2 t(u) for the pad: x = u (1 + 2 t(u) / E*). On a rigid object x = u.
         """
-        u = np.maximum(np.asarray(deformation, float), 0.0)
+        elastic.require_positive("fingerpad", plane_modulus=plane_modulus)
+        u = np.maximum(elastic.numbers("fingerpad", "deformation", deformation), 0.0)
         pad = 2 * self.stiffness(u)
         depth = u * (1 + pad / plane_modulus)
         together = pad / (1 + pad / plane_modulus)
@@ -131,7 +127,7 @@ class Fingerpad:
         Its stress of `pressure(r, nodes[:, None])` and of `force(nodes)` are the answers. As t is
         no material, a contact that shrinks is read as that of a body with the elastic curve T.
         """
-        deepest = float(np.max(np.asarray(depth, float)))
+        deepest = float(elastic.numbers("fingerpad", "depth", depth).max())
         return press_by_depth(self.prony, time, depth, radius_nodes(deepest, count))
 
     def pressure_as_printed(self, time: ArrayLike, depth: ArrayLike, r: ArrayLike) -> Array:
@@ -149,6 +145,7 @@ class Fingerpad:
         m in 1/mm and b in N/mm are those of Table 2.1. It would be 1 if both chapters described
         one finger: T of Eq. 3.16 starts as x^(5/2), and its m is not that of Eq. 3.4.
         """
-        depth = np.asarray(depth, float)
+        elastic.require_positive("fingerpad", m=m, b=b)
+        depth = elastic.numbers("fingerpad", "depth", depth, above=0.0)
         lumped = 1e3 * b / m * np.expm1(m * depth)
         return np.asarray(lumped / self.force(depth))

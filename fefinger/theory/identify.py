@@ -77,6 +77,7 @@ def thesis(
     ValueError
         A record without a usable ramp and hold (see `ramphold.split`).
     """
+    _check_terms(terms)
     record = split(time, position, force)
     m, b, spread, vaf_stiffness = _line(record)
     x0, x0_spread = _touch(record, m, b)
@@ -110,6 +111,7 @@ def joint(
     """
     from scipy.optimize import least_squares
 
+    _check_terms(terms)
     record = split(time, position, force)
     t, x, f, size = averages(record)
     guess = thesis(time, position, force, terms=terms)
@@ -145,6 +147,12 @@ def joint(
         vaf_hold=accounted(f[hold], force_of(values, t, x)[hold]),
         warnings=_warnings(record, prony, spread),
     )
+
+
+def _check_terms(terms: int) -> None:
+    if terms < 1 or terms != int(terms):
+        msg = f"terms: expected a whole number of exponentials, 1 or more, received {terms!r}"
+        raise ValueError(msg)
 
 
 def force_of(values: Array, time: Array, position: Array) -> Array:

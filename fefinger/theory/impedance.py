@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.theory import elastic
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -13,7 +14,7 @@ Complex = NDArray[np.complex128]
 def relaxation_spectrum(prony: Prony, frequency: ArrayLike) -> Complex:
     """Return G(s) = c0/s + sum ci/(s + vi) in s at s = 2 pi i `frequency`, in Hz and above 0."""
     frequency = np.asarray(frequency, float)
-    if np.any(~(frequency > 0)):
+    if not np.all((frequency > 0) & np.isfinite(frequency)):
         msg = "relaxation_spectrum: expected frequencies > 0 Hz; at 0 Hz G(s) is infinite"
         raise ValueError(msg)
     s = 2j * np.pi * frequency
@@ -34,7 +35,7 @@ def operating_stiffness(
     that form.
     """
     preload = np.asarray(preload, float)
-    if np.any(~(preload >= 0)):
+    if not np.all((preload >= 0) & np.isfinite(preload)):
         msg = "operating_stiffness: expected preloads >= 0 N"
         raise ValueError(msg)
     return spring.stiffness(preload if printed else preload / prony.long_time)
@@ -59,7 +60,7 @@ def impedance(
 
 def decibel(z: ArrayLike) -> NDArray[np.float64]:
     """Return 20 log10 |Z| (Eq. 2.10, with the modulus that the print leaves out)."""
-    return 20.0 * np.log10(np.abs(z))
+    return 20.0 * np.log10(elastic.numbers("decibel", "magnitudes", np.abs(z), above=0.0))
 
 
 def phase(z: ArrayLike) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from scipy.special import j0
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
-from fefinger.theory.quadrature import even_rule, panels
+from fefinger.theory.quadrature import even_basis, even_rule, panels
 
 
 DECAY = 20.0
@@ -76,7 +76,7 @@ class Contact:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
-        x = np.asarray(r, np.float64) / self.contact_radius
+        x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         series = self._over_edge()
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -86,7 +86,7 @@ class Contact:
 
     def load(self, r: ArrayLike) -> Array:
         """Return the force in mN that is carried within r (...,) mm of the axis."""
-        x = np.asarray(r, np.float64) / self.contact_radius
+        x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         inner = legendre.legint(self._over_edge(), lbnd=0)
         whole = legendre.legval(1.0, inner)
@@ -98,6 +98,8 @@ class Contact:
         It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
         """
         xi = np.asarray(xi, np.float64)
+        if xi.size:
+            elastic.numbers("Contact.transform", "wavenumbers", xi, least=0.0)
         a, flat = self.contact_radius, xi.reshape(-1)
         # phi itself turns at most as a wave of its degree; its last coefficients are rounding.
         fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
@@ -107,13 +109,11 @@ class Contact:
 
     def _over_edge(self) -> Array:
         """Return the Legendre series of a y p in y = sqrt(1 - r² / a²)."""
-        half = np.arange(1, len(self.phi))
-        at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
-        return _even(self.phi / at_zero)
+        return over_edge(self.phi)
 
     def displacement(self, r: ArrayLike) -> Array:
         """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
-        r = np.asarray(r, np.float64)
+        r = elastic.distances("Contact.displacement", r)
         flat = np.atleast_1d(r).ravel()
         near = np.minimum(flat, self.contact_radius)
         top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))
@@ -210,9 +210,19 @@ def _spectrum(body: Body, half_octave: int) -> tuple[Array, Array]:
     return xi, departure
 
 
+def over_edge(phi: Array) -> Array:
+    """Return the Legendre series (2 n - 1, ...) of a y p in y = sqrt(1 - r² / a²) of phi (n, ...).
+
+    P_2k(sqrt(1 - y²)) integrates over the edge to P_2k(y) / P_2k(0).
+    """
+    half = np.arange(1, len(phi))
+    at_zero = np.cumprod([1.0, *((1 - 2 * half) / (2 * half))])
+    return _even((phi.T / at_zero).T)
+
+
 def _even(coefficients: Array) -> Array:
-    """Return the Legendre series whose even coefficients are given."""
-    series = np.zeros(2 * len(coefficients) - 1)
+    """Return the Legendre series (2 n - 1, ...) whose even coefficients (n, ...) are given."""
+    series = np.zeros((2 * len(coefficients) - 1, *coefficients.shape[1:]))
     series[::2] = coefficients
     return series
 
@@ -245,7 +255,6 @@ def _solve(body: Body, a: float) -> tuple[Array, Array]:
     matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
     right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
     values = np.linalg.solve(matrix, right)
-    basis = legendre.legvander(nodes, 2 * count - 1)[:, ::2]
     norm = 4.0 * np.arange(count) + 1
-    found = norm[:, None] * (basis.T * weights) @ values
+    found = norm[:, None] * (even_basis(count).T * weights) @ values
     return found[:, 0], found[:, 1]

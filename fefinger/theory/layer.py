@@ -62,7 +62,7 @@ class Sheet:
 
         Multiplied through by exp(-2 xi h), so that nothing overflows.
         """
-        x = np.asarray(xi, np.float64) * self.thickness
+        x = elastic.numbers("Sheet", "wavenumbers", xi, least=0.0) * self.thickness
         decay, double = np.exp(-2 * x), np.exp(-4 * x)
         if self.base == "sliding":
             return (1 - decay) ** 2 / (1 - double + 4 * x * decay)
@@ -70,6 +70,51 @@ class Sheet:
         top = kappa * (1 - double) - 4 * x * decay
         bottom = kappa * (1 + double) + (4 * x**2 + 1 + kappa**2) * decay
         return top / bottom
+
+
+@dataclass(frozen=True)
+class Faced:
+    """A sheet that is touched by an elastic body, such as a ball, instead of a rigid one.
+
+    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. Its surface
+    sinks in too, so the compliances add: 1 - L is that of the sheet, in the part that the sheet has
+    in both. The depth of a contact is the approach of the two. ValueError for a value outside its
+    range.
+    """
+
+    sheet: Sheet
+    modulus: float
+    poisson: float
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        elastic.require_elastic("Faced", self.modulus, self.poisson)
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Modulus in kPa of the incompressible half-space that is as compliant as both at the top.
+
+        The sheet is as thick as a half-space there.
+        """
+        return 0.75 / (self._own + self._under), 0.5
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Smallest and largest length in mm: the thickness of the sheet."""
+        return self.sheet.scales
+
+    def compliance(self, xi: ArrayLike) -> Array:
+        """Return L (n,) at wavenumbers xi (n,) in 1/mm: both u_z over those of two half-spaces."""
+        part = self._under / (self._own + self._under)
+        return 1 - part * (1 - self.sheet.compliance(xi))
+
+    @property
+    def _own(self) -> float:
+        return 1 / elastic.plane_modulus(self.modulus, self.poisson)
+
+    @property
+    def _under(self) -> float:
+        return 1 / elastic.plane_modulus(*self.sheet.surface)
 
 
 def small_contact(sheet: Sheet) -> float:
@@ -152,7 +197,7 @@ class Thin:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure 3 G (a² - r²)² / (32 R h³) in kPa at r (...,) mm, zero outside."""
-        inside = np.maximum(self.contact_radius**2 - np.asarray(r, np.float64) ** 2, 0.0)
+        inside = np.maximum(self.contact_radius**2 - elastic.distances("Thin", r) ** 2, 0.0)
         shear = elastic.shear_modulus(self.modulus, 0.5)
         return 3 * shear / (32 * self.radius * self.thickness**3) * inside**2
 

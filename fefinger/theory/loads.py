@@ -28,6 +28,7 @@ def point_stress(r: ArrayLike, z: ArrayLike, *, force: float, poisson: float) ->
     force in mN; r >= 0 and z > 0 in mm (ValueError otherwise). Boussinesq.
     """
     elastic.require_elastic("point_stress", 1.0, poisson)
+    elastic.require_finite("point_stress", force=force)
     r, z = elastic.points("point_stress", r, z)
     _below("point_stress", r, z)
     rho = np.hypot(r, z)
@@ -49,6 +50,7 @@ def point_displacement(
 ) -> Array:
     """Return u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
     elastic.require_elastic("point_displacement", modulus, poisson)
+    elastic.require_finite("point_displacement", force=force)
     r, z = elastic.points("point_displacement", r, z)
     rho = np.hypot(r, z)
     if not np.all(rho > 0):
@@ -61,6 +63,7 @@ def point_displacement(
 
 def line_stress(x: ArrayLike, z: ArrayLike, *, line_force: float) -> Array:
     """Return sigma_x, sigma_z, tau_xz (3, ...) in kPa below a line force in mN/mm, z > 0."""
+    elastic.require_finite("line_stress", line_force=line_force)
     x, z = _below("line_stress", x, z)
     return -2 * line_force / np.pi * z / (x**2 + z**2) ** 2 * np.array([x**2, z**2, x * z])
 
@@ -80,6 +83,7 @@ def line_displacement(
     """
     elastic.require_elastic("line_displacement", modulus, poisson)
     elastic.require_positive("line_displacement", reference=reference)
+    elastic.require_finite("line_displacement", line_force=line_force)
     x, z = _below("line_displacement", x, z)
     scale = line_force / (2 * np.pi * elastic.shear_modulus(modulus, poisson))
     square = x**2 + z**2
@@ -91,6 +95,7 @@ def line_displacement(
 def strip_stress(x: ArrayLike, z: ArrayLike, *, half_width: float, pressure: float) -> Array:
     """Return sigma_x, sigma_z, tau_xz (3, ...) in kPa below a uniform pressure on |x| < w."""
     elastic.require_positive("strip_stress", half_width=half_width)
+    elastic.require_finite("strip_stress", pressure=pressure)
     x, z = _below("strip_stress", x, z)
     first, second = np.arctan2(z, x - half_width), np.arctan2(z, x + half_width)
     turn = 2 * (first - second)
@@ -102,7 +107,8 @@ def strip_stress(x: ArrayLike, z: ArrayLike, *, half_width: float, pressure: flo
 def flat_strip_pressure(x: ArrayLike, *, half_width: float, line_force: float) -> Array:
     """Return the pressure in kPa under a flat rigid strip with `line_force` mN/mm."""
     elastic.require_positive("flat_strip_pressure", half_width=half_width)
-    x = np.asarray(x, np.float64)
+    elastic.require_finite("flat_strip_pressure", line_force=line_force)
+    x = elastic.numbers("flat_strip_pressure", "x", x)
     inside = np.maximum(half_width**2 - x**2, 0.0)
     with np.errstate(divide="ignore"):
         shape = inside**-0.5
@@ -113,6 +119,7 @@ def circle_axis_stress(z: ArrayLike, *, radius: float, pressure: float, poisson:
     """Return sigma_r, sigma_z (2, ...) in kPa on the axis below a uniform pressure on a circle."""
     elastic.require_elastic("circle_axis_stress", 1.0, poisson)
     elastic.require_positive("circle_axis_stress", radius=radius)
+    elastic.require_finite("circle_axis_stress", pressure=pressure)
     _, z = elastic.points("circle_axis_stress", 0.0, z)
     t = z / np.hypot(radius, z)
     radial = -(1 + 2 * poisson) / 2 + (1 + poisson) * t - t**3 / 2
@@ -125,6 +132,7 @@ def circle_displacement(
     """Return u_z in mm of the surface at r (...,) mm under a uniform pressure on a circle."""
     elastic.require_elastic("circle_displacement", modulus, poisson)
     elastic.require_positive("circle_displacement", radius=radius)
+    elastic.require_finite("circle_displacement", pressure=pressure)
     r, _ = elastic.points("circle_displacement", r, 0.0)
     x = r / radius
     near = ellipe(np.minimum(x, 1.0) ** 2)
@@ -147,8 +155,8 @@ def rectangle_stress(
     """
     elastic.require_elastic("rectangle_stress", 1.0, poisson)
     elastic.require_positive("rectangle_stress", x=half_sides[0], y=half_sides[1])
-    x, y, z = np.moveaxis(np.asarray(place, np.float64), -1, 0)
-    _below("rectangle_stress", x, z)
+    elastic.require_finite("rectangle_stress", pressure=pressure)
+    x, y, z = np.moveaxis(elastic.places("rectangle_stress", place), -1, 0)
     loose = 1 - 2 * poisson
     out = np.zeros((*x.shape, 3, 3))
     for sign, cx, cy in _corners(half_sides):
@@ -183,7 +191,12 @@ def rectangle_displacement(
     """Return u_z (...,) in mm of surface points (..., 2) mm under a uniform pressure (Love)."""
     elastic.require_elastic("rectangle_displacement", modulus, poisson)
     elastic.require_positive("rectangle_displacement", x=half_sides[0], y=half_sides[1])
-    x, y = np.moveaxis(np.asarray(place, np.float64), -1, 0)
+    elastic.require_finite("rectangle_displacement", pressure=pressure)
+    place = elastic.numbers("rectangle_displacement", "places", place)
+    if place.shape[-1:] != (2,):
+        msg = f"rectangle_displacement: expected places (..., 2) in mm, received {place.shape}"
+        raise ValueError(msg)
+    x, y = np.moveaxis(place, -1, 0)
     total = np.zeros(x.shape)
     for sign, cx, cy in _corners(half_sides):
         big_x, big_y = x - cx, y - cy

@@ -10,12 +10,15 @@ from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-Array = NDArray[np.float64]
+LARGEST = 600.0
+"""Largest exponent m times depth of Eq. 2.1, whose force then is still a number."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +61,16 @@ class Spring:
 
     def stiffness(self, force: ArrayLike) -> Array:
         """Return k = m T + b in N/mm at instantaneous elastic forces in N (Eq. 2.4)."""
-        return self.m * np.asarray(force, float) + self.b
+        return self.m * elastic.numbers("spring", "forces", force, least=0.0) + self.b
 
     def depth(self, position: ArrayLike) -> Array:
         """Return the indentation max(0, x - x0) in mm."""
-        return np.maximum(np.asarray(position, float) - self.x0, 0.0)
+        return np.maximum(elastic.numbers("spring", "positions", position) - self.x0, 0.0)
 
     def position(self, force: ArrayLike) -> Array:
         """Return the position in mm at which T is `force` >= 0 N: the inverse of `force`."""
-        return self.x0 + np.log1p(self.m / self.b * np.asarray(force, float)) / self.m
+        pressed = elastic.numbers("spring", "forces", force, least=0.0)
+        return self.x0 + np.log1p(self.m / self.b * pressed) / self.m
 
 
 def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:
@@ -93,6 +97,10 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     y the indentation at its start, dy its change and h the part of the segment in contact.
     """
     time, position = _samples(time, position)
+    deepest = spring.m * float(spring.depth(position).max())
+    if deepest > LARGEST:
+        msg = f"lumped: expected m times depth of at most {LARGEST:g}, received {deepest:.3g}"
+        raise ValueError(msg)
     decay, gain = _gains(spring, prony, time, position)
     weights = prony.weights
     start = float(spring.force(position[0]))
@@ -138,9 +146,7 @@ def constant_velocity(spring: Spring, prony: Prony, position: ArrayLike, speed: 
 
     The closed form of Eq. 2.3: each exponential gives b s (e^(m y) - e^(-v y / s)) / (m s + v).
     """
-    if not speed > 0:
-        msg = f"constant_velocity: expected a speed > 0 mm/s, received {speed!r}"
-        raise ValueError(msg)
+    elastic.require_positive("constant_velocity", speed=speed)
     y = spring.depth(position)[..., None]
     rates = np.array((0.0, *prony.v))
     growth = np.exp(spring.m * y) - np.exp(-rates * y / speed)
@@ -158,10 +164,7 @@ def position_under(spring: Spring, prony: Prony, time: ArrayLike, applied: Array
     With the relaxation function H of weights (1, k) / J_inf and rates lam, that is
     T = (J_inf + 1) P - J_inf (integral of H dP).
     """
-    applied = np.asarray(applied, float)
-    if np.any(applied < 0):
-        msg = f"position_under: expected forces >= 0 N, received {applied.min():g}"
-        raise ValueError(msg)
+    applied = elastic.numbers("position_under", "forces", applied, least=0.0)
     j_inf, k, lam = prony.creep()
     share = Prony(tuple(np.concatenate([[1.0], k]) / j_inf), tuple(lam))
     relaxed = hereditary_integral(share, time, applied)

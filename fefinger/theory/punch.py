@@ -56,11 +56,13 @@ class Cone:
         scale = elastic.plane_modulus(self.modulus, self.poisson) / 2
         scale /= math.tan(math.radians(self.half_angle))
         with np.errstate(divide="ignore"):
-            return scale * np.arccosh(np.maximum(self.contact_radius / np.asarray(r, float), 1.0))
+            return scale * np.arccosh(
+                np.maximum(self.contact_radius / elastic.distances("Cone", r), 1.0)
+            )
 
     def displacement(self, r: ArrayLike) -> Array:
         """Displacement u_z of the surface in mm at r (...,) mm, the cone itself inside."""
-        x = np.asarray(r, np.float64) / self.contact_radius
+        x = elastic.distances("Cone", r) / self.contact_radius
         slope = self.depth * 2 / math.pi
         far = np.maximum(x, 1.0)
         free = np.arcsin(1 / far) - (far - np.sqrt(far**2 - 1))
@@ -96,7 +98,7 @@ class FlatPunch:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at r (...,) mm, infinite at the edge, zero outside."""
-        r, a = np.asarray(r, np.float64), self.contact_radius
+        r, a = elastic.distances("FlatPunch", r), self.contact_radius
         inside = np.maximum(1 - (r / a) ** 2, 0.0)
         with np.errstate(divide="ignore"):
             shape = inside**-0.5
@@ -104,7 +106,8 @@ class FlatPunch:
 
     def displacement(self, r: ArrayLike) -> Array:
         """Displacement u_z of the surface in mm at r (...,): 2 depth / pi asin(a / r) outside."""
-        ratio = self.contact_radius / np.maximum(np.asarray(r, float), self.contact_radius)
+        far = np.maximum(elastic.distances("FlatPunch", r), self.contact_radius)
+        ratio = self.contact_radius / far
         return 2 * self.depth / np.pi * np.arcsin(ratio)
 
 
@@ -144,7 +147,7 @@ class Cylinder:
 
     def pressure(self, x: ArrayLike) -> Array:
         """Contact pressure in kPa at x (...,) mm from the middle line, zero outside."""
-        inside = 1 - (np.asarray(x, np.float64) / self.half_width) ** 2
+        inside = 1 - (elastic.numbers("Cylinder", "x", x) / self.half_width) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, x: ArrayLike, z: ArrayLike) -> Array:

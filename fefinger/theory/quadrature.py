@@ -23,6 +23,15 @@ def even_rule(count: int) -> tuple[Array, Array]:
     return nodes[count:], weights[count:]
 
 
+@cache
+def even_basis(count: int) -> Array:
+    """Return P_0, P_2, ... (count, count) at the nodes of `even_rule`, one row per node."""
+    nodes, _ = even_rule(count)
+    basis = np.array(legendre.legvander(nodes, 2 * count - 1)[:, ::2], np.float64)
+    basis.flags.writeable = False
+    return basis
+
+
 def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
     """Return nodes and weights (n,) on 0..high: one panel to `low`, then octaves.
 
@@ -37,3 +46,9 @@ def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
     cut = np.concatenate(cuts)
     half = np.diff(cut)[:, None] / 2
     return (cut[:-1, None] + half * (_NODES + 1)).ravel(), (half * _WEIGHTS).ravel()
+
+
+def panels_up_to(nodes: Array, high: float) -> int:
+    """Return how many of the first `nodes` of `panels` cover 0..high, in whole panels."""
+    points = len(_NODES)
+    return min(len(nodes), points * math.ceil(int(np.searchsorted(nodes, high)) / points))

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.theory import elastic
+from fefinger.theory.elastic import Array
 
-Array = NDArray[np.float64]
 
 QUADRATURE = 80
 """Points of the radial convolution; 40 give the same eight digits."""
@@ -55,8 +56,11 @@ class ArraySensor:
 
     def __post_init__(self) -> None:
         """Check the sizes."""
-        if not (min(self.elements, self.pitch, self.sigma, self.rate) > 0 and self.noise >= 0):
-            msg = f"sensor: expected sizes above 0 and noise of at least 0, received {self}"
+        sizes = {"pitch": self.pitch, "sigma": self.sigma, "rate": self.rate}
+        elastic.require_positive("sensor", elements=self.elements, **sizes)
+        elastic.require_not_negative("sensor", noise=self.noise)
+        if self.elements != int(self.elements):
+            msg = f"sensor: expected a whole number of elements, received {self.elements!r}"
             raise ValueError(msg)
 
     @property
@@ -92,7 +96,8 @@ class ArraySensor:
         if points.ndim != 2 or points.shape[1] != 2 or areas.shape != points.shape[:1]:
             msg = f"points: expected (n, 2) and areas (n,), received {points.shape}, {areas.shape}"
             raise ValueError(msg)
-        side = float(np.sqrt(areas.max()))
+        elastic.numbers("points", "places", points)
+        side = float(np.sqrt(elastic.numbers("points", "areas", areas, above=0.0).max()))
         if side > COARSEST * self.sigma:
             limit = COARSEST * self.sigma
             msg = f"areas: expected sides up to {limit:.3g} mm (sigma), received {side:.3g} mm"
@@ -119,7 +124,8 @@ class ArraySensor:
         ValueError
             Shapes that do not match, times that do not increase, or less than one frame.
         """
-        time, pressure = np.asarray(time, float), np.asarray(pressure, float)
+        time = elastic.numbers("time", "times", time)
+        pressure = elastic.numbers("pressure", "pressures", pressure)
         felt = pressure @ self.weights(points, areas).T
         if felt.shape[:1] != time.shape or not (np.diff(time) > 0).all():
             msg = f"time: expected {len(pressure)} rising times, received {time.shape}"
@@ -142,7 +148,7 @@ def centroid(positions: ArrayLike, pressure: ArrayLike) -> Array:
 
     Not a number where the pressures add up to nothing or less.
     """
-    pressure = np.asarray(pressure, float)
+    pressure = elastic.numbers("centroid", "pressures", pressure)
     total = pressure.sum(axis=-1)[..., None]
     moment = pressure @ np.asarray(positions, float)
     return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
@@ -153,7 +159,9 @@ def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: 
 
     points (n, 2) mm, triangles (m, 3), pressure (n,) kPa. A place at exactly `level` is outside.
     """
-    points, pressure = np.asarray(points, float), np.asarray(pressure, float)
+    points = elastic.numbers("isobar", "places", points)
+    pressure = elastic.numbers("isobar", "pressures", pressure)
+    elastic.require_finite("isobar", level=level)
     corners = np.asarray(triangles)
     above = pressure[corners] > level
     crossed = corners[above.any(axis=1) & ~above.all(axis=1)]
@@ -178,7 +186,11 @@ def radial_profile(
     """
     offset = np.asarray(positions, float) - np.asarray(center, float)
     distance = np.hypot(*offset.T) * np.where(offset[:, 0] < 0, -1.0, 1.0)
-    edges = np.asarray(edges, float)
+    edges = elastic.numbers("radial_profile", "edges", edges)
+    if edges.ndim != 1 or len(edges) < 2 or (np.diff(edges) <= 0).any():
+        msg = f"radial_profile: expected edges (k + 1,) that increase, received {edges}"
+        raise ValueError(msg)
+    elastic.numbers("radial_profile", "pressures", pressure)
     place = np.searchsorted(edges, distance, side="right") - 1
     kept = (place >= 0) & (place < len(edges) - 1)
 
@@ -201,7 +213,8 @@ def blurred(
     """
     from scipy.special import ive
 
-    r = np.asarray(r, float)
+    elastic.require_positive("blurred", reach=reach, sigma=sigma)
+    r = elastic.numbers("blurred", "r", r)
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
     angle = np.pi / 4 * (nodes + 1)
     s = reach * np.sin(angle)
@@ -235,7 +248,7 @@ def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Shar
     ValueError
         A sensor without noise, for which this has no answer, or another number of readings.
     """
-    pressure = np.asarray(pressure, float)
+    pressure = elastic.numbers("sharpen", "pressures", pressure)
     if sensor.noise <= 0 or pressure.shape != (sensor.elements**2,):
         msg = f"pressure: expected {sensor.elements**2} readings and noise above 0 kPa"
         raise ValueError(msg)
@@ -246,7 +259,8 @@ def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Shar
 
     def solve(smoothing: float) -> tuple[Array, float]:
         found = np.linalg.solve(weights.T @ weights + smoothing * rough, weights.T @ pressure)
-        return found, float(np.sqrt(np.mean((weights @ found - pressure) ** 2)))
+        left = weights @ found - pressure
+        return np.asarray(found, np.float64), float(np.sqrt(np.mean(left**2)))
 
     low, high = -10.0, 6.0
     for _ in range(40):
@@ -269,7 +283,12 @@ def two_pole(time: ArrayLike, signal: ArrayLike, corner: float = 1000.0) -> Arra
     The filter of the force sensor (section 2.2). Exact for straight lines between the samples at
     rising times (n_t,) s; before the first one the signal rests at its first value.
     """
-    time, signal = np.asarray(time, float), np.asarray(signal, float)
+    elastic.require_positive("two_pole", corner=corner)
+    time = elastic.numbers("two_pole", "times", time)
+    signal = elastic.numbers("two_pole", "values", signal)
+    if time.ndim != 1 or signal.shape != time.shape or (np.diff(time) <= 0).any():
+        msg = "two_pole: expected a value at each of rising times, (n_t,) both"
+        raise ValueError(msg)
     pole = 2 * np.pi * corner * np.exp(0.75j * np.pi)
     gain = 2 * (2 * np.pi * corner) ** 2 / (pole - pole.conjugate())
     state = -signal[0] / pole + 0j

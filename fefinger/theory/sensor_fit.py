@@ -9,13 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory import elastic
 from fefinger.theory.curvature import series_modulus
+from fefinger.theory.elastic import Array
 from fefinger.theory.sensor import blurred
 
-
-Array = NDArray[np.float64]
 
 SENSOR_MODULUS = 1000.0
 """Modulus of the cover of the array in kPa, taken as an incompressible half-space (A.3)."""
@@ -42,7 +42,8 @@ class BlurredCap:
 
         radii = np.linspace(0.0, widest, TABLE)
         distances = np.linspace(0.0, farthest, TABLE)
-        rows = [blurred(_cap(a), a, distances, sigma) for a in radii.tolist()]
+        rows = [np.zeros_like(distances)]
+        rows += [blurred(_cap(a), a, distances, sigma) for a in radii[1:].tolist()]
         self.widest = widest
         self._spline = RectBivariateSpline(radii, distances, np.array(rows))
 
@@ -121,11 +122,17 @@ def _search(
 ) -> Fit:
     from scipy.optimize import minimize
 
-    depth, pressure = np.asarray(depth, float), np.asarray(pressure, float)
+    depth = elastic.numbers("fit", "depth", depth)
+    pressure = elastic.numbers("fit", "pressure", pressure)
+    distance = elastic.numbers("fit", "distance", distance, least=0.0)
+    elastic.numbers("fit", "start", start, above=0.0)
     if pressure.shape != depth.shape or depth.shape[1:] != np.shape(distance):
         msg = f"depth: expected the shape of the pressure {pressure.shape}, received {depth.shape}"
         raise ValueError(msg)
     reach = np.maximum(depth, 0.0)
+    if not reach.max() > 0:
+        msg = "depth: expected a contact, received no depth above 0 mm"
+        raise ValueError(msg)
     widest = float(np.sqrt(4 * start[0] * reach.max()))
     cap = BlurredCap(widest, float(np.max(np.asarray(distance))), sigma)
 

@@ -73,7 +73,7 @@ class Sphere:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at the distance r (...,) mm from the axis, zero outside."""
-        r, a, big = np.asarray(r, np.float64), self.contact_radius, self.radius
+        r, a, big = elastic.distances("Sphere", r), self.contact_radius, self.radius
         reach = np.sqrt(np.maximum(a**2 - r**2, 0.0))[..., None]
         t = np.sqrt(r[..., None] ** 2 + (reach * (_NODES + 1) / 2) ** 2)
         t = np.maximum(t, 1e-9 * a)
@@ -83,7 +83,7 @@ class Sphere:
 
     def displacement(self, r: ArrayLike) -> Array:
         """Displacement u_z of the surface in mm at r (...,) mm, the sphere itself inside."""
-        r, a, big = np.asarray(r, np.float64), self.contact_radius, self.radius
+        r, a, big = elastic.distances("Sphere", r), self.contact_radius, self.radius
         inside = self.depth - big + np.sqrt(np.maximum(big**2 - np.minimum(r, a) ** 2, 0.0))
         far = np.maximum(r, a)[..., None]
         # t = far sin(s) takes away the root at the edge.

@@ -156,7 +156,7 @@ class Stack:
         if self.thickness == math.inf:
             msg = "Stack.bar_profile: expected a rigid base, received a half-space below"
             raise ValueError(msg)
-        x = np.asarray(x, np.float64)
+        x = elastic.numbers("Stack.bar_profile", "x", x)
         reach = float(np.abs(x).max(initial=0.0)) + width
         # The integrand ends as 1/xi² of the bar: what is left out is 2e-5 of the whole.
         xi, weights = panels(1e-3 / self.thickness, 200 / width, reach=reach)

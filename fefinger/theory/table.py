@@ -9,18 +9,25 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from fefinger.theory import elastic
 from fefinger.theory.below import below
 from fefinger.theory.elastic import Array
-from fefinger.theory.indentation import Contact, paraboloid
+from fefinger.theory.indentation import Contact, over_edge, paraboloid
 from fefinger.theory.stack import Stack
 
 
 LEVELS = 40
 """Contacts per table; the force of a finger over bone is then within 1e-6, its strain 1e-4."""
+
+FEWEST = 4
+"""Contacts that a cubic spline needs at least."""
+
+STEP = 2**0.25
+"""Ratio of the contact radii at which tables end, so that presses of one body share them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,21 +82,29 @@ class Table:
         a = float(self.contact_radius(depth))
         return Contact(self.stack, a, self.radius, depth, a**2 * self._shape(a))
 
+    def load(self, depth: ArrayLike, r: ArrayLike) -> Array:
+        """Return the force (n_d, n_r) in mN within r (n_r,) mm of the axis at depths (n_d,) mm.
+
+        The shares of the interpolated pressure, of the force that the table states.
+        """
+        depth, r = np.atleast_1d(self._within(depth)), np.atleast_1d(np.asarray(r, np.float64))
+        a = self.contact_radius(depth)
+        x = r / np.where(a > 0, a, 1.0)[:, None]
+        y = np.sqrt(np.maximum(1 - x**2, 0.0))
+        inner = legendre.legint(over_edge(self._shape(a).T), lbnd=0)
+        outside = legendre.legval(y, inner[:, :, None], tensor=False)
+        return np.asarray(self.force(depth)[:, None] * (1 - outside / inner.sum(axis=0)[:, None]))
+
     def strain(self, depth: ArrayLike, r: ArrayLike, *, z: ArrayLike) -> Array:
         """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
 
         r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for points
-        that `below` refuses under the widest contact.
+        that `below` refuses under the widest contact. The fields of the last points are kept.
         """
         depth = np.atleast_1d(self._within(depth))
-        solved = below(self.stack, self.contacts, r, z=z).strain
-        wide = np.array([contact.contact_radius for contact in self.contacts])
-        force = np.array([contact.force for contact in self.contacts])
-        # Per unit force the strain tends to that of a point, level in a.
-        per_force = CubicSpline(
-            wide, solved / force[:, None, None], bc_type=("clamped", "not-a-knot")
-        )
-        here = np.maximum(self.contact_radius(depth), wide[0])
+        r, z = (np.atleast_1d(np.asarray(place, np.float64)) for place in (r, z))
+        per_force = _strain_per_force(self, tuple(r.tolist()), tuple(z.tolist()))
+        here = np.maximum(self.contact_radius(depth), self.contacts[0].contact_radius)
         return np.asarray(per_force(here) * self.force(depth)[:, None, None])
 
     @cached_property
@@ -124,6 +139,18 @@ class Table:
         return depth
 
 
+@lru_cache(maxsize=8)
+def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) -> CubicSpline:
+    """Return the strain (4, n_p) at the points r, z mm per unit force against a.
+
+    It tends to that of a point force, level in a.
+    """
+    solved = below(table.stack, table.contacts, r, z=z).strain
+    wide = np.array([contact.contact_radius for contact in table.contacts])
+    force = np.array([contact.force for contact in table.contacts])
+    return CubicSpline(wide, solved / force[:, None, None], bc_type=("clamped", "not-a-knot"))
+
+
 @lru_cache(maxsize=16)
 def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> Table:
     """Return the table of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
@@ -133,7 +160,51 @@ def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS
     ValueError for what `indentation.paraboloid` refuses at `widest`.
     """
     elastic.require_positive("tabulate", radius=radius, widest=widest)
+    if levels < FEWEST:
+        msg = f"tabulate: expected at least {FEWEST} levels, received {levels!r}"
+        raise ValueError(msg)
     # Squares: the departure from Hertz begins at the thickness of the top layer, however thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2
     solved = [paraboloid(stack, radius, contact_radius=float(a)) for a in wide]
     return Table(stack, radius, tuple(solved))
+
+
+def tabulate_to(
+    stack: Stack,
+    radius: float,
+    *,
+    depth: float | None = None,
+    force: float | None = None,
+    levels: int = LEVELS,
+) -> Table:
+    """Return a table that holds the contact at `depth` mm, or else that under `force` mN.
+
+    Its widest contact is a power of STEP mm, the smallest that reaches so far, or `radius`.
+
+    ValueError for a contact wider than `radius`.
+    """
+    quantity, wanted = ("force", force or 0.0) if depth is None else ("depth", depth)
+    elastic.require_positive("tabulate_to", radius=radius, **{quantity: wanted})
+    stiff = elastic.plane_modulus(*stack.surface)
+    guess = {
+        "depth": (radius * wanted) ** 0.5,
+        "force": (0.75 * wanted * radius / stiff) ** (1 / 3),
+    }
+
+    def reaches(power: int) -> bool:
+        wide = min(STEP**power, radius)
+        return bool(getattr(paraboloid(stack, radius, contact_radius=wide), quantity) >= wanted)
+
+    most = math.ceil(math.log(radius, STEP))
+    power = min(math.ceil(math.log(guess[quantity], STEP)), most)
+    while power < most and not reaches(power):
+        power += 1
+    while reaches(power - 1):
+        power -= 1
+    if power == most and not reaches(most):
+        msg = (
+            f"tabulate_to: expected a {quantity} whose contact is at most as wide as the radius "
+            f"{radius:g} mm (small strain), received {wanted:g}"
+        )
+        raise ValueError(msg)
+    return tabulate(stack, radius, widest=min(STEP**power, radius), levels=levels)

@@ -10,6 +10,7 @@ solution of Ting (1966) and Graham, P(t) = integral to t1 of G(t - s) dP_e; with
 holds for repeated contact, of tissue that has not yet recovered.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -68,6 +69,9 @@ def radius_nodes(deepest: float, count: int = 256) -> Array:
     The elastic force is joined by straight lines between them: with 256, Hertz's force is right to
     1e-5 at the deepest and to 1e-3 at a hundredth of it.
     """
+    if not (0 < deepest < math.inf and count >= 1):
+        msg = f"nodes: expected a depth above 0 mm and 1 or more, received {deepest!r}, {count!r}"
+        raise ValueError(msg)
     return deepest * np.linspace(0.0, 1.0, count + 1) ** 2
 
 
@@ -140,7 +144,7 @@ def spring_weights(elastic_force: Array, nodes: Array) -> Array:
     """
     slopes = np.diff(elastic_force) / np.diff(nodes)
     weights = np.diff(np.concatenate([[0.0], slopes]))
-    if weights[0] <= 0 or weights.min() < -1e-9 * slopes.max():
+    if not (weights[0] > 0 and weights.min() >= -1e-9 * slopes.max()):
         msg = "elastic_force: expected a force that rises ever more steeply with the depth"
         raise ValueError(msg)
     return weights

@@ -14,7 +14,7 @@ from fefinger.records import Sites
 from fefinger.theory import ting
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.ting import radius_nodes
+from fefinger.theory.ting import creep_integral, radius_nodes
 
 
 FINGER = ff.Finger.subject("a.h.")
@@ -81,6 +81,15 @@ def test_at_fixed_force_strain_and_depth_creep_as_the_creep_function_says():
     assert answer.depth[-1] == pytest.approx(BODY.depth(300.0), rel=1e-3)  # relaxed by then
     want = elastic(answer.depth)
     assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
+    # Long before that, too: the elastic force of the depth is the force convolved with J.
+    want = creep_integral(PRONY, answer.time, 1e3 * answer.force) * PRONY.long_time
+    assert BODY.force(answer.depth) == pytest.approx(want, abs=1e-3 * want.max())
+    ceiling, weights, rates = PRONY.creep()
+    later = answer.time[holding][3:] - 0.035  # after the middle of the ramp of 60 ms and a corner
+    growth = PRONY.long_time * (ceiling - np.exp(-np.outer(later, rates)) @ weights)
+    reached = BODY.force(answer.depth[holding][3:]) / 300.0
+    slow = later > 0.1
+    assert reached[slow] == pytest.approx(growth[slow], rel=2e-3)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.48, 0.5])

@@ -16,7 +16,7 @@ from fefinger.theory import lumped as law
 
 
 FORCE_ONLY = ff.Ask(pressure=False, strain=False, fields=False)
-PROTOCOLS = tuple(name for name in scenes.names() if name[0] == "p" and name[1].isdigit())
+PROTOCOLS = tuple(name for name in scenes.names() if name[:3] in ("p1-", "p2-", "p3-", "p4-"))
 ROW = library.pawluk_bulk()["a.h."]
 AH = (law.Spring(ROW.b, ROW.m), ROW.prony)
 
@@ -150,10 +150,6 @@ def test_the_protocols_of_the_thesis_are_answered_without_a_mesh(name):
     result = ff.run(name)
     assert result.plan.mechanics == "lumped"
     assert 0.5 < result.force.max() < 3.0
-
-
-def test_there_are_four_protocols():
-    assert [name[:2] for name in PROTOCOLS] == ["p1", "p2", "p3", "p4"]
 
 
 def test_the_repetitive_task_has_the_forces_of_the_recomputed_thesis():

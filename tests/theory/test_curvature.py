@@ -111,7 +111,7 @@ def test_torque_is_the_integral_of_the_friction_over_the_contact():
         (lambda: relative_radius(10.0, 0.0), "other than 0"),
         (lambda: relative_radius(10.0, -8.0), "touch in a point"),
         (lambda: series_modulus((math.inf, 0.5)), "at least one that deforms"),
-        (lambda: series_modulus((-1.0, 0.5)), "above 0 kPa"),
+        (lambda: series_modulus((-1.0, 0.5)), "E > 0 kPa"),
     ],
 )
 def test_what_cannot_be_used_gets_a_sentence(call, message):

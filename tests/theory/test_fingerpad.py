@@ -221,5 +221,5 @@ def test_what_cannot_be_used_gets_a_sentence(values, message):
     *numbers, reading = values
     with pytest.raises(ValueError, match=message):
         Fingerpad(*numbers, Prony((1.0,), ()), reading)
-    with pytest.raises(ValueError, match="none below 0"):
+    with pytest.raises(ValueError, match="force of 0 or more"):
         MEANS.depth_at(-1.0)

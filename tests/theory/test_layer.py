@@ -8,7 +8,7 @@ import pytest
 from fefinger.theory import layer
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at
-from fefinger.theory.layer import Sheet, Thin
+from fefinger.theory.layer import Faced, Sheet, Thin
 
 
 INCOMPRESSIBLE = Sheet(1.0, modulus=30.0, poisson=0.5)
@@ -172,6 +172,39 @@ def test_the_exact_pressure_tends_to_the_thin_one_at_the_first_order():
     coarse, fine = off(40.0), off(80.0)
     assert coarse / fine == pytest.approx(2, abs=0.15)
     assert abs(fine) < 0.09
+
+
+BALL = (31.0, 540.0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "modulus", "force", "wide"),
+    [(*BALL, 2.34, 4.49), (32.6, 570.0, 2.53, 4.61)],
+)
+def test_printed_ball_on_a_bonded_cover(radius, modulus, force, wide):
+    cover = Faced(Sheet(2.0, 1000.0, 0.5), modulus, 0.5)
+    found = paraboloid_at(cover, radius, depth=0.59)
+    assert 1e-3 * found.force == pytest.approx(force, abs=0.005)
+    assert found.contact_radius == pytest.approx(wide, abs=0.005)
+
+
+def test_a_rigid_ball_feels_the_sheet_alone_and_a_soft_one_itself():
+    sheet = Sheet(2.0, 1000.0, 0.5)
+    stiff = paraboloid_at(Faced(sheet, 1e9, 0.3), 31.0, depth=0.1)
+    assert stiff.force == pytest.approx(paraboloid_at(sheet, 31.0, depth=0.1).force, rel=1e-5)
+    soft = paraboloid_at(Faced(sheet, 1e-3, 0.3), 31.0, depth=0.1)
+    alone = Hertz(31.0, 0.1, modulus=1e-3, poisson=0.3)
+    assert soft.force == pytest.approx(alone.force, rel=1e-4)
+
+
+def test_on_a_thick_cover_the_compliances_add_as_in_hertz():
+    both = Faced(Sheet(1e4, 1000.0, 0.5), 540.0, 0.4)
+    plane = 1 / ((1 - 0.4**2) / 540.0 + 0.75 / 1000.0)
+    found = paraboloid_at(both, 31.0, depth=0.1)
+    assert found.force == pytest.approx(4 / 3 * plane * np.sqrt(31.0) * 0.1**1.5, rel=1e-3)
+    # The two surfaces meet: what each sinks under the one pressure fills the gap.
+    r = np.array([0.0, 0.5, 1.2])
+    np.testing.assert_allclose(found.displacement(r), 0.1 - r**2 / 62.0, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

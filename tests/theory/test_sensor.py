@@ -268,7 +268,7 @@ def test_the_filter_rests_on_a_constant_and_is_exact_for_any_step():
 
 
 BAD = [
-    (lambda: ArraySensor(pitch=0.0), "sizes above 0"),
+    (lambda: ArraySensor(pitch=0.0), "pitch above 0"),
     (lambda: SENSOR.weights([[0.0, 0.0]], [4.0]), "sides up to 1.44 mm"),
     (lambda: SENSOR.weights([0.0, 0.0], [1.0]), "areas"),
     (lambda: SENSOR.read([0, 1e-3], [[0, 0]], [1.0], np.zeros((2, 1))), "at least one frame"),

@@ -7,9 +7,9 @@ import pytest
 
 from fefinger.theory.below import below
 from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import paraboloid_at
+from fefinger.theory.indentation import paraboloid, paraboloid_at
 from fefinger.theory.stack import Layer, Stack
-from fefinger.theory.table import tabulate
+from fefinger.theory.table import STEP, tabulate, tabulate_to
 
 
 FINGER = Stack((Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48)))
@@ -27,6 +27,28 @@ def test_any_depth_is_the_contact_solved_there(depth):
     # Short of the edge, where the pressure is a root and a part in 1e6 of a shows as 1e-3.
     r = np.linspace(0, 0.98, 20) * solved.contact_radius
     np.testing.assert_allclose(found.pressure(r), solved.pressure(r), rtol=1e-5)
+
+
+def test_the_force_within_a_radius_is_that_of_the_contacts_solved_there():
+    r = np.array([0.0, 0.1, 0.5, 2.0, 5.0, 9.0])
+    found = TABLE.load([0.0, *DEPTHS], r)
+    assert np.abs(found[0]).max() == 0
+    for row, depth in zip(found[1:], DEPTHS, strict=True):
+        solved = paraboloid_at(FINGER, 10.0, depth=depth)
+        np.testing.assert_allclose(row, solved.load(r), atol=3e-6 * solved.force)
+
+
+@pytest.mark.parametrize("wanted", [{"depth": 0.01}, {"depth": 1.1}, {"force": 5.0}])
+def test_a_table_reaches_what_is_wanted_and_one_step_less_does_not(wanted):
+    table = tabulate_to(FINGER, 10.0, **wanted)
+    ((quantity, least),) = wanted.items()
+    wide = table.contacts[-1].contact_radius
+    assert math.log(wide, STEP) == pytest.approx(round(math.log(wide, STEP)), abs=1e-9)
+    assert getattr(table.contacts[-1], quantity) >= least
+    narrower = paraboloid(FINGER, 10.0, contact_radius=wide / STEP)
+    assert getattr(narrower, quantity) < least
+    nearly = {quantity: 0.999 * least}
+    assert tabulate_to(FINGER, 10.0, **nearly) is table
 
 
 def test_strain_is_that_of_the_contacts_solved_there():
@@ -63,6 +85,19 @@ def test_touch_strains_nothing():
     assert not TABLE.strain([0.0], [0.0, 1.0], z=[0.5, 0.5]).any()
 
 
+def test_a_contact_wider_than_the_radius_is_refused_and_one_as_wide_is_not():
+    widest = paraboloid(FINGER, 3.0, contact_radius=3.0)
+    assert tabulate_to(FINGER, 3.0, depth=widest.depth * (1 - 1e-9)).contacts[-1].depth == (
+        pytest.approx(widest.depth)
+    )
+    for wanted in ({"depth": 1.001 * widest.depth}, {"force": 1.001 * widest.force}):
+        with pytest.raises(ValueError, match="contact is at most as wide as the radius"):
+            tabulate_to(FINGER, 3.0, **wanted)
+    for wanted in ({"depth": 0.0}, {"force": math.nan}, {}):
+        with pytest.raises(ValueError, match="above 0"):
+            tabulate_to(FINGER, 3.0, **wanted)
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
@@ -71,6 +106,8 @@ def test_touch_strains_nothing():
         (lambda: TABLE.depth(3000.0), "a force in 0 to"),
         (lambda: TABLE.at(0.0), "depth above 0"),
         (lambda: TABLE.strain([0.1], [0.0], z=[0.1]), r"at least 0\.02 contact radii"),
+        (lambda: tabulate(FINGER, 10.0, widest=1.0, levels=3), "at least 4 levels"),
+        (lambda: TABLE.load(math.nan, 1.0), "depths in 0 to"),
         (lambda: tabulate(FINGER, 10.0, widest=11.0), "at most the radius 10 mm"),
     ],
 )

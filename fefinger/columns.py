@@ -1,0 +1,38 @@
+"""Two named columns of numbers from a CSV file."""
+
+import csv
+from pathlib import Path
+
+from fefinger.checks import InputError
+
+
+def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], ...]:
+    """Return two columns of a CSV file whose first line starts with `names`.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read or used; the message calls it `field`.
+    """
+    try:
+        with file.open(newline="", encoding="utf-8-sig") as stream:
+            rows = [row for row in csv.reader(stream) if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        msg = f"{field}: cannot read {str(file)!r}: {error}"
+        raise InputError(msg) from None
+    head = [cell.strip().lower() for cell in rows[0]] if rows else []
+    if len(head) != 2 or not all(map(str.startswith, head, names)):
+        msg = (
+            f"{field}: expected the first line of {str(file)!r} to be '{','.join(names)}', "
+            f"received {','.join(rows[0]) if rows else 'an empty file'!r}"
+        )
+        raise InputError(msg)
+    table: list[tuple[float, float]] = []
+    for count, row in enumerate(rows[1:], start=1):
+        try:
+            first, second = map(float, row)
+        except ValueError:
+            msg = f"{field}: row {count} of {str(file)!r}: expected two numbers, received {row}"
+            raise InputError(msg) from None
+        table.append((first, second))
+    return tuple(row[0] for row in table), tuple(row[1] for row in table)

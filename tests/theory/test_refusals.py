@@ -1,0 +1,242 @@
+"""Input out of range: every public function of theory says in a sentence what it expected."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fefinger.theory import (
+    curvature,
+    elastic,
+    elliptic,
+    ergonomics,
+    fingerpad,
+    hertz,
+    identify,
+    impedance,
+    indentation,
+    layer,
+    loads,
+    lumped,
+    punch,
+    relaxation,
+    sensor,
+    sensor_fit,
+    sphere,
+    synthetic,
+    ting,
+)
+from fefinger.theory.layer import Sheet
+from fefinger.theory.lumped import Spring
+from fefinger.theory.relaxation import Prony
+from fefinger.theory.stack import Layer, Stack
+
+
+NAN, INF = math.nan, math.inf
+TIME = np.array([0.0, 0.1, 0.2])
+PRONY = Prony((0.3, 0.7), (10.0,))
+SPRING = Spring(0.2, 2.0)
+HERTZ = hertz.Hertz(10.0, 0.4, 34.0, 0.45)
+ELLIPTIC = elliptic.Elliptic(20.0, 10.0, 0.3, 34.0, 0.4)
+PUNCH = punch.FlatPunch(1.0, 0.1, 34.0, 0.4)
+CONE = punch.Cone(60.0, 0.3, 34.0, 0.4)
+CYLINDER = punch.Cylinder(5.0, 10.0, 34.0, 0.4)
+BALL = sphere.Sphere(10.0, 2.0, 34.0, 0.4)
+STACK = Stack((Layer(1.0, 100.0, 0.48), Layer(4.0, 34.0, 0.48)))
+CONTACT = indentation.paraboloid(STACK, 10.0, contact_radius=2.0)
+PAD = fingerpad.Fingerpad(14.0, 1.9, 1.9, PRONY)
+ARRAY = sensor.ArraySensor()
+
+CALLS = [
+    lambda: curvature.relative_radius(NAN, 3.0),
+    lambda: curvature.relative_radius(),
+    lambda: curvature.equivalent_radius(-1.0, -2.0),
+    lambda: curvature.equivalent_radius(NAN, 2.0),
+    lambda: curvature.equivalent_radius(0.0, 2.0),
+    lambda: curvature.series_modulus((NAN, 0.5)),
+    lambda: curvature.series_modulus((10.0, 0.6)),
+    lambda: curvature.series_modulus((10.0, NAN)),
+    lambda: curvature.at_force(-1.0, 10.0, 30.0),
+    lambda: curvature.at_force(NAN, 10.0, 30.0),
+    lambda: curvature.at_force(1.0, -10.0, 30.0),
+    lambda: curvature.at_force(1.0, 10.0, 0.0),
+    lambda: curvature.at_depth(-1.0, 10.0, 30.0),
+    lambda: curvature.at_depth(NAN, 10.0, 30.0),
+    lambda: curvature.at_depth(0.1, 0.0, 30.0),
+    lambda: curvature.at_depth(0.1, 10.0, -3.0),
+    lambda: curvature.goodwin(-1.0, 20.0),
+    lambda: curvature.goodwin(NAN, 20.0),
+    lambda: curvature.goodwin(0.0, -20.0),
+    lambda: curvature.goodwin(0.0, 20.0, finger=0.0),
+    lambda: curvature.goodwin_at_depth(NAN),
+    lambda: curvature.goodwin_radius(-1.0),
+    lambda: curvature.goodwin_radius(NAN),
+    lambda: curvature.torsional_friction(-0.1, 1.0, 1.0),
+    lambda: curvature.torsional_friction(0.1, NAN, 1.0),
+    lambda: curvature.torsional_friction(0.1, 1.0, -1.0),
+    lambda: hertz.Hertz(NAN, 0.1, 34.0, 0.4),
+    lambda: hertz.Hertz(10.0, 0.1, 34.0, 0.6),
+    lambda: HERTZ.pressure(-1.0),
+    lambda: HERTZ.pressure(NAN),
+    lambda: HERTZ.stress(NAN, 1.0),
+    lambda: ELLIPTIC.pressure(NAN, 0.0),
+    lambda: PUNCH.pressure(-1.0),
+    lambda: PUNCH.pressure(NAN),
+    lambda: PUNCH.displacement(-1.0),
+    lambda: CONE.pressure(-1.0),
+    lambda: CONE.pressure(NAN),
+    lambda: CONE.displacement(NAN),
+    lambda: CYLINDER.pressure(NAN),
+    lambda: CYLINDER.stress(0.0, -1.0),
+    lambda: CYLINDER.stress(NAN, 1.0),
+    lambda: BALL.pressure(-1.0),
+    lambda: BALL.pressure(NAN),
+    lambda: BALL.displacement(NAN),
+    lambda: loads.point_stress(NAN, 1.0, force=1.0, poisson=0.3),
+    lambda: loads.point_stress(1.0, 1.0, force=NAN, poisson=0.3),
+    lambda: loads.point_stress(1.0, 1.0, force=1.0, poisson=0.6),
+    lambda: loads.point_displacement(0.0, 0.0, force=1.0, modulus=1.0, poisson=0.3),
+    lambda: loads.point_displacement(1.0, 1.0, force=NAN, modulus=1.0, poisson=0.3),
+    lambda: loads.line_stress(NAN, 1.0, line_force=1.0),
+    lambda: loads.line_stress(1.0, 1.0, line_force=NAN),
+    lambda: loads.line_stress(1.0, NAN, line_force=1.0),
+    lambda: loads.line_displacement(
+        1.0, 1.0, reference=1.0, line_force=NAN, modulus=1.0, poisson=0.3
+    ),
+    lambda: loads.strip_stress(1.0, 0.0, half_width=1.0, pressure=1.0),
+    lambda: loads.strip_stress(1.0, 1.0, half_width=1.0, pressure=NAN),
+    lambda: loads.flat_strip_pressure(NAN, half_width=1.0, line_force=1.0),
+    lambda: loads.flat_strip_pressure(0.0, half_width=1.0, line_force=NAN),
+    lambda: loads.circle_axis_stress(NAN, radius=1.0, pressure=1.0, poisson=0.3),
+    lambda: loads.circle_axis_stress(1.0, radius=1.0, pressure=NAN, poisson=0.3),
+    lambda: loads.circle_displacement(-1.0, radius=1.0, pressure=1.0, modulus=1.0, poisson=0.3),
+    lambda: loads.circle_displacement(1.0, radius=1.0, pressure=NAN, modulus=1.0, poisson=0.3),
+    lambda: loads.rectangle_stress(
+        [0.0, NAN, 1.0], half_sides=(1.0, 1.0), pressure=1.0, poisson=0.3
+    ),
+    lambda: loads.rectangle_stress([0.0, 1.0], half_sides=(1.0, 1.0), pressure=1.0, poisson=0.3),
+    lambda: loads.rectangle_stress(
+        [0.0, 0.0, 1.0], half_sides=(1.0, 1.0), pressure=NAN, poisson=0.3
+    ),
+    lambda: loads.rectangle_stress(
+        [0.0, 0.0, 1.0], half_sides=(0.0, 1.0), pressure=1.0, poisson=0.3
+    ),
+    lambda: loads.rectangle_displacement(
+        [NAN, 0.0], half_sides=(1.0, 1.0), pressure=1.0, modulus=1.0, poisson=0.3
+    ),
+    lambda: loads.rectangle_displacement(
+        [1.0, 0.0, 0.0], half_sides=(1.0, 1.0), pressure=1.0, modulus=1.0, poisson=0.3
+    ),
+    lambda: loads.rectangle_displacement(
+        [1.0, 0.0], half_sides=(1.0, 1.0), pressure=NAN, modulus=1.0, poisson=0.3
+    ),
+    lambda: Layer(NAN, 1.0, 0.3),
+    lambda: Stack(()),
+    lambda: STACK.kernels(NAN, 1.0),
+    lambda: STACK.kernels(1.0, 9.0),
+    lambda: STACK.kernels(1.0, NAN),
+    lambda: STACK.bar_profile(NAN, width=0.1),
+    lambda: STACK.bar_profile(1.0, width=0.0),
+    lambda: Sheet(1.0, 1.0, 0.3).compliance(NAN),
+    lambda: Sheet(1.0, 1.0, 0.3).compliance(-1.0),
+    lambda: layer.Faced(Sheet(1.0, 1.0, 0.3), NAN, 0.5),
+    lambda: CONTACT.pressure(-1.0),
+    lambda: CONTACT.pressure(NAN),
+    lambda: CONTACT.load(-1.0),
+    lambda: CONTACT.transform(NAN),
+    lambda: CONTACT.displacement(-1.0),
+    lambda: CONTACT.displacement(NAN),
+    lambda: layer.dimitriadis(NAN, 0.5),
+    lambda: layer.garcia(-1.0),
+    lambda: layer.Thin(0.1, 100.0, 1.0, 30.0).pressure(NAN),
+    lambda: indentation.paraboloid(STACK, NAN, contact_radius=1.0),
+    lambda: indentation.paraboloid_at(STACK, 10.0, depth=NAN),
+    lambda: indentation.paraboloid_under(STACK, 10.0, force=-1.0),
+    lambda: indentation.flat_punch(STACK, 1.0, depth=NAN),
+    lambda: fingerpad.Fingerpad(NAN, 1.0, 1.0, PRONY),
+    lambda: fingerpad.Fingerpad(INF, 1.0, 1.0, PRONY),
+    lambda: PAD.stiffness(NAN),
+    lambda: PAD.pressure(NAN, 1.0),
+    lambda: PAD.force(NAN),
+    lambda: PAD.depth_at(-1.0),
+    lambda: PAD.depth_at(NAN),
+    lambda: PAD.depth_at(INF),
+    lambda: PAD.against(0.0),
+    lambda: PAD.on_compliant(0.1, -1.0),
+    lambda: PAD.on_compliant(NAN, 10.0),
+    lambda: PAD.lumped_ratio(0.0, 1.0, 1.0),
+    lambda: PAD.lumped_ratio(1.0, NAN, 1.0),
+    lambda: PAD.press(TIME, [0, NAN, 1.0]),
+    lambda: PAD.press([], []),
+    lambda: PAD.press(TIME, [-1.0, -1.0, -1.0]),
+    lambda: Spring(NAN, 1.0),
+    lambda: SPRING.force(NAN),
+    lambda: SPRING.position(-1.0),
+    lambda: SPRING.position(NAN),
+    lambda: SPRING.stiffness(-1.0),
+    lambda: lumped.constant_velocity(SPRING, PRONY, 1.0, 0.0),
+    lambda: lumped.constant_velocity(SPRING, PRONY, NAN, 1.0),
+    lambda: lumped.constant_velocity(SPRING, PRONY, 1.0, INF),
+    lambda: lumped.position_under(SPRING, PRONY, TIME, [0, NAN, 1.0]),
+    lambda: lumped.position_under(SPRING, PRONY, [], []),
+    lambda: lumped.force(SPRING, PRONY, [], []),
+    lambda: lumped.force(SPRING, PRONY, TIME, [0, 10000.0, 1.0]),
+    lambda: PRONY.relaxation(-1.0),
+    lambda: PRONY.relaxation(NAN),
+    lambda: relaxation.hereditary_integral(PRONY, [], []),
+    lambda: ting.press_by_depth(PRONY, [], [], ting.radius_nodes(1.0)),
+    lambda: ting.radius_nodes(0.0),
+    lambda: ting.radius_nodes(NAN),
+    lambda: ting.radius_nodes(-1.0),
+    lambda: ting.radius_nodes(1.0, count=0),
+    lambda: ting.creep_integral(PRONY, TIME, [0, NAN, 0]),
+    lambda: ting.spring_weights(np.array([0, 1.0, 0.5]), np.array([0, 1.0, 2.0])),
+    lambda: ting.spring_weights(np.array([0, NAN, 1.0]), np.array([0, 1.0, 2.0])),
+    lambda: impedance.relaxation_spectrum(PRONY, 0.0),
+    lambda: impedance.relaxation_spectrum(PRONY, NAN),
+    lambda: impedance.operating_stiffness(SPRING, PRONY, NAN),
+    lambda: impedance.decibel(0.0),
+    lambda: ergonomics.dissipation([0, 1], [0, NAN], [0, 1]),
+    lambda: ergonomics.dissipation([1, 0], [0, 1], [0, 1]),
+    lambda: ergonomics.vibration(SPRING, PRONY, offset=NAN, peak_to_peak=0.1, frequency=10.0),
+    lambda: ergonomics.vibration(SPRING, PRONY, offset=1.0, peak_to_peak=0.1, frequency=NAN),
+    lambda: ergonomics.tap(SPRING, PRONY, depth=NAN, speed=1.0),
+    lambda: ergonomics.offset_scale(NAN, 1.0),
+    lambda: sensor.ArraySensor(pitch=NAN),
+    lambda: sensor.ArraySensor(elements=2.5),
+    lambda: ARRAY.weights([[0.0, NAN]], [1.0]),
+    lambda: ARRAY.weights([[0.0, 0.0]], [-1.0]),
+    lambda: ARRAY.weights(np.zeros((0, 2)), []),
+    lambda: ARRAY.read([0, 1.0], [[0.0, 0.0]], [1.0], [[NAN], [1.0]]),
+    lambda: sensor.centroid([[0, 0]], [NAN]),
+    lambda: sensor.isobar([[0, 0]], [[0, 0, 0]], [NAN], 1.0),
+    lambda: sensor.radial_profile([[0, 0]], [1.0], [1.0, 0.0]),
+    lambda: sensor.blurred(HERTZ.pressure, NAN, [0.0]),
+    lambda: sensor.blurred(HERTZ.pressure, 1.0, [0.0], 0.0),
+    lambda: sensor.sharpen(ARRAY, np.full(64, NAN)),
+    lambda: sensor.two_pole([0, 0.0], [1.0, 2.0]),
+    lambda: sensor.two_pole([0, 1.0], [1.0, NAN]),
+    lambda: sensor.two_pole([0, 1.0], [1.0, 2.0], 0.0),
+    lambda: sensor.two_pole([], []),
+    lambda: sensor_fit.fit_fingerpad([[0.1, NAN]], [[1.0, 2.0]], [0.0, 1.0]),
+    lambda: sensor_fit.fit_ball([[0.1, 0.2]], [[1.0, NAN]], [0.0, 1.0]),
+    lambda: sensor_fit.fit_ball(np.zeros((0, 2)), np.zeros((0, 2)), [0.0, 1.0]),
+    lambda: sensor_fit.fit_ball([[0.1, 0.2]], [[1.0, 1.0]], [0.0, -1.0]),
+    lambda: synthetic.ramp_and_hold(SPRING, PRONY, speed=NAN),
+    lambda: synthetic.ramp_and_hold(SPRING, PRONY, hold=-1.0),
+    lambda: identify.thesis([0, 1], [0, 1], [0, 1]),
+    lambda: elastic.energy_density(np.array([1.0, 1, 1, 1]), 1.0, 0.6),
+]
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_what_is_out_of_range_gets_a_sentence(call):
+    with pytest.raises(ValueError, match=r": (missing; )?expected"):
+        call()
+
+
+def test_terms_of_a_fit_are_counted():
+    trial = synthetic.ramp_and_hold(SPRING, PRONY, hold=0.5)
+    for fit in (identify.thesis, identify.joint):
+        with pytest.raises(ValueError, match="terms: expected a whole number"):
+            fit(trial.time, trial.position, trial.force, terms=0)
