@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from fefinger.indenter import Ellipsoid as Ellipsoid
     from fefinger.indenter import Flat as Flat
     from fefinger.indenter import Sphere as Sphere
+    from fefinger.layout import Grid as Grid
+    from fefinger.layout import Line as Line
+    from fefinger.layout import Places as Places
+    from fefinger.layout import Scatter as Scatter
     from fefinger.motion import ForceRamp as ForceRamp
     from fefinger.motion import ForceRampHold as ForceRampHold
     from fefinger.motion import ForceRampSinusoid as ForceRampSinusoid
@@ -48,6 +52,7 @@ _HOMES = {
     "files": ("load",),
     "finger": ("Finger",),
     "indenter": ("Ellipsoid", "Flat", "Sphere"),
+    "layout": ("Grid", "Line", "Places", "Scatter"),
     "motion": (
         *("Ramp", "RampHold", "RampSinusoid", "Trapezoid", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceTrapezoid", "ForceSampled"),

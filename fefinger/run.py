@@ -69,9 +69,13 @@ def run(
 
 
 def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
-    """Return what one unit of each type asked fires under the strain at its end organ."""
+    """Return what the population fires, or one unit of each type asked, under the strain."""
+    from fefinger import population
     from fefinger.checks import InputError
     from fefinger.neural.afferents import from_strain
+
+    if scene.ask.population is not None:
+        return population.fire(response, scene.ask)
 
     if response.strain is None or response.sites is None or response.reference is None:
         msg = f"ask.spikes: {response.mechanics!r} gives no strain under the skin to make them from"

@@ -9,6 +9,7 @@ from fefinger.ask import Ask
 from fefinger.checks import InputError, number
 from fefinger.finger import Finger
 from fefinger.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.layout import Grid, Layout, Line, Places, Scatter
 from fefinger.motion import (
     ForceRamp,
     ForceRampHold,
@@ -37,13 +38,18 @@ __all__ = [
     "ForceRampSinusoid",
     "ForceSampled",
     "ForceTrapezoid",
+    "Grid",
     "Indenter",
+    "Layout",
+    "Line",
     "Motion",
+    "Places",
     "Prony",
     "Ramp",
     "RampHold",
     "RampSinusoid",
     "Sampled",
+    "Scatter",
     "Scene",
     "Sphere",
     "Tissue",
