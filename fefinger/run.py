@@ -101,7 +101,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     from dataclasses import replace
 
     from fefinger.checks import InputError
-    from fefinger.neural.afferents import count_changes
+    from fefinger.neural.signals import count_changes
 
     coarser = chosen.coarser(scene)
     if coarser is None:

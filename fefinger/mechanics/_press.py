@@ -180,7 +180,8 @@ def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | Non
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)
     reduced = contact.reduced
-    if scene.indenter != STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
+    shallow = contact.history.depth.max() < REFERENCE_DEPTH
+    if scene.indenter != STANDARD or shallow or scene.ask.population is not None:
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.afferents import count_changes, from_strain, simulate
+from fefinger.neural.afferents import from_strain, simulate
+from fefinger.neural.signals import count_changes
 from fefinger.neural.endorgans import TYPES
 
 
@@ -145,7 +146,7 @@ def test_counts_that_change_are_named():
     ("time", "drive", "options", "message"),
     [
         ([0, 1], np.zeros((2, 1)), {"types": ("SA1",)}, "Did you mean 'SAI'"),
-        ([0, 1], np.zeros((2, 0)), {"types": ()}, "one afferent unit or more"),
+        ([0, 1], np.zeros((2, 0)), {"types": ()}, "each of 0 units"),
         ([0, 1], np.zeros((2, 2)), {"types": ("SAI",)}, "expected \\(n_t,\\)"),
         ([0, 0.5, 0.2], np.zeros((3, 1)), {"types": ("SAI",)}, "never decrease"),
         ([0, 1], np.full((2, 1), np.nan), {"types": ("SAI",)}, "finite values"),
