@@ -72,7 +72,9 @@ class Ask:
             msg = f"ask.population: expected a Scatter or another Layout, received {self.population!r}"
             raise InputError(msg)
         if self.population is not None and not checked["spikes"]:
-            msg = "ask.population: expected ask.spikes to name the types of its units, received none"
+            msg = (
+                "ask.population: expected ask.spikes to name the types of its units, received none"
+            )
             raise InputError(msg)
         for name, value in checked.items():
             object.__setattr__(self, name, value)

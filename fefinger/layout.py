@@ -49,7 +49,9 @@ class Layout:
         flag("ask.population.branched", self.branched)
         choice("ask.population.rule", self.rule, RULES)
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
+            msg = (
+                f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
+            )
             raise InputError(msg)
         self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
         self._number("spread", at_least=0.0, at_most=3.0)

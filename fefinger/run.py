@@ -121,8 +121,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
 def _status(response: "Response", spikes: "SpikeTrains | None") -> str:
     if spikes is None:
         return response.status
-    counts = zip(spikes.names, spikes.count().tolist(), strict=True)
-    return f"{response.status} Spikes: {', '.join(f'{name} {count}' for name, count in counts)}."
+    return f"{response.status} Spikes: {spikes.told()}."
 
 
 def _provenance(scene: "Scene") -> dict[str, Any]:

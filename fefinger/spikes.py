@@ -259,8 +259,8 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> 
     Far apart is more than a fifth of the period of its fastest pole. FA units take a jump for an
     event of its own, whatever else moves; for SA units it counts against the largest velocity.
     """
-    from fefinger.neural.signals import FAII_JUMP, coarse_jump
     from fefinger.neural.endorgans import END_ORGANS
+    from fefinger.neural.signals import FAII_JUMP, coarse_jump
 
     x = length * signals.drive[:, column]
     pole = max(END_ORGANS[kind].poles)

@@ -69,7 +69,9 @@ def thresholds(kind: str) -> tuple[float, ...]:
     found, amplitudes = [], np.geomspace(1e-3, 1.0, 120)
     for tone in TONES:
         turn = np.arange(int(2 * max(tone, 2.0)) * 60 + 1) / 60
-        currents = saturating(np.outer(current(END_ORGANS[kind], tone, turn), amplitudes), GAINS[kind])
+        currents = saturating(
+            np.outer(current(END_ORGANS[kind], tone, turn), amplitudes), GAINS[kind]
+        )
         firing = SLOWED.fire(turn / tone, currents, stimulus_driven=False)
         late = np.array([np.sum(t > 0.5 * turn[-1] / tone) for t in firing.times])
         found.append(float(amplitudes[late > 0].min()) if late.any() else np.inf)

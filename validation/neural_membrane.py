@@ -190,7 +190,6 @@ def _protocols() -> Iterator[Case]:
                 reason=reason,
             )
 
-
     yield Case(
         "neural",
         "hysteresis: first impulse on a ramp of 2 uA/cm²/s, standard",

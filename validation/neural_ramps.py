@@ -86,9 +86,7 @@ def course(
     membrane = HodgkinHuxley(divisor)
     (spikes,) = membrane.fire(time, current, method=method, stimulus_driven=False).times
     breaks = motion.breaks
-    return Course(
-        time, depth, current, spikes, breaks[3], breaks[-4], breaks[-2], end
-    )
+    return Course(time, depth, current, spikes, breaks[3], breaks[-4], breaks[-2], end)
 
 
 def in_ramp(name: str, speed: float) -> float:
@@ -233,7 +231,11 @@ def _slow() -> Iterator[Case]:
 
 
 def _fast() -> Iterator[Case]:
-    for name, figure in (("damper", "Fig. 4-16: "), ("FAI", "Fig. 4-17: "), ("FAII", "left open: ")):
+    for name, figure in (
+        ("damper", "Fig. 4-16: "),
+        ("FAI", "Fig. 4-17: "),
+        ("FAII", "left open: "),
+    ):
         for speed in SPEEDS:
             yield claim(
                 f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses in the hold",

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
-from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._skin import spherical
+from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, organs, sites
 from fefinger.records import Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Flat, Scene

@@ -18,9 +18,9 @@ from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
 from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._skin import meshed
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._skin import meshed
 from fefinger.mechanics._touch import (
     REFERENCE_DEPTH,
     STANDARD,

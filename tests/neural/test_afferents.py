@@ -8,8 +8,8 @@ import pytest
 
 from fefinger.checks import InputError
 from fefinger.neural.afferents import from_strain, simulate
-from fefinger.neural.signals import count_changes
 from fefinger.neural.endorgans import TYPES
+from fefinger.neural.signals import count_changes
 
 
 FLAT = np.diag([0.04, 0.05, -0.1])

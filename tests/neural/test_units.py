@@ -211,7 +211,10 @@ class Other:
         ({"rectifier": "none"}, "rectifier: expected one of"),
         ({"delays": -1.0}, "delays: expected one or 1 times"),
         ({"names": ("a", "b")}, "names: expected 1"),
-        ({"rule": "first", "membrane": Other()}, "rule: expected for 'first' a HodgkinHuxley membrane, received Other"),
+        (
+            {"rule": "first", "membrane": Other()},
+            "rule: expected for 'first' a HodgkinHuxley membrane, received Other",
+        ),
     ],
 )
 def test_unusable_units_are_refused(change, message):
