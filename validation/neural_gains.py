@@ -51,9 +51,9 @@ def held(kind: str, depth: float, generator: str = "saturating") -> tuple[Firing
     return SLOWED.fire(at, driven, stimulus_driven=False), end + 2.0
 
 
-def hold_rate(kind: str, depth: float) -> float:
+def hold_rate(kind: str, depth: float, generator: str = "saturating") -> float:
     """Return the rate in Hz in the last second of the hold, 0 for a unit that has stopped."""
-    firing, end = held(kind, depth)
+    firing, end = held(kind, depth, generator)
     late = firing.times[0][firing.times[0] > end - 1.0]
     return float(1.0 / np.diff(late).mean()) if len(late) > 1 else 0.0
 
