@@ -68,10 +68,11 @@ class Ask:
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         choice("ask.generator", self.generator, GENERATORS)
-        if self.population is not None and not isinstance(self.population, Layout):
-            msg = f"ask.population: expected a Scatter or another Layout, received {self.population!r}"
+        population: Any = self.population
+        if population is not None and not isinstance(population, Layout):
+            msg = f"ask.population: expected a Layout, received {population!r}"
             raise InputError(msg)
-        if self.population is not None and not checked["spikes"]:
+        if population is not None and not checked["spikes"]:
             msg = (
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
@@ -169,7 +170,7 @@ def of_each(types: Sequence[str]) -> dict[str, Integers]:
     return {kind: np.flatnonzero(named == kind) for kind in TYPES if kind in types}
 
 
-def strongest(values: Array, types: Sequence[str]) -> list[int]:
+def strongest(values: NDArray[Any], types: Sequence[str]) -> list[int]:
     """Return for each type the column of values (n_t, n) with the largest value."""
     top = np.abs(values).max(axis=0)
     return [int(which[np.argmax(top[which])]) for which in of_each(types).values()]

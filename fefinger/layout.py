@@ -88,10 +88,11 @@ class Scatter(Layout):
         super().__post_init__()
         self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         name = "ask.population.densities"
-        if not isinstance(self.densities, Mapping):
-            msg = f"{name}: expected a table such as {{SAI = 70}}, received {self.densities!r}"
+        given: Any = self.densities
+        if not isinstance(given, Mapping):
+            msg = f"{name}: expected a table such as {{SAI = 70}}, received {given!r}"
             raise InputError(msg)
-        reject_unknown(name, self.densities, TYPES)
+        reject_unknown(name, given, TYPES)
         checked = {
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
             for kind, value in self.densities.items()
@@ -152,7 +153,8 @@ class Places(Layout):
     def __post_init__(self) -> None:
         """Check the list."""
         super().__post_init__()
-        name, given = "ask.population.places", self.places
+        name = "ask.population.places"
+        given: Any = self.places
         if isinstance(given, str | bytes) or not isinstance(given, Iterable):
             msg = f"{name}: expected a list of [x, y] in mm, received {given!r}"
             raise InputError(msg)

@@ -31,7 +31,10 @@ LEVELS = 7
 RESPONSES = (
     ("spring, 6.3 C", "Figure 4-4b. Spring, membrane at 6.3 C."),
     ("damper, 6.3 C", "Figure 4-5b. Damper, membrane at 6.3 C."),
-    ("second derivative, 6.3 C", "Section 4.2.2. Second derivative, membrane at 6.3 C (not drawn)."),
+    (
+        "second derivative, 6.3 C",
+        "Section 4.2.2. Second derivative, membrane at 6.3 C (not drawn).",
+    ),
     ("spring", "Figure 4-8. Spring, rates / 6."),
     ("damper", "Figure 4-9. Damper, rates / 6, from 0.125 Hz."),
     ("SAI", "Figure 4-10a. SAI: zero 0.1, pole 1 Hz."),
@@ -257,10 +260,8 @@ def _gains() -> Any:
 
 def _population() -> Any:
     drawn, (top, bottom) = _axes(2, sharex=True)
-    for curvature, color in zip(
-        (neural_skin.FLAT, *neural_skin.CURVATURES), SHADES, strict=False
-    ):
-        found = neural_skin.profile("layered", curvature, neural_skin.FORCES[0])
+    for curvature, color in zip((neural_skin.FLAT, *neural_skin.CURVATURES), SHADES, strict=False):
+        found = neural_skin.profile("layered", curvature, neural_skin.FORCES[1])
         top.plot(found.place, found.drive, color=color, label=f"{curvature:g} 1/m")
         bottom.plot(found.place, found.rate, "o-", ms=3, lw=1.0, color=color)
     top.set(ylabel="input / mm")

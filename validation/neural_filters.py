@@ -17,7 +17,7 @@ from fefinger.validation.neural_sweep import (
     tallest,
 )
 
-from fefinger.neural.chains import realize, under_force
+from fefinger.neural.chains import Resonant, realize, under_force
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
@@ -80,7 +80,7 @@ def phase_change(organ: PoleZero, other: PoleZero) -> float:
     return float(np.degrees(np.abs(np.angle(turned)).max()))
 
 
-def held(organ: PoleZero, at: float) -> float:
+def held(organ: PoleZero | Resonant, at: float) -> float:
     """Return the output at `at` s of a unit step of force, over that just after the step."""
     out = organ.respond([0.0, at], [1.0, 1.0], [1e-9, at])
     return float(out[1] / out[0])
@@ -194,7 +194,7 @@ def _sensitivity() -> Iterator[Case]:
     )
     for frequency in (2.0, 8.0):
         yield claim(
-            f"4.3.4: FA filter at {frequency:g} Hz, share in the retraction with the poles of FAII, "
+            f"4.3.4: FA filter, {frequency:g} Hz: share in the retraction with the poles of FAII, "
             "less that with those of FAI",
             partial(_later, frequency),
             (0.2, 1.0),
@@ -250,7 +250,7 @@ def _ratios() -> Iterator[Case]:
         partial(ratio_drift, 1e-6),
         (0.0, 0.05),
         "1",
-        f"{THESIS}Eqs. 5.1 to 5.7: with b near 0 the ratio stays constant in spite of the stiffening",
+        f"{THESIS}Eqs. 5.1 to 5.7: with b near 0 the ratio stays constant",
         "b = 0 gives none at all",
     )
     yield claim(

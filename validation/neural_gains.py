@@ -34,7 +34,8 @@ OUTSIDE = {("SAI", 0.2): (10.022, 0.0), ("SAI", 1.5): (19.84, 21.7)}
 """Hz: ours by order 8 and the end of the published band beyond which it lies."""
 
 BEST = {"FAI": (8.0, 64.0), "FAII": (64.0, 512.0)}
-"""Hz of the lowest threshold: Johansson, Landström & Lundström (1982), Brain Res 244:17, abstract."""
+"""Hz of the lowest threshold: Johansson, Landström & Lundström (1982), Brain Res
+244:17, abstract."""
 
 TONES = tuple(2.0**k for k in range(1, 10))
 SMALLEST = (1e-3, 1.0)

@@ -19,7 +19,7 @@ ONSETS = {STANDARD: 6.2603, SLOWED: 6.1978}
 SINGLE = {STANDARD: 2.2403, SLOWED: 1.0698}
 STOPS = {STANDARD: 6.261, SLOWED: 6.18}
 BLOCKS = {STANDARD: 111.04, SLOWED: 112.62}
-"""uA/cm²: the step that fires once, where firing on the limit cycle stops, where peaks fail 40 mV."""
+"""uA/cm²: a step that fires once, the end of firing from above, and of peaks of 40 mV."""
 
 EXACT = "adaptive DOP853 at rtol 1e-10"
 RAMPS = np.linspace(5.0, 60.0, 6)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case
@@ -107,9 +108,9 @@ def in_hold(name: str, speed: float, divisor: float = 6.0) -> float:
     return float(1.0 / np.diff(late).mean()) if len(late) > 1 else 0.0
 
 
-def retracting(name: str, speed: float, **options: object) -> float:
+def retracting(name: str, speed: float, **options: Any) -> float:
     """Return the impulses from the start of the retraction until the probe is almost out."""
-    found = course(name, speed, **options)  # type: ignore[arg-type]
+    found = course(name, speed, **options)
     return float(len(found.between(found.retract + CORNER, found.back)))
 
 
@@ -176,7 +177,7 @@ def _slow() -> Iterator[Case]:
                 "none",
             )
             yield claim(
-                f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the ramp, over the hold",
+                f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the ramp over the hold",
                 lambda name=name, speed=speed: in_ramp(name, speed) / in_hold(name, speed),
                 (1.05, 3.0),
                 "1",

@@ -13,6 +13,7 @@ from fefinger.validation.neural_sweep import (
     SLOWED,
     SPRING,
     STANDARD,
+    Organ,
     claim,
     impulses,
     peaks,
@@ -22,7 +23,7 @@ from fefinger.validation.neural_sweep import (
     tallest,
 )
 
-from fefinger.neural.endorgans import END_ORGANS, Organ
+from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import IntegrateAndFire, Membrane
 from fefinger.neural.preliminary import derivative
 
@@ -167,7 +168,7 @@ def _shapes() -> Iterator[Case]:
             FALL,
         )
         yield claim(
-            f"{section}: {name}: peak frequency at the smallest amplitude that fires at {middle:g} Hz",
+            f"{section}: {name}: peak at the smallest amplitude that fires at {middle:g} Hz",
             partial(smallest, name, middle),
             (1.0, 32.0),
             "Hz",
@@ -342,7 +343,7 @@ def _phases() -> Iterator[Case]:
         0.0,
         0.0,
         "1",
-        "the current is symmetric about the turning point, and a slow rise fires late (accommodation)",
+        "a current symmetric about the turning point; its slow rise fires late",
         printed=1.0,
         erratum=(
             "Acceleration drives the last quarter of the retraction and the first of the "

@@ -29,10 +29,11 @@ from fefinger.scene import (
 
 FLAT, CURVATURES = 0.0, (80.6, 172.0, 340.0)
 """1/m: those of Goodwin, Macefield & Bisley (1997), J Neurophysiol 78:2881, abstract, without
-694, a radius of 1.44 mm, which the depth reaches at 0.2 N."""
+694, a radius of 1.44 mm, which the depth comes near to."""
 
-FORCES = (0.1, 0.2)
-"""N: 10 and 20 gf, the ends of the range that thesis 3.6 compares with."""
+FORCES = (0.05, 0.1)
+"""N: half of the 10 gf that thesis 3.6 begins with, and those; at 20 gf the most curved sphere
+sinks in to its rim."""
 
 REACH, COUNT = 5.0, 21
 """mm to either side of the first touch, and units on that line."""
@@ -98,7 +99,9 @@ def pressed(mechanics: str, depth: float, kind: str) -> Profile:
     return _answer(mechanics, finger, Flat(), RampHold(20.0, depth, hold=0.8, corner=0.01), kind)
 
 
-def _answer(mechanics: str, finger: Finger, touching: Indenter, motion: object, kind: str) -> Profile:
+def _answer(
+    mechanics: str, finger: Finger, touching: Indenter, motion: object, kind: str
+) -> Profile:
     line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT)
     ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line)
     scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)  # type: ignore[arg-type]
@@ -164,7 +167,7 @@ def _curvature(mechanics: str) -> Iterator[Case]:
     goodwin = "Goodwin, Macefield & Bisley (1997), J Neurophysiol 78:2881, abstract: "
     for force in FORCES:
         yield claim(
-            f"3.6: {mechanics}, {force:g} N: least rise of the peak SAI input, curvature by curvature",
+            f"3.6: {mechanics}, {force:g} N: least rise of the peak SAI input from curvature to next",
             partial(steps, mechanics, "peak", force),
             (0.01, 3.0),
             "1",
@@ -180,7 +183,7 @@ def _curvature(mechanics: str) -> Iterator[Case]:
             "narrower by a tenth or more",
         )
     yield claim(
-        f"3.6: {mechanics}: rise of the peak with curvature at 0.2 N, over that at 0.1 N",
+        f"3.6: {mechanics}: rise of the peak with curvature at 0.1 N, over that at 0.05 N",
         partial(fan, mechanics),
         (1.05, 2.0),
         "1",
@@ -188,7 +191,7 @@ def _curvature(mechanics: str) -> Iterator[Case]:
         "more than at the smaller force, less than twice",
     )
     yield claim(
-        f"5.2: {mechanics}: peak SAI input on tissue of half the modulus, 172 1/m, 0.2 N",
+        f"5.2: {mechanics}: peak SAI input on tissue of half the modulus, 172 1/m, 0.1 N",
         partial(compliance, mechanics, "peak"),
         (1.05, 3.0),
         "1",

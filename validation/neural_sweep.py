@@ -12,12 +12,13 @@ import numpy as np
 from fefinger.validation.case import Case
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import END_ORGANS, Organ, PoleZero
+from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
 from fefinger.neural.preliminary import Derivative
 
 
 Array = NDArray[np.float64]
+Organ = PoleZero | Derivative
 
 SECONDS, CYCLES = 1.0, 4
 """A run lasts this long at least, and so many cycles; its second half is counted."""
@@ -48,7 +49,7 @@ class Model:
     @property
     def amplitudes(self) -> Array:
         """Amplitudes (octaves + 1,) from the largest on."""
-        return self.largest / 2.0 ** np.arange(self.octaves + 1)
+        return np.asarray(self.largest / 2.0 ** np.arange(self.octaves + 1), np.float64)
 
 
 STANDARD, SLOWED = HodgkinHuxley(1.0), HodgkinHuxley(6.0)

@@ -21,7 +21,9 @@ def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half:
     area = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    shares = np.bincount(triangles.ravel(), np.repeat(area / 6.0, 3), len(points))
+    shares = np.asarray(
+        np.bincount(triangles.ravel(), np.repeat(area / 6.0, 3), len(points)), float
+    )
     used = np.unique(triangles)
     used = used[np.linalg.norm(normals[used], axis=1) > 0.5]
     points, normals, shares = points[used], normals[used], shares[used]

@@ -50,7 +50,7 @@ def unit_names(types: tuple[str, ...]) -> tuple[str, ...]:
     )
 
 
-def dense_times(time: Array, steps: ArrayLike) -> Array:
+def dense_times(time: Array, steps: float | Array) -> Array:
     """Return times that contain `time` and divide each interval evenly.
 
     steps: longest step in s, one or (n_t - 1,). A repeated time, a jump, is kept as two: the last
