@@ -12,6 +12,7 @@ from fefinger.validation import (
     neural_filters,
     neural_gains,
     neural_membrane,
+    neural_phases,
     neural_ramps,
     neural_sinusoids,
     neural_skin,
@@ -20,7 +21,7 @@ from fefinger.validation.case import Case
 
 
 PARTS = (
-    *(neural_membrane, neural_sinusoids, neural_filters, neural_ramps),
+    *(neural_membrane, neural_sinusoids, neural_phases, neural_filters, neural_ramps),
     *(neural_gains, neural_skin),
 )
 

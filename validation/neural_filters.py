@@ -7,8 +7,10 @@ from functools import partial
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.neural_sweep import (
+    IN_RANGE,
     SLOWED,
     SPRING,
+    THESIS,
     Array,
     claim,
     current,
@@ -42,9 +44,6 @@ PHASED = {
 
 SLOW = tuple(2.0**k for k in range(-1, 7))
 """Hz over which 4.3.4 compares filters."""
-
-IN_RANGE = np.geomspace(8.0, 100.0, 30)
-THESIS = "Pawluk (1997), "
 
 
 def phase(kind: str, frequency: float) -> float:

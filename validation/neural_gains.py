@@ -127,6 +127,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="spikes in the window",
         )
     yield from _range()
+    if quick:
+        return
     for kind, limits in BEST.items():
         yield claim(
             f"gains: frequency of the lowest threshold of {kind}",

@@ -151,7 +151,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
             ONSETS[divisor],
             5e-4,
             "uA/cm²",
-            "adaptive DOP853 at rtol 1e-10, bisected",
+            f"{EXACT}, bisected; a step from rest",
+            reason="bisection",
         )
         for current, expected in table.items():
             if not quick or current == 20:

@@ -23,6 +23,11 @@ Organ = PoleZero | Derivative
 SECONDS, CYCLES = 1.0, 4
 """A run lasts this long at least, and so many cycles; its second half is counted."""
 
+IN_RANGE = np.geomspace(8.0, 100.0, 30)
+"""uA/cm²: largest currents of a cycle, from the onset of firing to just below block."""
+
+THESIS = "Pawluk (1997), "
+
 LARGEST = 9000.0
 """uA/cm²: beyond it nothing is fired, for the potential then follows the current."""
 
