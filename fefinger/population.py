@@ -60,7 +60,14 @@ def _places(
         known = library.innervation()
         wanted = {kind: layout.densities.get(kind, known[kind].density) for kind in types}
         kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
-        return kinds, populations.lifted(skin, flat, axis)
+        points, on = populations.settled(skin, flat, axis)
+        if not on.all():
+            msg = (
+                f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
+                f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
+            )
+            raise InputError(msg)
+        return kinds, points
     if isinstance(layout, Grid):
         points = populations.grid(skin, layout.spacing, layout.radius)
     elif isinstance(layout, Line):

@@ -59,8 +59,14 @@ def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface
 
 
 def folded(points: Array) -> Array:
-    """Return the points (n, 3) of a half model, y >= 0, that stand for points of the whole."""
-    return np.where(points[:, 1:2] < 0.0, points * np.array([1.0, -1.0, 1.0]), points)
+    """Return the points (n, 3) of a half model, y >= 0, that stand for points of the whole.
+
+    Those within rounding of the medial plane are put on it.
+    """
+    out = points.copy()
+    out[:, 1] = np.abs(points[:, 1])
+    out[out[:, 1] < 1e-9 * np.abs(points).max(initial=0.0), 1] = 0.0
+    return out
 
 
 def unfolded(strain: Array, points: Array) -> Array:

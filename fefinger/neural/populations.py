@@ -154,6 +154,20 @@ def scatter(
     return tuple(types), np.concatenate(places)
 
 
+def settled(
+    surface: Surface, places: ArrayLike, axis: ArrayLike
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return places (n, 3) mm moved along an axis (3,) to the skin, and whether they meet it.
+
+    A place beside the skin does not: it would have to move across the axis by more than a spacing.
+    """
+    wanted, axis = np.asarray(places, float), np.asarray(axis, float)
+    points, _, on = surface.project(lifted(surface, wanted, axis))
+    moved = points - wanted
+    across = np.linalg.norm(moved - np.outer(moved @ axis, axis), axis=1)
+    return points, on & (across <= surface.spacing)
+
+
 def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
     """Return places (n, 3) mm moved along an axis (3,) to the skin nearest to their line."""
     places, axis = np.asarray(places, float), np.asarray(axis, float)
@@ -341,7 +355,7 @@ def _kept(surface: Surface, places: Array, what: str) -> Array:
     """Return those places (n, 2) mm that lie on the skin, moved to it along z, (m, 3)."""
     side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
     above = np.column_stack([places, np.zeros(len(places))])
-    points, _, on = surface.project(lifted(surface, above, np.array([0.0, 0.0, -side])))
+    points, on = settled(surface, above, [0.0, 0.0, -side])
     if not on.any():
         msg = f"places: {what} puts no place on the skin; narrow it, or move it over the pad"
         raise InputError(msg)
