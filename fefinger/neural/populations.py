@@ -355,7 +355,7 @@ def _kept(surface: Surface, places: Array, what: str) -> Array:
     """Return those places (n, 2) mm that lie on the skin, moved to it along z, (m, 3)."""
     side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
     above = np.column_stack([places, np.zeros(len(places))])
-    points, on = settled(surface, above, [0.0, 0.0, -side])
+    points, on = settled(surface, above, np.array([0.0, 0.0, -side]))
     if not on.any():
         msg = f"places: {what} puts no place on the skin; narrow it, or move it over the pad"
         raise InputError(msg)

@@ -16,6 +16,9 @@ FAII_STEP, FAII_JUMP = 2e-4, 2.0
 """s and mm/s: a jump of velocity between samples further apart than the step is noted for FAII,
 whose filter differentiates twice up to 100 Hz; 3.2 mm/s is the smallest jump that fires it."""
 
+LONGEST = 3600.0
+"""s: a run of an hour is 72 million steps of every membrane."""
+
 MANY = 8
 """Units beyond which one sentence stands for all of a kind."""
 
@@ -25,9 +28,6 @@ def checked_signals(
 ) -> tuple[Array, Array]:
     """Return the checked time (n_t,) and x_in (n_t, n_units)."""
     time, drive = np.asarray(time, float), np.asarray(drive, float)
-    if not n_units:
-        msg = "types: expected one afferent unit or more, received none"
-        raise InputError(msg)
     if time.ndim != 1 or len(time) < 2 or drive.shape != (len(time), n_units):
         msg = (
             f"time, drive: expected (n_t,) and (n_t, {n_units}) for {n_units} units with two "
@@ -37,6 +37,12 @@ def checked_signals(
     x_in = drive * np.broadcast_to(np.asarray(lengths, float), (n_units,))
     if not (np.isfinite(time).all() and np.isfinite(x_in).all()) or np.any(np.diff(time) < 0):
         msg = "time, drive: expected finite values and times in s that never decrease"
+        raise InputError(msg)
+    if time[-1] - time[0] > LONGEST:
+        msg = (
+            f"time: expected at most {LONGEST:g} s in one run, received {time[-1] - time[0]:g} s; "
+            "are the times in another unit?"
+        )
         raise InputError(msg)
     return time, x_in
 

@@ -239,6 +239,9 @@ def simulate_units(
     choice("generator", generator, GENERATORS)
     choice("rectifier", rectifier, RECTIFIERS)
     choice("rule", rule, RULES)
+    if not types:
+        msg = "types: expected one afferent unit or more, received none"
+        raise InputError(msg)
     columns = _columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
     names = unit_names(types) if names is None else tuple(names)
@@ -250,7 +253,8 @@ def simulate_units(
     if rule == "first":
         _squid(membrane, "rule: expected for 'first'")
     if tolerance is not None:
-        method, dt = _squid(membrane, "tolerance: expected").integrator(tolerance)
+        squid = _squid(membrane, "tolerance: expected")
+        method, dt = squid.integrator(tolerance, float(time[-1] - time[0]))
     factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
     setup = _Setup(
         types=types,

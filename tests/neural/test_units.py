@@ -205,7 +205,7 @@ class Other:
     [
         ({"unit": [0, 2]}, "each of 1 units has one or more; received \\[0, 2\\]"),
         ({"unit": [0.0, 0.5]}, "index of its unit"),
-        ({"types": ()}, "each of 0 units"),
+        ({"types": ()}, "one afferent unit or more, received none"),
         ({"types": ("SA",)}, "Did you mean"),
         ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),
         ({"rectifier": "none"}, "rectifier: expected one of"),
