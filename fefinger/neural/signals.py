@@ -47,6 +47,28 @@ def checked_signals(
     return time, x_in
 
 
+def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
+    """Return the columns of each unit's end organs."""
+    unit = np.asarray(unit)
+    whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
+    if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
+        msg = (
+            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
+            f"units has one or more; received {np.unique(unit).tolist()}"
+        )
+        raise InputError(msg)
+    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
+
+
+def unit_delays(delays: ArrayLike, n_units: int) -> Array:
+    """Return the delay of each unit in s, (n_units,)."""
+    later = np.asarray(delays, float)
+    if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
+        msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
+        raise InputError(msg)
+    return np.broadcast_to(later, (n_units,))
+
+
 def unit_names(types: tuple[str, ...]) -> tuple[str, ...]:
     """Return types as names, numbered where a type repeats."""
     seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]

@@ -23,7 +23,9 @@ from fefinger.neural.signals import (
     checked_signals,
     count_changes,
     dense_times,
+    organ_columns,
     remarks,
+    unit_delays,
     unit_names,
 )
 from fefinger.neural.trains import SpikeTrains
@@ -242,7 +244,7 @@ def simulate_units(
     if not types:
         msg = "types: expected one afferent unit or more, received none"
         raise InputError(msg)
-    columns = _columns(unit, len(types))
+    columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
     names = unit_names(types) if names is None else tuple(names)
     if len(names) != len(types):
@@ -273,7 +275,7 @@ def simulate_units(
     notes = remarks(time, mean_in, types, names, firing)
     if check:
         notes += _changes(setup, time, x_in, dt, names, firing)
-    later = _delays(delays, len(types))
+    later = unit_delays(delays, len(types))
     return SpikeTrains(
         types=types,
         names=names,
@@ -291,27 +293,6 @@ def simulate_units(
         seed=None if variation is None else variation.seed,
         notes=notes,
     )
-
-
-def _columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
-    """Return the columns of each unit's end organs."""
-    unit = np.asarray(unit)
-    whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
-    if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
-        msg = (
-            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
-            f"units has one or more; received {np.unique(unit).tolist()}"
-        )
-        raise InputError(msg)
-    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
-
-
-def _delays(delays: ArrayLike, n_units: int) -> Array:
-    later = np.asarray(delays, float)
-    if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
-        msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
-        raise InputError(msg)
-    return np.broadcast_to(later, (n_units,))
 
 
 def _squid(membrane: object, what: str) -> HodgkinHuxley:
