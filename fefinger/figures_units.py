@@ -26,14 +26,14 @@ def raster(result: Result) -> Any:
     edges = np.linspace(trains.t_start, end, BIN + 1)
     with style():
         drawn = figure(WIDE, 1.2 + 1.3 * len(kinds) + 1.6)
-        heights = [max(0.5, len(which) / len(trains) * len(kinds)) for which in kinds.values()]
+        heights = [max(0.8, len(which) / len(trains) * len(kinds)) for which in kinds.values()]
         axes = drawn.subplots(
             len(kinds) + 2, 1, sharex=True, height_ratios=[*heights, 0.9, 0.6], squeeze=False
         )[:, 0]
         for axis, (kind, which) in zip(axes, kinds.items(), strict=False):
             color = COLORS.get(kind, INK)
             rows = [trains.times[i] for i in _by_distance(trains, which)]
-            axis.eventplot(rows, colors=color, linelengths=0.9, linewidths=0.6)
+            axis.eventplot(rows, colors=color, linelengths=1.0, linewidths=1.0)
             axis.set(ylabel=f"{kind}\n{len(which)} units", yticks=[], ylim=(len(which) - 0.5, -0.5))
             axis.grid(visible=False)
             counts = np.histogram(np.concatenate([np.empty(0), *rows]), edges)[0]
@@ -55,7 +55,7 @@ def rate_map(result: Result) -> Any:
     across = trains.positions[:, :2]
     low, high = across.min(axis=0) - 0.8, across.max(axis=0) + 0.8
     with style():
-        drawn = figure(min(WIDE, 3.1 * len(kinds) + 0.4), 3.4)
+        drawn = figure(WIDE, 2.1 + 3.2 / len(kinds))
         axes = drawn.subplots(1, len(kinds), sharey=True, squeeze=False)[0]
         for axis, (kind, which) in zip(axes, kinds.items(), strict=True):
             _outline(axis, result)
