@@ -85,3 +85,20 @@ def test_a_damped_ramp_is_silent_in_the_hold_and_a_spring_is_not():
 
 def test_the_printed_form_of_5_8_is_the_limit_of_a_stiff_nerve():
     assert neural_filters.printed_share(1e6) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_figures_are_in_the_axes_of_the_thesis():
+    from fefinger.validation import neural_drawings
+
+    for drawn in (
+        neural_drawings._response("spring"),
+        neural_drawings._course("FAI"),
+        neural_drawings._force(),
+        neural_drawings._gains(),
+    ):
+        for axis in drawn.axes:
+            assert axis.get_ylabel() or axis.collections
+            assert axis.lines or axis.collections or axis.patches
+    captions = " ".join(text for _, text in (*neural_drawings.RESPONSES, *neural_drawings.COURSES))
+    for number in ("4-4b", "4-5b", "4-8", "4-9", "4-10a", "4-11b", "4-13", "4-14b", "4-16", "4-17"):
+        assert number in captions
