@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from fefinger.indenter import Grating as Grating
     from fefinger.indenter import Relief as Relief
     from fefinger.indenter import Sphere as Sphere
+    from fefinger.layout import Grid as Grid
+    from fefinger.layout import Line as Line
+    from fefinger.layout import Places as Places
+    from fefinger.layout import Scatter as Scatter
     from fefinger.motion import ForceRamp as ForceRamp
     from fefinger.motion import ForceRampHold as ForceRampHold
     from fefinger.motion import ForceRampSinusoid as ForceRampSinusoid
@@ -54,6 +58,7 @@ _HOMES = {
     "files": ("load",),
     "finger": ("Finger",),
     "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
+    "layout": ("Grid", "Line", "Places", "Scatter"),
     "motion": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),

@@ -195,6 +195,7 @@ def mesh(
 @click.option("--type", "types", multiple=True, metavar="TYPE", help="SAI, SAII, FAI or FAII.")
 @click.option("--length", type=float, metavar="MM", help="Displacement that a strain of 1 means.")
 @click.option("--corners", is_flag=True, help="Lines between coarse samples are meant as they are.")
+@click.option("--tolerance", type=float, metavar="MS", help="Error of spike times in ms.")
 @_output("spikes.csv and spikes.npz")
 @_json
 def spikes(
@@ -202,6 +203,7 @@ def spikes(
     types: tuple[str, ...],
     length: float | None,
     corners: bool,
+    tolerance: float | None,
     output: str | None,
     as_json: bool,
 ) -> None:
@@ -218,7 +220,7 @@ def spikes(
 
     signals = series.read(source)
     folder = None if output is None else output_folder(output)
-    trains = series.fire(signals, types, length=length, corners=corners)
+    trains = series.fire(signals, types, length=length, corners=corners, tolerance=tolerance)
     files = [] if folder is None else series.save(trains, folder)
     record = console.spikes_record(trains, files)
     if as_json:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fefinger.checks import InputError, choice, flag, number, reject_unknown
+from fefinger.layout import Layout
 from fefinger.lists import choices
 from fefinger.neural.drives import DRIVES
 from fefinger.neural.endorgans import TYPES
@@ -21,7 +22,10 @@ class Ask:
         Whether the result holds the force, the pressure on the pad, the strain at the end organs
         and the fields on the mesh.
     spikes
-        Afferent types out of SAI, SAII, FAI, FAII; one unit of each, under first touch.
+        Afferent types out of SAI, SAII, FAI, FAII; one unit of each, under first touch, unless
+        there is a population.
+    population
+        Where units of these types lie, and how each is built: a Scatter, Grid, Line or Places.
     rel_error
         Relative error of the force that is good enough, 0 to 1.
     seconds
@@ -44,6 +48,7 @@ class Ask:
     depths: Mapping[str, float] = field(default_factory=dict, hash=False)
     drives: Mapping[str, str] = field(default_factory=dict, hash=False)
     generator: str = "saturating"
+    population: Layout | None = None
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -63,6 +68,15 @@ class Ask:
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         choice("ask.generator", self.generator, GENERATORS)
+        population: Any = self.population
+        if population is not None and not isinstance(population, Layout):
+            msg = f"ask.population: expected a Layout, received {population!r}"
+            raise InputError(msg)
+        if population is not None and not checked["spikes"]:
+            msg = (
+                "ask.population: expected ask.spikes to name the types of its units, received none"
+            )
+            raise InputError(msg)
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 

@@ -92,8 +92,7 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm2 at the peak"))
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
-        counts = zip(result.spikes.names, result.spikes.count().tolist(), strict=True)
-        rows.append(("spikes", ", ".join(f"{name} {count}" for name, count in counts)))
+        rows.append(("spikes", result.spikes.told()))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
     rows += [("note", note) for note in result.notes]

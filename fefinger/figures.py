@@ -4,11 +4,15 @@ Every function returns a matplotlib Figure; `svg` and `png` turn one into text o
 """
 
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fefinger.records import Array, Result
+from fefinger.neural.endorgans import TYPES
+from fefinger.neural.trains import FEW
+from fefinger.records import Array, Integers, Result
 from fefinger.scene import Scene
 
 
@@ -160,20 +164,36 @@ def contact(result: Result) -> Any:
     return signals(result, rows)
 
 
+def of_each(types: Sequence[str]) -> dict[str, Integers]:
+    """Return the indices of each type among units or sites, in the order of TYPES."""
+    named = np.array(types)
+    return {kind: np.flatnonzero(named == kind) for kind in TYPES if kind in types}
+
+
+def strongest(values: NDArray[Any], types: Sequence[str]) -> list[int]:
+    """Return for each type the column of values (n_t, n) with the largest value."""
+    top = np.abs(values).max(axis=0)
+    return [int(which[np.argmax(top[which])]) for which in of_each(types).values()]
+
+
 def site_strain(result: Result) -> Any:
-    """Draw the largest compressive and tensile strain at every end-organ site against time."""
+    """Draw the largest compressive and tensile strain at end-organ sites against time.
+
+    Of a population the most strained site of each type.
+    """
     assert result.strain is not None
     assert result.sites is not None
+    sites = result.sites
     principal = 100 * np.linalg.eigvalsh(result.strain)
-    labels = [
-        f"{kind}, {depth:g} mm"
-        for kind, depth in zip(result.sites.types, result.sites.depths, strict=True)
-    ]
-    colors = [COLORS.get(kind, INK) for kind in result.sites.types]
+    shown: list[int] = list(range(len(sites.types)))
+    if sites.unit is not None:
+        shown = strongest(principal[..., 0], sites.types)
+    labels = [f"{sites.types[i]}, {sites.depths[i]:g} mm" for i in shown]
+    colors = [COLORS.get(sites.types[i], INK) for i in shown]
     rows: list[tuple[str, Array, Curves]] = []
     for name, part in (
-        ("compressive strain / %", np.maximum(0, -principal[..., 0])),
-        ("tensile strain / %", np.maximum(0, principal[..., 2])),
+        ("compressive strain / %", np.maximum(0, -principal[:, shown, 0])),
+        ("tensile strain / %", np.maximum(0, principal[:, shown, 2])),
     ):
         curves = list(zip(labels, colors, part.T, strict=True))
         rows.append((name, result.time, curves if not rows else [("", c, v) for _, c, v in curves]))
@@ -181,17 +201,24 @@ def site_strain(result: Result) -> Any:
 
 
 def currents(result: Result) -> Any:
-    """Draw the input of the end organs and the generator current of every unit against time."""
+    """Draw the input of the end organs and the generator current of the units against time.
+
+    Of many units the one of each type with the largest current.
+    """
     spikes = result.spikes
     assert spikes is not None
-    colors = [COLORS.get(kind, INK) for kind in spikes.types]
-    inputs = list(zip(spikes.names, colors, spikes.x_in.T, strict=True))
+    shown: list[int] = list(range(len(spikes)))
+    if len(spikes) > FEW:
+        shown = strongest(spikes.current, spikes.types)
+    colors = [COLORS.get(spikes.types[i], INK) for i in shown]
+    names = [spikes.names[i] for i in shown]
+    inputs = list(zip(names, colors, spikes.x_in.T[shown], strict=True))
     rows = [
         ("end-organ input / mm", spikes.time, inputs),
         (
             "current / µA/cm²",
             spikes.time,
-            [("", color, i) for color, i in zip(colors, spikes.current.T, strict=True)],
+            [("", color, i) for color, i in zip(colors, spikes.current.T[shown], strict=True)],
         ),
     ]
     return signals(result, rows)

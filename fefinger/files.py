@@ -67,6 +67,7 @@ LAYOUT: dict[tuple[str, str], Variable] = {
         "site_normals", ("site", "axis"), "1", "outward normals of the skin above the sites"
     ),
     ("Sites", "depths"): Variable("site_depths", ("site",), "mm", "depth of the sites under skin"),
+    ("Sites", "unit"): Variable("site_unit", ("site",), "1", "unit that each end organ belongs to"),
     ("Reference", "normals"): Variable(
         "reference_normals", ("reference", "axis"), "1", "normals at the reference sites"
     ),

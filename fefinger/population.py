@@ -1,9 +1,10 @@
 """Afferent units under a pad, with the published anatomy: the sites that a mechanics is asked for.
 
-`neural/populations.py` places them; here the pad and the library's numbers meet it.
+`layout.py` is what a scene says of them, `neural/populations.py` places them on a skin; here the
+two meet the library's numbers.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,73 +12,73 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger import library
 from fefinger.checks import InputError, choice, number
+from fefinger.layout import Grid, Layout, Line, Places, Scatter
 
 
 if TYPE_CHECKING:
+    from fefinger.ask import Ask
     from fefinger.neural.populations import Population, Surface
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.neural.units import Variation
-    from fefinger.records import Pad, Response, Sites
+    from fefinger.records import Response, Sites
 
 
-def surface(pad: "Pad") -> "Surface":
-    """Return the skin of a pad."""
-    from fefinger.neural.populations import Surface
-
-    return Surface(pad.points, pad.normals, pad.areas)
+Array = NDArray[np.float64]
 
 
-def fingertip(
-    pad: "Pad",
-    types: Sequence[str],
-    *,
-    seed: int,
-    densities: Mapping[str, float] | None = None,
-    depths: Mapping[str, float] | None = None,
-    branched: bool = True,
-) -> "Population":
-    """Return units of these types scattered over a pad at their published densities.
+def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
+    """Return the units that a scene asks for, under a skin.
 
-    densities (per cm²) and depths (mm) replace those of `library.innervation` and
-    `library.receptors` for the types that they name; without `branched` every unit has one end
-    organ. A half model's pad gives the units of that half. InputError as `neural.populations`.
-    """
-    from fefinger.neural.populations import scatter
-
-    known = library.innervation()
-    wanted = {
-        kind: (densities or {}).get(kind, known[choice("types", kind, known)].density)
-        for kind in types
-    }
-    kinds, places = scatter(surface(pad), wanted, seed=seed)
-    return placed(pad, kinds, places, seed=seed, depths=depths, branched=branched)
-
-
-def placed(
-    pad: "Pad",
-    types: Sequence[str],
-    places: ArrayLike,
-    *,
-    seed: int | None = None,
-    depths: Mapping[str, float] | None = None,
-    branched: bool = False,
-) -> "Population":
-    """Return one unit of each type at each place (n_units, 3) mm, with the published anatomy.
-
-    As `fingertip` otherwise; `branched` needs a seed to draw the end organs from.
+    axis (3,): the inward normal at the first touch, which is the origin. InputError for places
+    beside the skin, and as `neural.populations`.
     """
     from fefinger.neural.populations import populate
 
-    known = library.innervation()
+    layout, known = ask.population, library.innervation()
+    if layout is None:
+        msg = "ask.population: expected one, received none"
+        raise InputError(msg)
+    types, places = _places(layout, ask.spikes, skin, np.asarray(axis, float))
+    depths = {kind: row.depth for kind, row in library.receptors().items()}
     return populate(
-        surface(pad),
+        skin,
         types,
         places,
-        depths={kind: row.depth for kind, row in library.receptors().items()} | dict(depths or {}),
-        organs={kind: row.organs for kind, row in known.items()} if branched else None,
+        depths=depths | dict(ask.depths),
+        organs={kind: row.organs for kind, row in known.items()} if layout.branched else None,
         fields={kind: row.field for kind, row in known.items() if row.field is not None},
-        seed=seed,
+        seed=layout.seed,
     )
+
+
+def _places(
+    layout: Layout, types: Sequence[str], skin: "Surface", axis: Array
+) -> tuple[tuple[str, ...], Array]:
+    """Return type and place (n, 3) mm of every unit."""
+    from fefinger.neural import populations
+
+    if isinstance(layout, Scatter):
+        known = library.innervation()
+        wanted = {kind: layout.densities.get(kind, known[kind].density) for kind in types}
+        kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
+        points, on = populations.settled(skin, flat, axis)
+        if not on.all():
+            msg = (
+                f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
+                f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
+            )
+            raise InputError(msg)
+        return kinds, points
+    if isinstance(layout, Grid):
+        points = populations.grid(skin, layout.spacing, layout.radius)
+    elif isinstance(layout, Line):
+        points = populations.line(skin, layout.start, layout.stop, layout.count)
+    elif isinstance(layout, Places):
+        name = "ask.population.places"
+        points = populations.over(skin, layout.places, name, "move them towards the first touch")
+    else:
+        msg = f"ask.population: expected a layout of the package, received {layout!r}"
+        raise InputError(msg)
+    return tuple(np.tile(types, len(points)).tolist()), np.repeat(points, len(types), axis=0)
 
 
 def sites(population: "Population") -> "Sites":
@@ -89,49 +90,37 @@ def sites(population: "Population") -> "Sites":
         normals=population.organ_normals,
         depths=population.organ_depths,
         types=population.organ_types,
+        unit=population.unit,
     )
 
 
-def delays(types: Sequence[str], distance: float) -> NDArray[np.float64]:
+def delays(types: Sequence[str], distance: float) -> Array:
     """Return the conduction delay in s of units of these types over `distance` mm of nerve."""
     distance = number("distance", distance, at_least=0.0, unit="mm")
     known = library.innervation()
     return np.array([1e-3 * distance / known[choice("types", t, known)].velocity for t in types])
 
 
-def fire(
-    response: "Response",
-    population: "Population",
-    *,
-    distance: float = 0.0,
-    rule: str = "mean",
-    variation: "Variation | None" = None,
-    drives: Mapping[str, str] | None = None,
-    **options: Any,
-) -> "SpikeTrains":
+def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
     """Return the spikes of a population from the strain of a response at its end organs.
 
-    distance: mm of nerve to where the spikes are recorded. rule, variation and the other options
-    as in `neural.units.simulate_units`, drives as in `neural.afferents.from_strain`.
+    Further options as in `neural.units.simulate_units`. A unit is where its end organs are in the
+    mean.
 
     Raises
     ------
     InputError
-        A response without strain, or with strain at other sites than those of the population.
+        A response without strain, or without the end organs of the population.
     """
     from fefinger.neural.afferents import displacements
-    from fefinger.neural.units import simulate_units
+    from fefinger.neural.units import Variation, simulate_units
 
-    reference, found = response.reference, response.sites
+    reference, found, layout = response.reference, response.sites, ask.population
     if response.strain is None or found is None or reference is None:
-        msg = f"response: expected strain at end organs, {response.mechanics!r} gives none"
+        msg = f"ask.population: {response.mechanics!r} gives no strain under the skin to fire from"
         raise InputError(msg)
-    if found.types != population.organ_types or not np.allclose(found.points, population.sites):
-        msg = (
-            f"response: expected strain at the {len(population.unit)} end organs of the "
-            f"population, received it at {len(found.types)} other sites; ask for "
-            "population.sites(...)"
-        )
+    if layout is None or found.unit is None:
+        msg = f"ask.population: {response.mechanics!r} has no end organs of a population"
         raise InputError(msg)
     x_in = displacements(
         response.strain,
@@ -141,17 +130,22 @@ def fire(
         reference_types=reference.types,
         reference_strain=reference.strain,
         reference_normals=reference.normals,
-        drives=drives,
+        drives=ask.drives,
     )
+    count = np.bincount(found.unit)
+    first = np.searchsorted(found.unit, np.arange(len(count)))
+    types = tuple(found.types[i] for i in first)
+    drawn = Variation(seed=layout.seed, spread=layout.spread, noise=layout.noise)
     return simulate_units(
         response.time,
         x_in,
-        types=population.types,
-        unit=population.unit,
-        rule=rule,
-        delays=delays(population.types, distance),
-        variation=variation,
-        positions=population.centers,
-        depths=population.depths,
+        types=types,
+        unit=found.unit,
+        rule=layout.rule,
+        delays=delays(types, layout.distance),
+        variation=drawn if layout.random else None,
+        generator=ask.generator,
+        positions=np.add.reduceat(found.points, first) / count[:, None],
+        depths=found.depths[first],
         **options,
     )

@@ -75,13 +75,15 @@ class Sites:
     """End-organ sites: material points under the undeformed pad.
 
     points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
-    depths (n_sites,) mm below the skin, types: the afferent type that each one serves.
+    depths (n_sites,) mm below the skin, types: the afferent type that each one serves, unit
+    (n_sites,): the afferent unit that each belongs to; None: one each.
     """
 
     points: Array
     normals: Array
     depths: Array
     types: tuple[str, ...]
+    unit: Integers | None = None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, page, section, view
+from fefinger import figures, figures_units, page, section, view
+from fefinger.neural.trains import FEW
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 
@@ -19,10 +20,13 @@ from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphe
 STANDING = (
     "No sweat, friction or slip: the contact carries pressure only.",
     "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
-    "No noise: a unit fires the same spikes every time, and units do not differ from each other.",
     "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
 )
 """Limits of every mechanics, told after those that the mechanics names itself."""
+
+ALIKE = (
+    "No noise: a unit fires the same spikes every time, and units do not differ from each other."
+)
 
 
 def write(result: Result, path: str | PathLike[str]) -> None:
@@ -39,12 +43,28 @@ def write(result: Result, path: str | PathLike[str]) -> None:
         plan=result.plan,
         status=result.status,
         stages=page.svg(figures.stages(result)),
-        notes=[*result.notes, *STANDING],
+        notes=[*result.notes, *STANDING, *_chance(result)],
         folder="out",
         provenance=list(page.flat(result.provenance)),
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")
+
+
+def _chance(result: Result) -> list[str]:
+    """Return what is random in the spikes, and from which seed."""
+    spikes, layout = result.spikes, result.scene.ask.population
+    if spikes is None:
+        return []
+    if spikes.seed is None:
+        return [ALIKE]
+    drawn = "The gains of the units or the noise of their membranes are drawn"
+    if layout is not None:
+        drawn = (
+            f"Drawn: the gains of the units (standard deviation of their logarithm "
+            f"{layout.spread:g}) and the noise of their membranes ({layout.noise:g} uA/cm²)"
+        )
+    return [f"{drawn}, from the seed {spikes.seed}: the same seed gives the same spikes."]
 
 
 def answer(result: Result) -> str:
@@ -59,9 +79,7 @@ def answer(result: Result) -> str:
     if result.contact_area is not None:
         said.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
     if result.spikes is not None:
-        counts = zip(result.spikes.names, result.spikes.count().tolist(), strict=True)
-        listed = ", ".join(f"{name} {count}" for name, count in counts)
-        said.append(f"spikes: {listed}")
+        said.append(f"spikes: {result.spikes.told()}")
     if not said:
         return f"The indenter travels {np.max(result.depth):.3g} mm."
     sentence = "; ".join(said)
@@ -122,9 +140,15 @@ def _warnings(result: Result) -> list[str]:
     """Return what must be seen before the answer: spikes that are none."""
     if result.spikes is None:
         return []
-    blocked = np.flatnonzero(result.spikes.block_seconds > 0)
+    seconds = result.spikes.block_seconds
+    blocked = np.flatnonzero(seconds > 0)
+    if len(blocked) > FEW:
+        return [
+            f"{len(blocked)} of {len(seconds)} units spend up to {seconds.max():.3g} s in "
+            "depolarization block: the current is above the range in which their membrane fires."
+        ]
     return [
-        f"{result.spikes.names[unit]} spends {result.spikes.block_seconds[unit]:.3g} s in "
+        f"{result.spikes.names[unit]} spends {seconds[unit]:.3g} s in "
         "depolarization block: the current is above the range in which its membrane fires."
         for unit in blocked
     ]
@@ -150,18 +174,38 @@ def _parts(result: Result) -> Iterator[dict[str, Any]]:
         yield _section(result)
     if result.strain is not None and result.sites is not None:
         text = (
-            "Largest compressive and tensile principal strain at every end organ; the number "
-            "after the type is its depth under the skin."
+            "Largest compressive and tensile principal strain at the end organs, of a population "
+            "at the most strained one of each type; the number after the type is its depth under "
+            "the skin."
         )
         yield _part("strain", "Strain at the end organs", text, figures.site_strain(result))
     if result.spikes is not None:
         text = (
             "What the strain does to the end organs: their input as an equivalent skin "
-            "displacement (compression positive), and the generator current into the membrane."
+            "displacement (compression positive), and the generator current into the membrane; of "
+            "a population for the unit of each type with the largest current."
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
+        yield _spikes(result)
+
+
+def _spikes(result: Result) -> dict[str, Any]:
+    """Return the section on the spikes; of a population a raster and a map on the pad."""
+    assert result.spikes is not None
+    if len(result.spikes) <= FEW:
         text = "Spike times, and one over the interval between two spikes as the rate."
-        yield _part("spikes", "Spikes", text, figures.spikes(result))
+        return _part("spikes", "Spikes", text, figures.spikes(result))
+    text = (
+        "Every spike of the population by type, the units nearest to the first touch on top; the "
+        "mean rate of each type; and the places of the units, colored by their rates, over the "
+        "pressure at the largest force."
+    )
+    part = _part("spikes", "Spikes of the population", text, figures_units.raster(result))
+    if result.spikes.positions is None:
+        return part
+    caption = "Mean rates over the whole time, at the units' places, seen along z."
+    map_ = {"source": page.svg(figures_units.rate_map(result)), "caption": caption}
+    return part | {"pictures": [map_]}
 
 
 def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
@@ -199,21 +243,31 @@ def _caption(result: Result, field: str) -> str:
 
 
 def _units(result: Result) -> Iterator[dict[str, str]]:
-    """Give one row of the table of spikes per unit."""
+    """Give one row of the table of spikes per unit, or of many units one per type."""
     spikes = result.spikes
     if spikes is None:
         return
-    for unit, times in enumerate(spikes.times):
+    groups = {name: np.array([i]) for i, name in enumerate(spikes.names)}
+    if len(spikes) > FEW:
+        groups = {
+            f"{kind} ({len(which)} units)": which
+            for kind, which in figures.of_each(spikes.types).items()
+        }
+    for name, which in groups.items():
+        times = [spikes.times[i] for i in which]
+        gaps = [np.diff(each).min() for each in times if len(each) > 1]
+        firsts = [each[0] for each in times if len(each)]
+        kind = spikes.types[which[0]]
         yield {
-            "name": spikes.names[unit],
-            "kind": spikes.types[unit],
-            "color": figures.COLORS.get(spikes.types[unit], figures.INK),
-            "count": str(len(times)),
-            "driven": str(int(spikes.stimulus_driven[unit])),
-            "rate": f"{1 / np.diff(times).min():.3g}" if len(times) > 1 else "none",
-            "first": f"{1e3 * times[0]:.3g}" if len(times) else "none",
-            "block": f"{spikes.block_seconds[unit]:.3g}",
-            "peak": f"{spikes.peak_mV[unit]:.3g}",
+            "name": name,
+            "kind": kind,
+            "color": figures.COLORS.get(kind, figures.INK),
+            "count": str(sum(map(len, times))),
+            "driven": str(int(spikes.stimulus_driven[which].sum())),
+            "rate": f"{1 / min(gaps):.3g}" if gaps else "none",
+            "first": f"{1e3 * min(firsts):.3g}" if firsts else "none",
+            "block": f"{spikes.block_seconds[which].sum():.3g}",
+            "peak": f"{spikes.peak_mV[which].max():.3g}",
         }
 
 

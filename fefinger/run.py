@@ -69,9 +69,13 @@ def run(
 
 
 def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
-    """Return what one unit of each type asked fires under the strain at its end organ."""
+    """Return what the population fires, or one unit of each type asked, under the strain."""
+    from fefinger import population
     from fefinger.checks import InputError
     from fefinger.neural.afferents import from_strain
+
+    if scene.ask.population is not None:
+        return population.fire(response, scene.ask)
 
     if response.strain is None or response.sites is None or response.reference is None:
         msg = f"ask.spikes: {response.mechanics!r} gives no strain under the skin to make them from"
@@ -97,7 +101,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     from dataclasses import replace
 
     from fefinger.checks import InputError
-    from fefinger.neural.afferents import count_changes
+    from fefinger.neural.signals import count_changes
 
     coarser = chosen.coarser(scene)
     if coarser is None:
@@ -117,8 +121,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
 def _status(response: "Response", spikes: "SpikeTrains | None") -> str:
     if spikes is None:
         return response.status
-    counts = zip(spikes.names, spikes.count().tolist(), strict=True)
-    return f"{response.status} Spikes: {', '.join(f'{name} {count}' for name, count in counts)}."
+    return f"{response.status} Spikes: {spikes.told()}."
 
 
 def _provenance(scene: "Scene") -> dict[str, Any]:

@@ -18,6 +18,7 @@ from fefinger.indenter import (
     Relief,
     Sphere,
 )
+from fefinger.layout import Grid, Layout, Line, Places, Scatter
 from fefinger.motion import (
     ForceRamp,
     ForceRampHold,
@@ -52,14 +53,19 @@ __all__ = [
     "ForceSinusoid",
     "ForceTrapezoid",
     "Grating",
+    "Grid",
     "Indenter",
+    "Layout",
+    "Line",
     "Motion",
+    "Places",
     "Prony",
     "Ramp",
     "RampHold",
     "RampSinusoid",
     "Relief",
     "Sampled",
+    "Scatter",
     "Scene",
     "Sinusoid",
     "Sphere",

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -92,6 +93,7 @@ def fire(
     *,
     length: float | None = None,
     corners: bool = False,
+    tolerance: float | None = None,
     generator: str = "saturating",
 ) -> "SpikeTrains":
     """Return the spikes of units that these signals drive.
@@ -108,6 +110,8 @@ def fire(
         the strain that it makes at the end organ.
     corners
         Take straight lines between coarse samples as meant, with the corners that they have.
+    tolerance
+        Error of spike times in ms to choose integrator and step by; None: Runge-Kutta at 50 us.
     generator
         As in `neural.afferents.simulate`.
 
@@ -125,6 +129,12 @@ def fire(
     names: list[str] = []
     for i, header in enumerate(signals.headers):
         prefix = header.partition("_")[0]
+        if prefix not in TYPES and re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()):
+            msg = (
+                f"column {header!r}: its name begins like that of an afferent type, but is none of "
+                f"{', '.join(TYPES)}.{nearest(prefix.upper(), TYPES)} Rename the column"
+            )
+            raise InputError(msg)
         own = (prefix,) if prefix in TYPES else types
         columns += [i] * len(own)
         kinds += own
@@ -140,6 +150,7 @@ def fire(
         lengths=[_mm(signals, i, length) for i in columns],
         generator=generator,
         names=names,
+        tolerance=None if tolerance is None else _seconds(tolerance),
     )
     return replace(trains, notes=trains.notes + _starts(signals))
 
@@ -243,6 +254,10 @@ def _mm(signals: Signals, column: int, length: float | None) -> float:
     return number("--length", length, above=0.0, unit="mm")
 
 
+def _seconds(tolerance: float) -> float:
+    return 1e-3 * number("--tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
+
+
 def _starts(signals: Signals) -> tuple[str, ...]:
     """Return a sentence for each column that does not start at 0."""
     return tuple(
@@ -259,8 +274,8 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> 
     Far apart is more than a fifth of the period of its fastest pole. FA units take a jump for an
     event of its own, whatever else moves; for SA units it counts against the largest velocity.
     """
-    from fefinger.neural.afferents import FAII_JUMP, coarse_jump
     from fefinger.neural.endorgans import END_ORGANS
+    from fefinger.neural.signals import FAII_JUMP, coarse_jump
 
     x = length * signals.drive[:, column]
     pole = max(END_ORGANS[kind].poles)

@@ -4,13 +4,14 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from fefinger import library
 from fefinger.ask import Ask
 from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.finger import Finger
 from fefinger.indenter import INDENTERS, Flat, Indenter, Relief
+from fefinger.layout import LAYOUTS, Layout, Scatter
 from fefinger.motion import MOTIONS, Motion, SampledMotion
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
@@ -57,7 +58,7 @@ def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         "finger": _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"], folder),
         "motion": _motion(sub["motion"], folder),
-        "ask": _record(Ask, "ask", sub["ask"]),
+        "ask": _ask(sub["ask"]),
     }
     return found | {key: table[key] for key in ("name",) if key in table}
 
@@ -145,6 +146,14 @@ def _prony(table: dict[str, Any]) -> Prony | None:
     return next(iter(found.values()), None)
 
 
+def _ask(table: dict[str, Any]) -> Ask:
+    if "population" in table:
+        given = _subtable("ask.population", table)
+        kind = choice("ask.population.kind", given.pop("kind", Scatter.kind), LAYOUTS)
+        table["population"] = _record(LAYOUTS[kind], "ask.population", given, kind)
+    return cast(Ask, _record(Ask, "ask", table))
+
+
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
     kind = table.pop("kind", Flat.kind)
     indenter = INDENTERS[choice("indenter.kind", kind, INDENTERS)]
@@ -195,6 +204,8 @@ def _plain(record: Any) -> dict[str, Any]:
         value = getattr(record, field.name)
         if isinstance(value, Tissue | Prony):
             value = _plain(value)
+        elif isinstance(value, Layout):
+            value = {"kind": value.kind, **_plain(value)}
         elif isinstance(value, Mapping):
             value = dict(value)
         elif isinstance(value, tuple):
@@ -205,7 +216,11 @@ def _plain(record: Any) -> dict[str, Any]:
 
 
 def keys(part: str, kind: Any) -> tuple[str, ...]:
-    """Return the keys that the table `part` ("indenter", "motion") takes for `kind`."""
-    kinds: dict[str, Mapping[str, Any]] = {"indenter": INDENTERS, "motion": MOTIONS}
+    """Return the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
+    kinds: dict[str, Mapping[str, Any]] = {
+        "indenter": INDENTERS,
+        "motion": MOTIONS,
+        "ask.population": LAYOUTS,
+    }
     record = kinds.get(part, {}).get(kind) if isinstance(kind, str) else None
     return () if record is None else ("kind", *(field.name for field in fields(record)))

@@ -1,71 +1,137 @@
-"""Units under the pad of a result: numbers, sites, delays, and spikes from a response."""
+"""Populations in scenes: places under the skin, sites of mechanics, spikes, and what is refused."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fefinger import library, population
+import fefinger as ff
+from fefinger import library, population, report, scenes
 from fefinger.checks import InputError
+from fefinger.mechanics import get
+from fefinger.mechanics._skin import meshed, spherical
+from fefinger.mechanics._touch import STANDARD, direction, folded, unfolded
 from fefinger.neural.endorgans import TYPES
-from fefinger.records import Pad
+from fefinger.run import fire
 
 
-@pytest.fixture
-def pad():
-    x = np.linspace(-5, 5, 21)
-    xy = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
-    z = np.sqrt(144 - np.sum(xy**2, axis=1))
-    normals = np.column_stack([xy, z]) / 12
-    areas = np.full(len(xy), 0.25) / normals[:, 2]
-    return Pad(np.column_stack([xy, z - 12]), areas, normals, np.empty((0, 3), np.int64))
+AXIS = direction(STANDARD)
+SKIN = spherical(14.0, AXIS)
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+LINE = ff.Line(start=(0, -2), stop=(0, 2), count=5)
+PRESS = ff.RampHold(speed=20, depth=0.6, hold=0.2, corner=0.01)
 
 
-@pytest.fixture
-def answered(synthetic, pad):
-    """Return what makes a response with the strain of the reference, growing, at every site."""
-
-    def make(units):
-        response = synthetic.response
-        reference = response.reference
-        found = population.sites(units)
-        which = [reference.types.index(kind) for kind in found.types]
-        grown = (response.depth / reference.depth)[:, None, None, None]
-        return replace(
-            response,
-            sites=replace(found, normals=reference.normals[which]),
-            strain=grown * reference.strain[which],
-        )
-
-    return make
+def asked(layout, spikes=("SAI", "FAI"), **options):
+    return ff.Ask(spikes=spikes, population=layout, fields=False, pressure=False, **options)
 
 
-def test_the_fingertip_has_as_many_units_as_its_area_holds(pad):
-    units = population.fingertip(pad, TYPES, seed=2)
-    area = pad.areas.sum() / 100
+def scene(layout, **options):
+    return ff.Scene(finger=FINGER, motion=PRESS, ask=asked(layout, **options))
+
+
+def test_a_scatter_has_as_many_units_as_its_disc_holds():
+    units = population.place(asked(ff.Scatter(radius=5.0, seed=2), TYPES), SKIN, AXIS)
+    area = 0.01 * np.pi * 25
     for kind, row in library.innervation().items():
         assert units.types.count(kind) == round(row.density * area)
         counts = np.bincount(units.unit)[np.array(units.types) == kind]
         assert row.organs[0] <= counts.min() <= counts.max() <= row.organs[1]
-    plain = population.fingertip(pad, ("SAI",), seed=2, branched=False, densities={"SAI": 10.0})
+    sparse = ff.Scatter(branched=False, densities={"SAI": 10.0})
+    plain = population.place(asked(sparse, ("SAI",)), SKIN, AXIS)
     assert len(plain.unit) == len(plain) == round(10 * area)
 
 
-def test_sites_are_the_end_organs_below_the_skin(pad):
-    units = population.fingertip(pad, ("SAI", "FAII"), seed=1, depths={"FAII": 2.0})
-    found = population.sites(units)
-    assert len(found.types) == len(units.unit) == len(found.points)
-    depth = 12 - np.linalg.norm(found.points + np.array([0, 0, 12]), axis=1)
-    # The skin is at most spacing² / radius away, beside the outermost points.
-    np.testing.assert_allclose(depth, found.depths, atol=0.5**2 / 12)
-    assert set(found.depths) == {library.receptors()["SAI"].depth, 2.0}
+def test_sites_are_the_end_organs_below_the_skin():
+    found = population.sites(population.place(asked(ff.Scatter(seed=1)), SKIN, AXIS))
+    depth = 14 - np.linalg.norm(found.points - 14 * AXIS, axis=1)
+    np.testing.assert_allclose(depth, found.depths, atol=0.01)
+    deeper = asked(ff.Scatter(seed=1), ("SAI",), depths={"SAI": 2.0})
+    assert set(population.sites(population.place(deeper, SKIN, AXIS)).depths) == {2.0}
 
 
-def test_densities_add_up_to_the_published_total():
-    assert sum(row.density for row in library.innervation().values()) == 241
-    assert tuple(library.innervation()) == TYPES
-    for row in library.innervation().values():
-        assert row.organs == (1, 1) or row.field is not None
+def test_every_place_has_a_unit_of_each_type():
+    for layout, count in ((LINE, 5), (ff.Places(places=((0, 0), (1, 2))), 2), (ff.Grid(), 61)):
+        units = population.place(asked(layout), SKIN, AXIS)
+        assert units.types == ("SAI", "FAI") * (len(units) // 2)
+        assert len(units) // 2 == pytest.approx(count, abs=20 if count == 61 else 0)
+        np.testing.assert_array_equal(units.centers[::2], units.centers[1::2])
+
+
+def test_the_skin_of_half_a_mesh_is_that_of_the_whole():
+    points = np.array([[x, y, 0.1 * (x + y * y)] for x in range(4) for y in range(3)], float)
+    quads = [(3 * i + j, 3 * i + j + 1, 3 * i + j + 3) for i in range(3) for j in range(2)]
+    quads += [(3 * i + j + 1, 3 * i + j + 4, 3 * i + j + 3) for i in range(3) for j in range(2)]
+    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    half = meshed(points, np.array(quads), normals, half=False)
+    whole = meshed(points, np.array(quads), normals, half=True)
+    assert whole.areas.sum() == pytest.approx(2 * half.areas.sum())
+    assert len(whole.points) == 2 * len(points) - 4
+    np.testing.assert_allclose(np.sort(whole.points[:, 1]), -np.sort(-whole.points[:, 1])[::-1])
+
+
+def test_strain_on_the_other_side_is_mirrored():
+    points = np.array([[1.0, 2.0, 3.0], [1.0, -2.0, 3.0]])
+    assert np.array_equal(folded(points)[0], folded(points)[1])
+    one = np.arange(9.0).reshape(3, 3)
+    strain = np.tile(one + one.T, (4, 2, 1, 1))
+    out = unfolded(strain, points)
+    np.testing.assert_array_equal(out[:, 0], strain[:, 0])
+    sign = np.outer([1, -1, 1], [1, -1, 1])
+    np.testing.assert_array_equal(out[:, 1], sign * strain[:, 1])
+
+
+@pytest.fixture(scope="module")
+def halved():
+    return get("linear").respond(scene(LINE))
+
+
+def test_half_a_finger_gives_the_sites_of_the_whole(halved):
+    y = halved.sites.points[:, 1]
+    assert y.min() < -1.5
+    assert y.max() > 1.5
+    other = np.arange(10).reshape(5, 2)[::-1].ravel()  # the same type at the mirrored place
+    np.testing.assert_allclose(y, -y[other], atol=1e-9)
+    mirror = np.diag([1.0, -1.0, 1.0])
+    np.testing.assert_allclose(halved.strain, mirror @ halved.strain[:, other] @ mirror, atol=1e-9)
+    assert np.abs(halved.strain[-1, :, 0, 1]).max() > 1e-4
+
+
+def test_half_a_finger_and_the_whole_give_the_same_strain(halved):
+    tilted = replace(scene(LINE), indenter=ff.Flat(tilt=1e-6))
+    whole = get("linear").respond(tilted)
+    assert whole.numbers["half"] == 0.0
+    scale = np.abs(halved.strain[-1]).max()
+    # Two meshes of the same finger.
+    np.testing.assert_allclose(whole.strain[-1], halved.strain[-1], atol=0.12 * scale)
+
+
+def test_the_central_unit_fires_as_the_one_under_first_touch():
+    central = fire(scene(None), get("hertz").respond(scene(None)))
+    across = fire(scene(LINE), get("hertz").respond(scene(LINE)))
+    assert central.count().sum() > 3
+    for k, kind in enumerate(("SAI", "FAI")):
+        middle = across.index(f"{kind}-3")
+        np.testing.assert_allclose(across.positions[middle], central.positions[k], atol=0.01)
+        np.testing.assert_allclose(across.times[middle], central.times[k], atol=2e-4)
+
+
+def test_hertz_is_the_same_in_every_direction():
+    ring = [[0.0, 2.0], [0.0, -2.0]]
+    found = fire(scene(ff.Places(places=ring)), get("hertz").respond(scene(ff.Places(places=ring))))
+    np.testing.assert_allclose(found.x_in[:, 0], found.x_in[:, 2], atol=1e-9)
+    np.testing.assert_allclose(found.x_in[:, 1], found.x_in[:, 3], atol=1e-9)
+
+
+def test_spread_noise_and_distance_reach_the_units():
+    layout = replace(LINE, spread=0.5, noise=0.5, distance=500.0, seed=7)
+    response = get("hertz").respond(scene(layout))
+    found = fire(scene(layout), response)
+    plain = fire(scene(LINE), response)
+    assert found.seed == 7
+    assert plain.seed is None
+    assert not np.allclose(found.current.max(axis=0), plain.current.max(axis=0))
+    assert found.t_stop > plain.t_stop
 
 
 def test_delays_are_distance_over_velocity():
@@ -76,26 +142,92 @@ def test_delays_are_distance_over_velocity():
         population.delays(("FAI",), -1.0)
 
 
-def test_even_strain_gives_branched_units_the_spikes_of_one_end_organ(pad, answered):
-    places = [[0, 0, 0], [1, 1, 0], [-2, 1, 0]]
-    types = ("SAI", "FAI", "FAII")
-    branched = population.placed(pad, types, places, branched=True, seed=1)
-    plain = population.placed(pad, types, places)
-    assert len(branched.unit) > len(plain.unit) == 3
-    options = {"drives": dict.fromkeys(types, "compressive"), "check": False}
-    many = population.fire(answered(branched), branched, **options)
-    one = population.fire(answered(plain), plain, distance=500.0, **options)
-    assert one.count().sum() > 0
-    np.testing.assert_array_equal(many.count(), one.count())
-    for kind, a, b in zip(types, many.times, one.times, strict=True):
-        np.testing.assert_allclose(a + population.delays((kind,), 500.0), b, atol=1e-7)
-    np.testing.assert_array_equal(many.positions, branched.centers)
-    np.testing.assert_array_equal(many.depths, branched.depths)
+def test_a_response_without_these_end_organs_is_refused(synthetic):
+    with pytest.raises(InputError, match="'linear' has no end organs of a population"):
+        population.fire(synthetic.response, asked(LINE))
+    with pytest.raises(InputError, match="gives no strain"):
+        population.fire(replace(synthetic.response, strain=None), asked(LINE))
 
 
-def test_a_response_without_these_sites_is_refused(pad, answered, synthetic):
-    units = population.placed(pad, ("SAI",), [[0, 0, 0]])
-    with pytest.raises(InputError, match="received it at 4 other sites"):
-        population.fire(synthetic.response, units)
-    with pytest.raises(InputError, match="gives none"):
-        population.fire(replace(answered(units), strain=None), units)
+REFUSED = [
+    ({"kind": "scater"}, "ask.population.kind: .*Did you mean 'scatter'"),
+    ({"kind": "grid", "radios": 2}, r"radios: unknown key in \[ask.population\]"),
+    ({"kind": "line", "stop": [1, 1]}, "ask.population.start: missing"),
+    ({"kind": "line", "start": [1, 1], "stop": [1, 1]}, "another place than start"),
+    ({"kind": "line", "start": [0, 0], "stop": [1, 1], "count": 1}, "2 or more places"),
+    ({"kind": "places", "places": []}, "one place .* or more, received none"),
+    ({"kind": "places", "places": 3}, "a list of .x, y."),
+    ({"kind": "places", "places": [[1]]}, r"places\[0\]: expected a list of 2 numbers"),
+    ({"radius": 40}, "ask.population.radius: .*at most 10"),
+    ({"densities": {"SA": 3}}, r"SA: unknown key in \[ask.population.densities\]"),
+    ({"densities": {"SAI": 0}}, "densities.SAI: .*above 0"),
+    ({"densities": 3}, "densities: expected a table"),
+    ({"seed": -1}, "seed: expected a whole number"),
+    ({"rule": "sum"}, "ask.population.rule: expected one of 'mean'"),
+    ({"noise": 1e6}, "ask.population.noise: .*at most 100"),
+    ({"branched": 1}, "branched: expected true or false"),
+]
+
+
+@pytest.mark.parametrize(("table", "message"), REFUSED, ids=[m for _, m in REFUSED])
+def test_layouts_that_cannot_be_used_get_a_sentence(table, message):
+    base = scenes.load("flat-press").to_dict()
+    with pytest.raises(InputError, match=message):
+        ff.Scene.from_dict(base | {"ask": {"spikes": ["SAI"], "population": table}})
+
+
+def test_places_off_the_finger_and_a_population_without_types_get_a_sentence():
+    far = scene(ff.Places(places=((0.0, 13.5),)))
+    with pytest.raises(InputError, match=r"ask\.population\.places puts no place on the skin"):
+        get("hertz").respond(far)
+    with pytest.raises(InputError, match="places"):
+        get("linear").respond(far)
+    with pytest.raises(InputError, match=r"expected ask\.spikes to name the types"):
+        ff.Ask(population=LINE)
+    with pytest.raises(InputError, match=r"population\.radius: \d+ of \d+ units within 9 mm lie"):
+        get("linear").respond(scene(ff.Scatter(radius=9.0)))
+    with pytest.raises(InputError, match="leaves no unit"):
+        get("hertz").respond(scene(ff.Scatter(radius=0.1)))
+
+
+def test_scenes_with_populations_go_to_toml_and_back():
+    for layout in (
+        ff.Scatter(radius=3, densities={"SAI": 50}, spread=0.2, seed=4),
+        ff.Grid(spacing=0.5),
+        LINE,
+        ff.Places(places=((0, 1), (1, 1))),
+    ):
+        one = scene(layout)
+        assert ff.Scene.from_toml(one.to_toml()) == one
+    changed = scenes.load("population-press", {"ask.population.kind": "grid"})
+    assert changed.ask.population == ff.Grid(radius=4.0, seed=1)
+    set_ = scenes.load("flat-press", scenes.settings(["ask.population.radius=2"]))
+    assert set_.ask.population == ff.Scatter(radius=2.0)
+
+
+@pytest.fixture(scope="module")
+def answered():
+    overrides = {"finger.resolution": "coarse", "ask.population.radius": 2.5}
+    return ff.run(scenes.load("population-press", overrides), mechanics="hertz")
+
+
+def test_a_population_is_saved_loaded_told_and_drawn(answered, tmp_path):
+    answered.save(tmp_path)
+    again = ff.load(tmp_path)
+    np.testing.assert_array_equal(again.sites.unit, answered.sites.unit)
+    np.testing.assert_array_equal(again.spikes.positions, answered.spikes.positions)
+    assert again.scene == answered.scene
+    rows = (tmp_path / "spikes.csv").read_text().splitlines()
+    assert len(rows) == 1 + answered.spikes.count().sum()
+    assert "x_mm" in rows[0]
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for text in ("Spikes of the population", "SAI (14 units)", "FAI (27 units)", "from 27 of 27"):
+        assert text in html
+    assert "No noise" in html
+    said = ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields")
+    response = replace(answered.response, **dict.fromkeys(said))
+    drawn = replace(answered, spikes=replace(answered.spikes, seed=3), response=response)
+    report.write(drawn, tmp_path / "drawn.html")
+    html = (tmp_path / "drawn.html").read_text(encoding="utf-8")
+    assert "No noise" not in html
+    assert "from the seed 3" in html

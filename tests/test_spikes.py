@@ -196,3 +196,28 @@ def test_the_command_exits_with_2_on_unusable_input(press, tmp_path, capsys):
     assert main(["spikes", "--from", press, "--type", "RA"]) == 2
     assert "error: --type: expected one of" in capsys.readouterr().err
     assert main(["spikes"]) == 2
+
+
+def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
+    for name in ("SA1", "fai", "FAIII"):
+        path = write(
+            tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), [0, 0.1, 0.2], [0, 0.1, 0.1]
+        )
+        if name == "FAIII":
+            spikes.fire(spikes.read(path), corners=True)
+            continue
+        with pytest.raises(InputError, match="begins like that of an afferent type"):
+            spikes.fire(spikes.read(path), corners=True)
+
+
+def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
+    head = ("time", "displacement_mm")
+    path = write(tmp_path / "long.csv", head, [0, 1e5, 2e5], [0, 1, 1])
+    with pytest.raises(InputError, match="at most 3600 s in one run"):
+        spikes.fire(spikes.read(path), corners=True)
+    path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
+    found = spikes.fire(spikes.read(path), ("SAI",), corners=True, tolerance=0.05)
+    exact = spikes.fire(spikes.read(path), ("SAI",), corners=True)
+    np.testing.assert_allclose(found.times[0], exact.times[0], atol=5e-5)
+    with pytest.raises(InputError, match="--tolerance: expected"):
+        spikes.fire(spikes.read(path), corners=True, tolerance=0.0)

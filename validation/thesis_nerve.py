@@ -14,7 +14,7 @@ from fefinger.neural.membranes import HodgkinHuxley
 SAMPLES = 400  # of the current per cycle
 AMPLITUDES = (12.5, 25.0, 50.0)  # uA/cm²
 SLOWED = {1: (9, 14, 18), 2: (5, 7, 9), 4: (3, 3, 4), 8: (1, 2, 2), 16: (1, 1, 1)}
-"""Impulses per cycle with the rates divided by 6, by frequency in Hz (recomputed A5-8)."""
+"""Impulses per cycle with the rates divided by 6, by frequency in Hz (an independent solution)."""
 
 FASTER: dict[tuple[float, float], float] = {
     (32, 12.5): 1 / 2,
@@ -30,7 +30,7 @@ INVERTED_U = {0.5: 0, 1: 0, 2: 3, 4: 2, 8: 1, 16: 1, 32: 0.5}
 """The same at 6 uA/cm², by frequency."""
 
 STANDARD = {6.5: 0, 7.0: 26, 8.0: 42, 12.5: 79, 25.0: 128, 50.0: 181}
-"""Impulses per cycle at 0.5 Hz at full rate, by amplitude in uA/cm² (recomputed A5-8)."""
+"""Impulses per cycle at 0.5 Hz at full rate, by amplitude in uA/cm² (an independent solution)."""
 
 
 def per_cycle(divisor: float, frequency: float, amplitude: float) -> float:
@@ -99,12 +99,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
         for amplitude, expected in zip(AMPLITUDES, counts, strict=True):
             yield Case(
                 "thesis",
-                f"A5-8: impulses per cycle at {frequency} Hz, {amplitude:g} uA/cm², rates / 6",
+                f"4.3.3: impulses per cycle at {frequency} Hz, {amplitude:g} uA/cm², rates / 6",
                 partial(per_cycle, 6.0, frequency, amplitude),
                 expected,
                 1e-9,
                 "1",
-                "recomputed A5-8",
+                "an independent Runge-Kutta solution",
                 reason="a count, locked to the cycle",
             )
     slowed: dict[tuple[float, float], float] = {
@@ -120,29 +120,29 @@ def cases(*, quick: bool) -> Iterator[Case]:
             count,
             1e-9,
             "1",
-            "recomputed A5-8",
+            "an independent Runge-Kutta solution",
             reason="a count, locked to the cycle",
         )
     for amplitude, expected in STANDARD.items():
         yield Case(
             "thesis",
-            f"A5-8: impulses per cycle at 0.5 Hz, {amplitude:g} uA/cm², full rate",
+            f"4.3.3: impulses per cycle at 0.5 Hz, {amplitude:g} uA/cm², full rate",
             partial(per_cycle, 1.0, 0.5, amplitude),
             expected,
             1.0 if expected else 1e-9,
             "1",
-            "recomputed A5-8",
+            "an independent Runge-Kutta solution",
             reason="an impulse on the border between two cycles",
         )
     for temperature in (30.0, 37.0):
         yield Case(
             "thesis",
-            f"A5-8: impulses in 0.5 s of 50 uA/cm² at {temperature:g} degrees",
+            f"4.3.3: impulses in 0.5 s of 50 uA/cm² at {temperature:g} degrees",
             partial(warm, temperature),
             0.0,
             1.0,
             "1",
-            "recomputed A5-8: peaks below 40 mV at 30 and 37 degrees, Q10 = 3",
+            "an independent Runge-Kutta solution: peaks below 40 mV at 30 and 37 degrees, Q10 = 3",
             printed=500.0,
             erratum=(
                 "The thesis says that at 37 degrees there would be over a thousand impulses per "

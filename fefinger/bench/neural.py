@@ -1,4 +1,8 @@
-"""How fast and how exactly 1000 afferents fire: ramp and hold, rates / 6, 1 s."""
+"""How fast and how exactly 1000 afferents fire: ramp and hold, and sinusoids, rates / 6, 1 s.
+
+Membranes alone, then the integrators that a requested error of spike times chooses, then the whole
+chain from skin displacement to spikes with the memory that it takes.
+"""
 
 import os
 import time
@@ -6,6 +10,8 @@ import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +26,12 @@ method integrates too."""
 
 TOLERANCE = 5e-5
 
+TOLERANCES = (1e-3, 1e-4, 5e-5, 1e-5, 1e-7)
+"""s: errors of spike times that integrators are chosen by."""
+
+TONES = (2.0, 8.0, 20.0, 64.0)
+"""Hz; slower ones are exponentially sensitive near threshold, whatever the method."""
+
 DIVISOR = 6.0
 
 TIME = np.linspace(0.0, 1.0, 1001)
@@ -28,6 +40,7 @@ BASELINE, FAST = "plain Runge-Kutta 0.05 ms", "splitting, tolerance 0.05 ms"
 CHEAP = "integrate-and-fire"
 
 Spikes = list[NDArray[np.float64]]
+T = TypeVar("T")
 
 
 def currents(units: int) -> NDArray[np.float64]:
@@ -136,6 +149,87 @@ def errors(found: dict[str, Timing], fine: Spikes) -> list[Figure]:
     return figures
 
 
+def swings(units: int) -> NDArray[np.float64]:
+    """Return (n_t, units) uA/cm²: A (1 - cos) / 2 at TONES in turn, A from 2 to 60."""
+    tones = np.array(TONES)[np.arange(units) % len(TONES)]
+    waves = 0.5 * (1.0 - np.cos(2.0 * np.pi * np.outer(TIME, tones)))
+    return np.asarray(waves * np.linspace(2.0, 60.0, units), np.float64)
+
+
+def sinusoids() -> list[Figure]:
+    """Return speed and errors on sinusoids, of the chosen integrator and of Runge-Kutta."""
+    current, slowed = swings(UNITS), HodgkinHuxley(DIVISOR)
+    fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
+    base = once(lambda: plain(current, exponential=False))[0]
+    rows = []
+    choices: tuple[tuple[str, dict[str, Any]], ...] = (
+        (f"sinusoids, {FAST}", {"tolerance": TOLERANCE}),
+        ("sinusoids, Runge-Kutta 0.05 ms", {}),
+    )
+    for label, options in choices:
+        fire = partial(slowed.fire, TIME, current, stimulus_driven=False, **options)
+        wall, firing = once(fire)
+        error = compare(list(firing.times), fine)
+        rows += [
+            Figure(f"{label}: wall", wall, "s", base),
+            Figure(f"{label}: median spike-time error", error.median, "ms"),
+            Figure(f"{label}: worst spike-time error", error.worst, "ms"),
+            Figure(f"{label}: units miscounted", error.miscounted, f"of {UNITS}"),
+        ]
+    return rows
+
+
+def ladder(fine: Spikes) -> list[Figure]:
+    """Return, for each requested error, its 95th percentile and the speed of what it chooses."""
+    slowed, current, rows = HodgkinHuxley(DIVISOR), currents(UNITS), []
+    for asked in TOLERANCES:
+        method, dt = slowed.integrator(asked)
+        wall, firing = once(
+            partial(slowed.fire, TIME, current, tolerance=asked, stimulus_driven=False)
+        )
+        pairs = [(a, b) for a, b in zip(firing.times, fine, strict=True) if len(a) == len(b)]
+        error = 1e3 * float(np.quantile(np.abs(np.concatenate([a - b for a, b in pairs])), 0.95))
+        name = f"asked {1e3 * asked:g} ms: {method}, {1e6 * dt:.3g} us"
+        rows += [
+            Figure(f"{name}: 95 % of spike-time errors below", error, "ms"),
+            Figure(f"{name}: speed", UNITS / wall, "unit-s per s"),
+        ]
+    return rows
+
+
+def chain() -> list[Figure]:
+    """Return speed and memory from skin displacement to spikes, units of all four types."""
+    from fefinger.neural.afferents import simulate
+
+    types = tuple(np.tile(("SAI", "SAII", "FAI", "FAII"), UNITS // 4).tolist())
+    press = np.outer(np.clip(TIME / 0.05, 0.0, 1.0), np.linspace(0.1, 1.5, len(types)))
+    run = partial(simulate, TIME, press, types=types, check=False)
+    wall = once(run)[0]
+    return [
+        Figure("skin to spikes: wall", wall, "s"),
+        Figure("skin to spikes: memory beside its input", held(run), "MB"),
+    ]
+
+
+def once(work: Callable[[], T]) -> tuple[float, T]:
+    """Return the seconds of the fastest of three runs, and what the last gave."""
+    walls = []
+    for _ in range(3):
+        started = time.perf_counter()
+        answer = work()
+        walls.append(time.perf_counter() - started)
+    return min(walls), answer
+
+
+def held(work: Callable[[], object]) -> float:
+    """Return the most memory in MB that work holds at a time."""
+    tracemalloc.start()
+    work()
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    return memory
+
+
 def figures(progress: Progress) -> list[Figure]:
     """Return speed and errors of each method, memory, and the load of the machine at the start."""
     load = os.getloadavg()[0]
@@ -146,14 +240,14 @@ def figures(progress: Progress) -> list[Figure]:
     some = np.linspace(0, UNITS - 1, EXACT).astype(int)
     exact = slowed.fire(TIME, current[:, some], method="adaptive", stimulus_driven=False).times
     check = compare([fine[i] for i in some], list(exact))
-    tracemalloc.start()
-    slowed.fire(TIME, current, tolerance=TOLERANCE, stimulus_driven=False)
-    memory = tracemalloc.get_traced_memory()[1] / 1e6
-    tracemalloc.stop()
+    memory = held(partial(slowed.fire, TIME, current, tolerance=TOLERANCE, stimulus_driven=False))
     progress("neural", 1.0)
     return [
         *speeds(found),
         *errors(found, fine),
+        *sinusoids(),
+        *ladder(fine),
+        *chain(),
         Figure("reference against order 8: worst spike-time error", check.worst, "ms"),
         Figure("reference against order 8: units miscounted", check.miscounted, f"of {EXACT}"),
         Figure(f"{FAST}: memory beside its input", memory, "MB"),

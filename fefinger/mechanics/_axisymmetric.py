@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, sites
+from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, organs, sites
 from fefinger.records import Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Flat, Scene
 from fefinger.stages import Stages
@@ -19,6 +20,7 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
 if TYPE_CHECKING:
+    from fefinger.neural.populations import Surface
     from fefinger.theory.ting import ContactHistory
 
 Array = NDArray[np.float64]
@@ -104,11 +106,11 @@ def press(
             pad, pressure = _pressure(scene, contact, first, history)
             area = np.pi * contact.radius(history.edge) ** 2
             middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
-    organs = reference = strain = None
+    found = reference = strain = None
     if scene.ask.strain or scene.ask.spikes:
         with stages.stage("strain"):
-            organs = sites(scene, first.origin, first.axis)
-            r, z, frames = _cylinder(first, organs)
+            found = organs(scene, first.origin, first.axis, lambda: _skin(scene))
+            r, z, frames = _cylinder(first, found)
             strain = turned(history.strain(contact.strain(history.nodes, r, z)), frames)
             reference = _reference(scene, plate)
     radii, steps = len(history.nodes), len(history.time)
@@ -121,7 +123,7 @@ def press(
         centroid=middle,
         pad=pad,
         pressure=pressure,
-        sites=organs,
+        sites=found,
         strain=strain,
         reference=reference,
         fields=None,
@@ -192,20 +194,28 @@ def _reference(scene: Scene, plate: Contact) -> Reference:
 def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
     """Return r, z (m,) of the sites about the axis of the contact, and their frames (m, 3, 3).
 
-    z is the depth below the skin, which the half-space has flat.
+    The body has the skin flat: r is that of the skin above a site, z the depth below it, and the
+    frame is turned so that z runs along the site's own normal.
     """
-    offset = organs.points - first.origin
+    offset = organs.points + organs.depths[:, None] * organs.normals - first.origin
     across = offset - np.outer(offset @ first.axis, first.axis)
     r = np.linalg.norm(across, axis=1)
     side = _sideways(first.axis)[0]
     away = r > 1e-12 * (1.0 + np.abs(offset).max())
     radial = np.where(away[:, None], across / np.where(away, r, 1.0)[:, None], side)
-    axis = np.broadcast_to(first.axis, radial.shape)
+    inward = -organs.normals
+    radial = radial - np.einsum("ij,ij->i", radial, inward)[:, None] * inward
+    radial /= np.linalg.norm(radial, axis=1, keepdims=True)
     return (
         np.where(away, r, 0.0),
         organs.depths,
-        np.stack([radial, np.cross(axis, radial), axis], 1),
+        np.stack([radial, np.cross(inward, radial), inward], 1),
     )
+
+
+def _skin(scene: Scene) -> "Surface":
+    """Return the skin of the spherical pad that a population lies under."""
+    return spherical(scene.finger.pad_radius, direction(STANDARD))
 
 
 def _sideways(axis: Array) -> tuple[Array, Array]:

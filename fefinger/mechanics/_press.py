@@ -18,11 +18,20 @@ from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
 from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._skin import meshed
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
+from fefinger.mechanics._touch import (
+    REFERENCE_DEPTH,
+    STANDARD,
+    folded,
+    organs,
+    sites,
+    unfolded,
+)
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
+from fefinger.neural.populations import Surface
 from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Finger, Scene
 from fefinger.stages import Stages
@@ -88,6 +97,11 @@ def held(finger: Finger) -> tuple[str, ...]:
     return ("bone", "nail", "cut") if finger.cut == "fixed" else ("bone", "nail")
 
 
+def skin(finger: Body) -> Surface:
+    """Return the skin of the pad that a population lies under."""
+    return meshed(finger.space.points, finger.pad, finger.normals, half=finger.half)
+
+
 @dataclass(frozen=True)
 class _Contact:
     """The solved contact: where, on what, when, and the end organs that it strains."""
@@ -102,8 +116,9 @@ class _Contact:
 def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: Stages) -> _Contact:
     """Solve the contact, with more candidate vertices as long as it meets their rim."""
     asked_sites = scene.ask.strain or scene.ask.spikes
-    organs = sites(scene, touch.origin, touch.axis) if asked_sites else None
-    where = organs.points if organs else np.empty((0, 3))
+    found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
+    where = found.points if found else np.empty((0, 3))
+    where = folded(where) if finger.half else where
     probe = strain_at(finger.space, where, medial=finger.half)
     depth_control = scene.motion.control == "depth"
     value = scene.motion.value(time)
@@ -141,7 +156,7 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
             message = "indenter: expected contact with the finger, but it never touches"
             raise InputError(message)
         if not (pressed & candidates.edge).any():
-            return _Contact(touch, reduced, organs, time, history)
+            return _Contact(touch, reduced, found, time, history)
         reach *= GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
@@ -181,6 +196,7 @@ def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | Non
     if contact.sites is None:
         return None
     own = scene.indenter == STANDARD and contact.history.depth.max() >= REFERENCE_DEPTH
+    own = own and scene.ask.population is None
     return reference(scene, finger, contact.reduced if own else None)
 
 
@@ -229,6 +245,7 @@ def _answer(
     if contact.sites is not None:
         components = history.elastic @ contact.reduced.strain.T
         strain = tensors(components.reshape(len(contact.time), -1, 6))
+        strain = unfolded(strain, contact.sites.points) if finger.half else strain
     asked = scene.ask.pressure
     return {
         "time": contact.time,

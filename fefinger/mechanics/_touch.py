@@ -1,7 +1,10 @@
-"""Where the central end organs lie, and the small flat press that they are measured against.
+"""Where the end organs lie, and the small flat press that they are measured against.
 
 Shared by all mechanics; needs no mesh.
 """
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +12,10 @@ from numpy.typing import NDArray
 from fefinger.library import receptors
 from fefinger.records import Sites
 from fefinger.scene import Flat, Grating, Relief, Scene
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.populations import Surface
 
 
 Array = NDArray[np.float64]
@@ -37,3 +44,35 @@ def sites(scene: Scene, origin: Array, axis: Array) -> Sites:
     depth = np.array([known[kind] for kind in types])
     points = origin + depth[:, None] * axis
     return Sites(points, np.tile(-axis, (len(depth), 1)), depth, tuple(types))
+
+
+def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface]") -> Sites:
+    """Return the sites of the scene's population under its skin, or without one the central ones.
+
+    The population lies about the first touch of the standard plate, wherever the indenter is.
+    """
+    if scene.ask.population is None:
+        return sites(scene, origin, axis)
+    from fefinger import population
+
+    return population.sites(population.place(scene.ask, skin(), direction(STANDARD)))
+
+
+def folded(points: Array) -> Array:
+    """Return the points (n, 3) of a half model, y >= 0, that stand for points of the whole.
+
+    Those within rounding of the medial plane are put on it.
+    """
+    out = points.copy()
+    out[:, 1] = np.abs(points[:, 1])
+    out[out[:, 1] < 1e-9 * np.abs(points).max(initial=0.0), 1] = 0.0
+    return out
+
+
+def unfolded(strain: Array, points: Array) -> Array:
+    """Return strain (..., n, 3, 3) at points (n, 3) from that at the `folded` ones: mirrored."""
+    mirror = np.diag([1.0, -1.0, 1.0])
+    other = points[:, 1] < 0.0
+    out = strain.copy()
+    out[..., other, :, :] = mirror @ strain[..., other, :, :] @ mirror
+    return out

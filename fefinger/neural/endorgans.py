@@ -115,11 +115,37 @@ def respond_modes(
     k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
     since, step = at - time[k], np.diff(time, append=time[-1])
     slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
+    if len(p) and not np.iscomplexobj(p):
+        from fefinger.neural._modes import between
+
+        weights, poles = np.asarray(c, float), np.asarray(p, float)
+        real = between(at_rest, weights, poles, columns, slope, memory, k, since)
+        return real.reshape(at.shape + x_in.shape[1:])
     out = at_rest * (columns[k] + slope[k] * since[:, None])
     for i, pole in enumerate(p):
         decay = np.exp(-pole * since)[:, None]
         out += (c[i] * (memory[k, i] * decay + slope[k] * ((1.0 - decay) / pole))).real
     return out.reshape(at.shape + x_in.shape[1:])
+
+
+def chord_steps(
+    c: NDArray[Any], p: NDArray[Any], time: ArrayLike, x_in: ArrayLike, error: float
+) -> NDArray[np.float64]:
+    """Return, for each interval of `time`, the longest step (n_t - 1,) s at which to sample.
+
+    Straight lines between such samples of the output of `respond_modes` stray from it by `error`
+    mm at most, in any of the columns: the error of a chord is its curvature times step² / 8, and
+    the curvature is largest just after the sample that begins an interval.
+    """
+    time, x_in = np.asarray(time, float), np.asarray(x_in, float)
+    columns, step = x_in.reshape(len(time), -1), np.diff(time)
+    slope = np.diff(columns, axis=0) / np.where(step > 0, step, np.inf)[:, None]
+    memory = _memory(time, columns, p)[:-1]
+    bent = np.zeros(slope.shape)
+    for i, pole in enumerate(p):
+        bent += np.abs(c[i] * pole * (pole * memory[:, i] - slope))
+    most = bent.max(axis=1, initial=0.0)
+    return np.sqrt(8.0 * error / np.maximum(most, 1e-300))
 
 
 def _memory(

@@ -121,20 +121,20 @@ class Population:
 
 
 def scatter(
-    surface: Surface, densities: Mapping[str, float], *, seed: int
+    densities: Mapping[str, float], radius: float, normal: ArrayLike, *, seed: int
 ) -> tuple[tuple[str, ...], Array]:
-    """Return types and places (n, 3) mm of units spread at random over a surface.
+    """Return types and places (n, 3) mm of units at random in a disc about the origin.
 
-    densities: units per cm² by type. Their number is the density times the area, rounded; each
-    falls on a surface point in proportion to its area and anywhere within it. Types are drawn
-    apart, so that leaving one out does not move the others.
+    densities: units per cm² by type; radius in mm; normal (3,): across the disc. Their number is
+    the density times the area, rounded. Types are drawn apart, so that leaving one out does not
+    move the others, and no surface enters, so that another mesh does not move any.
 
     Raises
     ------
     InputError
-        An unknown type, a density that is not above 0, or an area too small for one unit.
+        An unknown type, a density that is not above 0, or a disc too small for one unit.
     """
-    area = 0.01 * float(surface.areas.sum())
+    area = 0.01 * np.pi * number("radius", radius, above=0.0, unit="mm") ** 2
     types: list[str] = []
     places = [np.empty((0, 3))]
     for kind, density in densities.items():
@@ -144,30 +144,60 @@ def scatter(
         if count == 0:
             msg = (
                 f"densities.{kind}: {density:g} per cm² leaves no unit on {area:.3g} cm² of skin; "
-                "raise the density, or give the place of one"
+                "raise the density or the radius, or give the place of one"
             )
             raise InputError(msg)
         rng = np.random.default_rng([_seed(seed), TYPES.index(kind)])
-        which = rng.choice(len(surface.areas), count, p=surface.areas / surface.areas.sum())
-        radius = np.sqrt(surface.areas[which] / np.pi)
-        places.append(surface.points[which] + _disc(rng, surface.normals[which], radius))
+        across = np.tile(np.asarray(normal, float), (count, 1))
+        places.append(_disc(rng, across, np.full(count, float(radius))))
         types += [kind] * count
     return tuple(types), np.concatenate(places)
 
 
-def grid(surface: Surface, spacing: float) -> Array:
-    """Return the points of a square grid in x and y, `spacing` mm apart, that lie on a surface.
+def settled(
+    surface: Surface, places: ArrayLike, axis: ArrayLike
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return places (n, 3) mm moved along an axis (3,) to the skin, and whether they meet it.
 
-    One of them is the point nearest to x = y = 0. InputError where none falls on the skin.
+    A place beside the skin does not: it would have to move across the axis by more than a spacing.
+    """
+    wanted, axis = np.asarray(places, float), np.asarray(axis, float)
+    points, _, on = surface.project(lifted(surface, wanted, axis))
+    moved = points - wanted
+    across = np.linalg.norm(moved - np.outer(moved @ axis, axis), axis=1)
+    return points, on & (across <= surface.spacing)
+
+
+def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
+    """Return places (n, 3) mm moved along an axis (3,) to the skin nearest to their line."""
+    places, axis = np.asarray(places, float), np.asarray(axis, float)
+    flat = surface.points - np.outer(surface.points @ axis, axis)
+    out = np.empty_like(places)
+    for i, place in enumerate(places):
+        # Of the points near the line, the first that the axis meets: the near side of the finger.
+        apart = np.linalg.norm(flat - (place - (place @ axis) * axis), axis=1)
+        near = apart <= max(float(apart.min()), surface.spacing)
+        facing = near & (surface.normals @ axis < 0.0)
+        chosen = np.flatnonzero(facing if facing.any() else near)
+        j = chosen[np.argmin(surface.points[chosen] @ axis)]
+        height = (surface.points[j] - place) @ surface.normals[j]
+        slope = float(axis @ surface.normals[j])
+        out[i] = place + (height / slope if abs(slope) > 0.2 else 0.0) * axis
+    return out
+
+
+def grid(surface: Surface, spacing: float, radius: float) -> Array:
+    """Return the points (n, 3) of a square grid in x and y on a surface.
+
+    `spacing` mm apart, x = y = 0 among them, and within `radius` mm of it in x and y. InputError
+    where none falls on the skin.
     """
     spacing = number("spacing", spacing, above=0.0, unit="mm")
-    low, high = surface.points.min(axis=0), surface.points.max(axis=0)
-    x, y = (
-        spacing * np.arange(np.ceil(low[i] / spacing), np.floor(high[i] / spacing) + 1)
-        for i in range(2)
-    )
-    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    return _kept(surface, places, f"a grid of {spacing:g} mm")
+    most = np.floor(number("radius", radius, above=0.0, unit="mm") / spacing)
+    x = spacing * np.arange(-most, most + 1)
+    places = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    inside = np.linalg.norm(places, axis=1) <= radius
+    return _kept(surface, places[inside], f"a grid of {spacing:g} mm")
 
 
 def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Array:
@@ -179,12 +209,15 @@ def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Arr
         msg = f"count: expected 2 or more places on a line, received {count}"
         raise InputError(msg)
     places = np.linspace(np.asarray(start, float), np.asarray(stop, float), count)
-    kept = _kept(surface, places, "a line")
-    if len(kept) < count:
-        msg = (
-            f"start, stop: expected a line over the skin, {count - len(kept)} of its {count} "
-            "places are beside it; bring its ends closer"
-        )
+    return over(surface, places, "start, stop", "bring the ends of the line closer")
+
+
+def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
+    """Return the points (n, 3) of a surface at places (n, 2) mm; InputError for one beside it."""
+    kept = _kept(surface, np.asarray(places, float), name)
+    beside = len(np.asarray(places)) - len(kept)
+    if beside:
+        msg = f"{name}: expected places over the skin, {beside} of them lie beside it; {advice}"
         raise InputError(msg)
     return kept
 
@@ -319,10 +352,10 @@ def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
 
 
 def _kept(surface: Surface, places: Array, what: str) -> Array:
-    """Return those places (n, 2) mm that lie on the skin, lifted to it, (m, 3)."""
-    nearest = [np.argmin(np.sum((surface.points[:, :2] - p) ** 2, axis=1)) for p in places]
-    height = surface.points[np.array(nearest, int), 2] if len(places) else np.empty(0)
-    points, _, on = surface.project(np.column_stack([places, height]))
+    """Return those places (n, 2) mm that lie on the skin, moved to it along z, (m, 3)."""
+    side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
+    above = np.column_stack([places, np.zeros(len(places))])
+    points, on = settled(surface, above, np.array([0.0, 0.0, -side]))
     if not on.any():
         msg = f"places: {what} puts no place on the skin; narrow it, or move it over the pad"
         raise InputError(msg)

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+FEW = 12
+"""Units up to which each is told and drawn by itself."""
+
 COLUMNS = ("unit", "type", "time_s")
 """Column names of `SpikeTrains.to_rows`."""
 
@@ -70,6 +73,18 @@ class SpikeTrains:
     def count(self) -> NDArray[np.int64]:
         """Return the number of spikes of each unit, (n_units,)."""
         return np.array([len(times) for times in self.times], np.int64)
+
+    def told(self) -> str:
+        """Return the numbers of spikes in words: by unit where they are few, else by type."""
+        counts = self.count()
+        if len(self) <= FEW:
+            return ", ".join(f"{n} {c}" for n, c in zip(self.names, counts.tolist(), strict=True))
+        said = []
+        for kind in dict.fromkeys(self.types):
+            of_kind = counts[np.array(self.types) == kind]
+            firing = int(np.count_nonzero(of_kind))
+            said.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
+        return ", ".join(said)
 
     def rate(self, unit: int | str, t: ArrayLike) -> NDArray[np.float64]:
         """Return the instantaneous rate of a unit in Hz at times `t` in s, of any shape.

@@ -7,18 +7,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, choice, number
-from fefinger.neural.afferents import (
-    checked_signals,
-    count_changes,
-    dense_times,
-    remarks,
-    unit_names,
+from fefinger.neural.endorgans import (
+    END_ORGANS,
+    RECTIFIERS,
+    TYPES,
+    Organ,
+    PoleZero,
+    chord_steps,
 )
-from fefinger.neural.endorgans import RECTIFIERS, TYPES, Organ
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATORS, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
+from fefinger.neural.signals import (
+    checked_signals,
+    count_changes,
+    dense_times,
+    organ_columns,
+    remarks,
+    unit_delays,
+    unit_names,
+)
 from fefinger.neural.trains import SpikeTrains
 
 
@@ -38,8 +47,15 @@ NOISE_STEP = 1e-3
 """s between the independent values of membrane noise, which is linear in between: a choice, near
 the duration of a channel's opening and far below the time of the slowed membrane."""
 
-_DENSE = 2_000_000
-"""Values of dense current held at a time: 16 MB."""
+STRAIGHT, LONGEST = 1e-5, 2e-3
+"""uA/cm² that currents may stray from straight lines between their samples, which are as many s
+apart at most."""
+
+_DENSE = 500_000
+"""Values of current held at a time: 4 MB, and some times that while they are computed."""
+
+LANES = 16
+"""Units that one thread integrates at once; groups of so many keep all lanes filled."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +85,13 @@ class Variation:
 
     def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
         """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
-        knots = start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
+        knots = self.knots(start, stop)
         values = self.noise * self._draw(unit, 1).normal(size=(branches, len(knots)))
         return np.column_stack([np.interp(at, knots, row) for row in values])
+
+    def knots(self, start: float, stop: float) -> Array:
+        """Return the times in s at which noise has values of its own."""
+        return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
 
     def _draw(self, unit: int, purpose: int) -> np.random.Generator:
         return np.random.default_rng([self.seed, unit, purpose])
@@ -90,6 +110,33 @@ class _Setup:
     gains: Array
     membrane: Membrane
     variation: Variation | None
+    method: str | None
+
+    def sampled(self, units: Sequence[int], time: Array, x_in: Array, dt: float) -> Array:
+        """Return the times at which the currents of units of one type are sampled.
+
+        Straight lines in between keep to them within STRAIGHT dt / LARGEST_STEP, where that needs
+        steps longer than dt; a filter without real modes is sampled every dt.
+        """
+        organ = self.organs.get(self.types[units[0]], END_ORGANS[self.types[units[0]]])
+        steps: Array | float = dt
+        if isinstance(organ, PoleZero):
+            _, c, p = organ.partial_fractions()
+            error = STRAIGHT * dt / LARGEST_STEP / float(np.max(self.gains[units]))
+            columns = np.concatenate([self.columns[i] for i in units])
+            steps = np.clip(chord_steps(c, p, time, x_in[:, columns], error), dt, LONGEST)
+        at = dense_times(time, steps)
+        if self.variation is None or self.variation.noise == 0.0:
+            return at
+        knots = self.variation.knots(float(time[0]), float(time[-1]))
+        return np.unique(np.concatenate([at, knots[knots < time[-1]]]))
+
+    def run(self, at: Array, currents: Array, dt: float, *, driven: bool) -> Firing:
+        """Return what the membranes do under currents (n_at, n_units)."""
+        if self.method is None:
+            return self.membrane.fire(at, currents, dt=dt, stimulus_driven=driven)
+        membrane = _squid(self.membrane, "tolerance: expected")
+        return membrane.fire(at, currents, dt=dt, method=self.method, stimulus_driven=driven)
 
     def branches(
         self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
@@ -155,6 +202,7 @@ def simulate_units(
     positions: ArrayLike | None = None,
     depths: ArrayLike | None = None,
     dt: float = LARGEST_STEP,
+    tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
     """Return the spikes of afferent units, each with one end organ or many.
@@ -181,7 +229,7 @@ def simulate_units(
         One of RECTIFIERS; filters by type, where they are not those of END_ORGANS.
     names, positions, depths
         Of the units: names, (n_units, 3) mm and (n_units,) mm.
-    generator, membrane, dt, check
+    generator, membrane, dt, tolerance, check
         As in `simulate`.
 
     Raises
@@ -193,15 +241,22 @@ def simulate_units(
     choice("generator", generator, GENERATORS)
     choice("rectifier", rectifier, RECTIFIERS)
     choice("rule", rule, RULES)
-    columns = _columns(unit, len(types))
+    if not types:
+        msg = "types: expected one afferent unit or more, received none"
+        raise InputError(msg)
+    columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
     names = unit_names(types) if names is None else tuple(names)
     if len(names) != len(types):
         msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
         raise InputError(msg)
     membrane = membrane or HodgkinHuxley()
+    method = None
     if rule == "first":
-        _racing(membrane)
+        _squid(membrane, "rule: expected for 'first'")
+    if tolerance is not None:
+        squid = _squid(membrane, "tolerance: expected")
+        method, dt = squid.integrator(tolerance, float(time[-1] - time[0]))
     factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
     setup = _Setup(
         types=types,
@@ -213,13 +268,14 @@ def simulate_units(
         gains=np.array([GAINS[kind] for kind in types]) * factors,
         membrane=membrane,
         variation=variation,
+        method=method,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
     notes = remarks(time, mean_in, types, names, firing)
     if check:
         notes += _changes(setup, time, x_in, dt, names, firing)
-    later = _delays(delays, len(types))
+    later = unit_delays(delays, len(types))
     return SpikeTrains(
         types=types,
         names=names,
@@ -239,34 +295,10 @@ def simulate_units(
     )
 
 
-def _columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
-    """Return the columns of each unit's end organs."""
-    unit = np.asarray(unit)
-    whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
-    if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
-        msg = (
-            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
-            f"units has one or more; received {np.unique(unit).tolist()}"
-        )
-        raise InputError(msg)
-    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
-
-
-def _delays(delays: ArrayLike, n_units: int) -> Array:
-    later = np.asarray(delays, float)
-    if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
-        msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
-        raise InputError(msg)
-    return np.broadcast_to(later, (n_units,))
-
-
-def _racing(membrane: object) -> HodgkinHuxley:
-    """Return a membrane that can race, or raise InputError."""
+def _squid(membrane: object, what: str) -> HodgkinHuxley:
+    """Return a membrane that is a HodgkinHuxley, or raise InputError."""
     if not isinstance(membrane, HodgkinHuxley):
-        msg = (
-            "rule: 'first' races HodgkinHuxley membranes alone, received "
-            f"{type(membrane).__name__}; use 'mean' or 'max'"
-        )
+        msg = f"{what} a HodgkinHuxley membrane, received {type(membrane).__name__}"
         raise InputError(msg)
     return membrane
 
@@ -285,19 +317,26 @@ def _changes(
 
 
 def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -> Firing:
-    """Run the units, as many at a time as memory should hold dense signals of."""
-    at = dense_times(time, dt)
+    """Run the units type by type, as many at a time as memory should hold the currents of."""
     if setup.rule == "first":
-        runs = [_race(setup, i, time, x_in, at, dt, driven=driven) for i in range(len(setup.types))]
-        return _joined(runs)
-    step, runs = max(1, _DENSE // len(at)), []
-    for start in range(0, len(setup.types), step):
-        units = range(start, min(start + step, len(setup.types)))
-        currents = setup.met(units, time, x_in, at)
-        for k, i in enumerate(units):
-            currents[:, k : k + 1] += setup.noise(i, at, 1)
-        runs.append(setup.membrane.fire(at, currents, dt=dt, stimulus_driven=driven))
-    return _joined(runs)
+        races = [
+            _race(setup, i, time, x_in, setup.sampled([i], time, x_in, dt), dt, driven=driven)
+            for i in range(len(setup.types))
+        ]
+        return _joined(races, np.arange(len(races)))
+    runs, order = [], []
+    for kind in dict.fromkeys(setup.types):
+        units = [i for i, other in enumerate(setup.types) if other == kind]
+        at = setup.sampled(units, time, x_in, dt)
+        step = LANES * max(1, _DENSE // (LANES * len(at)))
+        for start in range(0, len(units), step):
+            some = units[start : start + step]
+            currents = setup.met(some, time, x_in, at)
+            for k, i in enumerate(some):
+                currents[:, k : k + 1] += setup.noise(i, at, 1)
+            runs.append(setup.run(at, currents, dt, driven=driven))
+            order += some
+    return _joined(runs, np.argsort(order))
 
 
 def _race(
@@ -308,7 +347,7 @@ def _race(
 
     (currents,) = setup.branches([unit], time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
-    membrane, crossings = _racing(setup.membrane), 0
+    membrane, crossings = _squid(setup.membrane, "rule: expected for 'first'"), 0
     if driven:
         crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
     spikes = np.empty(int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16)
@@ -334,12 +373,13 @@ def _race(
     )
 
 
-def _joined(runs: Sequence[Firing]) -> Firing:
-    """Return the firing of all units from that of groups of them."""
+def _joined(runs: Sequence[Firing], order: NDArray[np.intp]) -> Firing:
+    """Return the firing of all units from that of groups of them, put in this order."""
+    times = [times for run in runs for times in run.times]
     return Firing(
-        times=tuple(times for run in runs for times in run.times),
-        peak_mV=np.concatenate([run.peak_mV for run in runs]),
-        block_seconds=np.concatenate([run.block_seconds for run in runs]),
-        stimulus_driven=np.concatenate([run.stimulus_driven for run in runs]),
-        final=np.concatenate([run.final for run in runs]),
+        times=tuple(times[i] for i in order),
+        peak_mV=np.concatenate([run.peak_mV for run in runs])[order],
+        block_seconds=np.concatenate([run.block_seconds for run in runs])[order],
+        stimulus_driven=np.concatenate([run.stimulus_driven for run in runs])[order],
+        final=np.concatenate([run.final for run in runs])[order],
     )

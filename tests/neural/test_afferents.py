@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.afferents import count_changes, from_strain, simulate
+from fefinger.neural.afferents import from_strain, simulate
 from fefinger.neural.endorgans import TYPES
+from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.signals import count_changes
 
 
 FLAT = np.diag([0.04, 0.05, -0.1])
@@ -148,6 +150,7 @@ def test_counts_that_change_are_named():
         ([0, 1], np.zeros((2, 0)), {"types": ()}, "one afferent unit or more"),
         ([0, 1], np.zeros((2, 2)), {"types": ("SAI",)}, "expected \\(n_t,\\)"),
         ([0, 0.5, 0.2], np.zeros((3, 1)), {"types": ("SAI",)}, "never decrease"),
+        ([0, 1e6], np.zeros((2, 1)), {"types": ("SAI",)}, "at most 3600 s in one run"),
         ([0, 1], np.full((2, 1), np.nan), {"types": ("SAI",)}, "finite values"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "generator": "quadratic"}, "generator"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "received 2"),
@@ -193,3 +196,32 @@ def test_numba_is_imported_only_when_a_membrane_runs():
         "sys.exit(any(name in sys.modules for name in ('numba', 'scipy')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_requested_tolerance_is_kept_and_chooses_the_integrator():
+    time, x = press(hold=1.0)
+    exact = respond(time, x, check=False, dt=1e-5)
+    for tolerance in (1e-3, 5e-5, 1e-6):
+        found = respond(time, x, check=False, tolerance=tolerance)
+        np.testing.assert_array_equal(found.count(), exact.count())
+        errors = np.concatenate([a - b for a, b in zip(found.times, exact.times, strict=True)])
+        assert np.quantile(np.abs(errors), 0.95) <= tolerance
+    with pytest.raises(InputError, match="tolerance: expected a HodgkinHuxley membrane"):
+        respond(time, x, tolerance=1e-3, membrane=IntegrateAndFire())
+
+
+def test_many_units_are_fired_as_each_by_itself():
+    time, x = press(hold=0.3)
+    scale = np.linspace(0.2, 1.0, 37)
+    types = tuple(np.tile(TYPES, 10)[:37])
+    many = simulate(time, np.outer(x, scale), types=types, check=False)
+    for i in (0, 5, 18, 35, 36):
+        one = simulate(time, scale[i] * x[:, None], types=types[i : i + 1], check=False)
+        np.testing.assert_allclose(many.times[i], one.times[0], atol=2e-6)
+
+
+def test_many_sentences_of_a_kind_become_one():
+    time, x = press(hold=0.3)
+    found = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
+    assert any("(so, or alike, 9 units)" in note for note in found.notes)
+    assert len(found.notes) < 9

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero, rectify
+from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero, chord_steps, rectify
+from fefinger.neural.signals import dense_times
 
 
 KINDS = pytest.mark.parametrize("kind", TYPES)
@@ -99,3 +100,30 @@ def test_rectification_comes_after_the_filter_and_keeps_the_positive_half():
 def test_impossible_filters_are_refused(zeros, poles):
     with pytest.raises(InputError, match="as many zeros as poles"):
         PoleZero(zeros, poles)
+
+
+@KINDS
+def test_straight_lines_between_the_samples_of_chord_steps_keep_the_error(kind):
+    time = np.array([0.0, 0.01, 0.05, 0.05, 0.3, 1.5])
+    x_in = np.array([[0.0, 0.0], [0.2, 0.1], [1.0, -0.4], [1.2, 0.5], [1.2, 0.5], [0.3, 0.5]])
+    error = 1e-4
+    organ = END_ORGANS[kind]
+    _, c, p = organ.partial_fractions()
+    steps = np.minimum(chord_steps(c, p, time, x_in, error), 0.1)
+    at = dense_times(time, steps)
+    middle = 0.5 * (at[1:] + at[:-1])[np.diff(at) > 1e-12]
+    sampled = organ.respond(time, x_in, at)
+    for unit in range(2):
+        chords = np.interp(middle, at, sampled[:, unit])
+        strayed = np.abs(chords - organ.respond(time, x_in, middle)[:, unit])
+        assert strayed.max() <= error * (1 + 1e-9)
+        assert strayed.max() > 0.05 * error or kind == "FAII"
+    assert len(at) < 6000 or kind == "FAII"
+
+
+def test_a_jump_keeps_the_value_before_it():
+    at = dense_times(np.array([0.0, 0.1, 0.1, 0.2]), 0.05)
+    assert np.all(np.diff(at) > 0)
+    before, after = END_ORGANS["SAI"].respond([0, 0.1, 0.1, 0.2], [0, 0, 1, 1], at[2:4])
+    assert before == 0.0
+    assert after == pytest.approx(1.0, abs=1e-9)

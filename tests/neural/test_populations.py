@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.populations import Surface, grid, line, populate, scatter
+from fefinger.neural.populations import Surface, grid, lifted, line, populate, scatter
 
 
 DEPTHS = {"SAI": 0.8, "SAII": 1.25, "FAI": 0.5, "FAII": 2.5}
@@ -33,6 +33,7 @@ def _plane(half, n):
 
 
 CAP, FLAT = cap(), flat()
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def test_places_between_the_points_of_a_sphere_lie_on_it_to_a_hundredth_of_the_spacing():
@@ -53,29 +54,47 @@ def test_places_beside_the_skin_are_told():
 
 
 def test_numbers_are_density_times_area_and_the_places_are_even():
-    types, places = scatter(FLAT, {"SAI": 70.0, "SAII": 6.0, "FAI": 900.0}, seed=1)
-    area = FLAT.areas.sum() / 100
-    for kind, density in (("SAI", 70), ("SAII", 6), ("FAI", 900)):
-        assert types.count(kind) == round(density * area)
+    wanted = {"SAI": 70.0, "SAII": 6.0, "FAI": 900.0}
+    types, places = scatter(wanted, 10.0, [0.0, 0.6, 0.8], seed=1)
+    for kind, density in wanted.items():
+        assert types.count(kind) == round(density * np.pi)
+    np.testing.assert_allclose(places @ [0.0, 0.6, 0.8], 0.0, atol=1e-12)
     fast = places[np.array(types) == "FAI"]
-    cells = np.histogram2d(fast[:, 0], fast[:, 1], bins=4, range=[[-10, 10], [-10, 10]])[0]
-    expected = len(fast) / 16
-    # Pearson's statistic has 15 degrees of freedom: 37.7 is passed once in a thousand.
-    assert np.sum((cells - expected) ** 2 / expected) < 37.7
-    assert FLAT.project(places)[2].all()
+    rings = np.histogram(np.linalg.norm(fast, axis=1) ** 2, bins=8, range=(0, 100))[0]
+    turns = np.histogram(np.arctan2(fast @ [0.0, 0.8, -0.6], fast[:, 0]), bins=8)[0]
+    for counts in (rings, turns):
+        expected = len(fast) / 8
+        # Pearson's statistic has 7 degrees of freedom: 24.3 is passed once in a thousand.
+        assert np.sum((counts - expected) ** 2 / expected) < 24.3
 
 
 def test_a_seed_gives_the_same_places_and_types_do_not_move_each_other():
-    one = scatter(FLAT, {"SAI": 70.0, "FAI": 140.0}, seed=3)
-    np.testing.assert_array_equal(one[1], scatter(FLAT, {"SAI": 70.0, "FAI": 140.0}, seed=3)[1])
-    alone = scatter(FLAT, {"FAI": 140.0}, seed=3)[1]
+    both = {"SAI": 70.0, "FAI": 140.0}
+    one = scatter(both, 5.0, UP, seed=3)
+    np.testing.assert_array_equal(one[1], scatter(both, 5.0, UP, seed=3)[1])
+    alone = scatter({"FAI": 140.0}, 5.0, UP, seed=3)[1]
     np.testing.assert_array_equal(one[1][np.array(one[0]) == "FAI"], alone)
-    assert not np.array_equal(alone, scatter(FLAT, {"FAI": 140.0}, seed=4)[1])
+    assert not np.array_equal(alone, scatter({"FAI": 140.0}, 5.0, UP, seed=4)[1])
+
+
+def test_places_are_lifted_along_the_axis_to_the_near_side_of_the_skin():
+    ball = cap()
+    both = Surface(
+        np.concatenate([ball.points, ball.points * [1, 1, -1] - [0, 0, 20]]),
+        np.concatenate([ball.normals, ball.normals * [1, 1, -1]]),
+        np.concatenate([ball.areas, ball.areas]),
+    )
+    xy = np.random.default_rng(2).uniform(-4, 4, (40, 2))
+    lifted_to = lifted(both, np.column_stack([xy, np.full(40, 3.0)]), -UP)
+    np.testing.assert_allclose(lifted_to[:, :2], xy, atol=1e-12)
+    # On the plane that touches the sphere at the nearest point: spacing² / radius above it.
+    height = np.sqrt(100 - np.sum(xy**2, axis=1)) - 10
+    assert np.all(np.abs(lifted_to[:, 2] - height) < 0.01)
 
 
 def test_a_grid_covers_the_skin_and_a_line_its_length():
-    places = grid(CAP, 2.0)
-    assert len(places) == 25
+    places = grid(CAP, 2.0, 4.5)
+    assert len(places) == 21
     np.testing.assert_allclose(places[:, :2] / 2, np.round(places[:, :2] / 2), atol=0.05)
     along = line(CAP, (-4, 0), (4, 0), 9)
     assert along.shape == (9, 3)
@@ -125,14 +144,17 @@ def test_branches_stay_on_the_skin_at_its_edge():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: scatter(FLAT, {"SAI": 0.01}, seed=1), "leaves no unit on 4 cm² of skin"),
-        (lambda: scatter(FLAT, {"SA": 70.0}, seed=1), "Did you mean 'SAI'"),
-        (lambda: scatter(FLAT, {"SAI": -1.0}, seed=1), "densities.SAI: expected a finite number"),
-        (lambda: scatter(FLAT, {"SAI": 70.0}, seed=None), "seed: expected a whole number"),
-        (lambda: line(FLAT, (0, 0), (30, 0), 5), "3 of its 5 places are beside it"),
+        (lambda: scatter({"SAI": 0.01}, 10.0, UP, seed=1), "leaves no unit on 3.14 cm² of skin"),
+        (lambda: scatter({"SA": 70.0}, 5.0, UP, seed=1), "Did you mean 'SAI'"),
+        (
+            lambda: scatter({"SAI": -1.0}, 5.0, UP, seed=1),
+            "densities.SAI: expected a finite",
+        ),
+        (lambda: scatter({"SAI": 70.0}, 5.0, UP, seed=None), "seed: expected a whole number"),
+        (lambda: line(FLAT, (0, 0), (30, 0), 5), "3 of them lie beside it; bring the ends"),
         (lambda: line(FLAT, (20, 0), (30, 0), 5), "puts no place on the skin"),
         (lambda: line(FLAT, (0, 0), (1, 0), 1), "count: expected 2"),
-        (lambda: grid(FLAT, 0.0), "spacing: expected"),
+        (lambda: grid(FLAT, 0.0, 5.0), "spacing: expected"),
         (lambda: populate(FLAT, (), np.zeros((0, 3)), depths=DEPTHS), "one or more"),
         (
             lambda: populate(FLAT, ("SAI",), [[40, 0, 0]], depths=DEPTHS),

@@ -1,0 +1,126 @@
+"""Figures of many afferent units: raster, map of rates on the pad, frequency response.
+
+Siblings of `figures.py`, which draws the few units of an ordinary scene one by one.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fefinger.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
+from fefinger.neural.statistics import mean_rates
+from fefinger.neural.trains import SpikeTrains
+from fefinger.records import Integers, Pad, Result
+
+
+BIN = 60  # bins of the histogram over the whole time
+
+
+def raster(result: Result) -> Any:
+    """Draw the spikes of a population by type, nearest to the first touch on top, and its rates."""
+    trains = result.spikes
+    assert trains is not None
+    kinds, end = of_each(trains.types), trains.t_stop
+    edges = np.linspace(trains.t_start, end, BIN + 1)
+    with style():
+        drawn = figure(WIDE, 1.2 + 1.3 * len(kinds) + 1.6)
+        heights = [max(0.8, len(which) / len(trains) * len(kinds)) for which in kinds.values()]
+        axes = drawn.subplots(
+            len(kinds) + 2, 1, sharex=True, height_ratios=[*heights, 0.9, 0.6], squeeze=False
+        )[:, 0]
+        for axis, (kind, which) in zip(axes, kinds.items(), strict=False):
+            color = COLORS.get(kind, INK)
+            rows = [trains.times[i] for i in _by_distance(trains, which)]
+            axis.eventplot(rows, colors=color, linelengths=1.0, linewidths=1.0)
+            axis.set(ylabel=f"{kind}\n{len(which)} units", yticks=[], ylim=(len(which) - 0.5, -0.5))
+            axis.grid(visible=False)
+            counts = np.histogram(np.concatenate([np.empty(0), *rows]), edges)[0]
+            axes[-2].stairs(counts / (len(which) * np.diff(edges)), edges, color=color, label=kind)
+        axes[-2].set_ylabel("mean rate\n/ Hz")
+        axes[-2].legend(ncols=len(kinds), loc="upper right")
+        axes[-1].plot(result.time, result.depth, color=STEEL)
+        axes[-1].set(ylabel="depth\n/ mm", xlabel="time / s", xlim=(trains.t_start, end))
+        return drawn
+
+
+def rate_map(result: Result) -> Any:
+    """Draw the places of the units seen from below, colored by their rate over the whole time."""
+    trains = result.spikes
+    assert trains is not None
+    assert trains.positions is not None
+    kinds = of_each(trains.types)
+    rates = mean_rates(trains, trains.t_start, trains.t_stop)
+    across = trains.positions[:, :2]
+    low, high = across.min(axis=0) - 0.8, across.max(axis=0) + 0.8
+    with style():
+        drawn = figure(WIDE, 2.1 + 3.2 / len(kinds))
+        axes = drawn.subplots(1, len(kinds), sharey=True, squeeze=False)[0]
+        for axis, (kind, which) in zip(axes, kinds.items(), strict=True):
+            _outline(axis, result)
+            top = max(float(rates[which].max()), 1e-9)
+            dots = axis.scatter(
+                *across[which].T, c=rates[which], s=22, cmap="viridis", vmin=0.0, vmax=top, zorder=3
+            )
+            axis.set(xlabel="x (distal) / mm", title=f"{kind}: {len(which)} units", aspect="equal")
+            axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+            drawn.colorbar(dots, ax=axis, label="rate / Hz", shrink=0.8)
+        axes[0].set_ylabel("y (radial) / mm")
+        return drawn
+
+
+def frequency_response(
+    frequencies: ArrayLike,
+    curves: Mapping[str, ArrayLike],
+    *,
+    ylabel: str = "impulses / cycle",
+    size: tuple[float, float] = (5.6, 3.6),
+) -> Any:
+    """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
+    with style():
+        drawn = figure(*size)
+        axis = drawn.subplots()
+        shades = _shades(len(curves))
+        for (name, values), color in zip(curves.items(), shades, strict=True):
+            shown = np.where(np.asarray(values, float) > 0, values, np.nan)
+            axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
+        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel=ylabel)
+        axis.set_xticks(np.asarray(frequencies), [f"{f:g}" for f in np.asarray(frequencies)])
+        axis.minorticks_off()
+        axis.legend(
+            ncols=1 + len(curves) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7
+        )
+        return drawn
+
+
+def _shades(count: int) -> list[Any]:
+    """Return colors from dark to light, for amplitudes from large to small."""
+    import matplotlib
+
+    return list(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.88, count)))
+
+
+def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:
+    """Return these units by their distance from the origin, nearest first."""
+    if trains.positions is None:
+        return which
+    return which[np.argsort(np.linalg.norm(trains.positions[which], axis=1), kind="stable")]
+
+
+def _outline(axis: Any, result: Result) -> None:
+    """Draw where the pad is pressed at the largest force."""
+    pad: Pad | None = result.pad
+    if pad is None or result.pressure is None:
+        return
+    pressure = result.pressure[int(np.argmax(result.response.force))]
+    palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
+    if pressure.max() > 0:
+        axis.tricontourf(
+            *pad.points[:, :2].T,
+            pad.triangles[palmar],
+            pressure,
+            levels=np.linspace(0.02, 1.0, 6) * pressure.max(),
+            cmap="Greys",
+            alpha=0.35,
+        )

@@ -1,0 +1,170 @@
+"""Where the units of a population lie and how each is built: the table [ask.population]."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from fefinger.checks import InputError, choice, flag, number, reject_unknown
+from fefinger.lists import numbers
+from fefinger.neural.endorgans import TYPES
+
+
+RULES = ("mean", "max", "first")
+"""How the end organs of a unit meet: `neural.units.RULES` says what each does."""
+
+LARGEST_RADIUS = 10.0
+"""mm: no pad is wider."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Units of the types in `ask.spikes`, about the first touch of the 30 degree plate.
+
+    Parameters
+    ----------
+    branched
+        Whether units have the published numbers of end organs, or one each at their place.
+    rule
+        How the currents of a unit's end organs meet: "mean", "max" or "first".
+    distance
+        mm of nerve to where the spikes are recorded.
+    spread, noise
+        Standard deviation of the logarithm of the units' gains, and of their membrane noise in
+        uA/cm²; 0: units of a type are alike, and fire the same spikes every time.
+    seed
+        Of everything that is drawn: places, end organs, gains and noise.
+    """
+
+    kind: ClassVar[str]
+
+    branched: bool = True
+    rule: str = "mean"
+    distance: float = 0.0
+    spread: float = 0.0
+    noise: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the fields that all layouts have."""
+        flag("ask.population.branched", self.branched)
+        choice("ask.population.rule", self.rule, RULES)
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            msg = (
+                f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
+            )
+            raise InputError(msg)
+        self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
+        self._number("spread", at_least=0.0, at_most=3.0)
+        self._number("noise", at_least=0.0, at_most=100.0, unit="uA/cm²")
+
+    @property
+    def random(self) -> bool:
+        """Whether gains or spikes are drawn, beside the places."""
+        return self.spread > 0.0 or self.noise > 0.0
+
+    def _number(self, name: str, **limits: Any) -> None:
+        value = number(f"ask.population.{name}", getattr(self, name), **limits)
+        object.__setattr__(self, name, value)
+
+    def _point(self, name: str) -> None:
+        value = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
+        object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scatter(Layout):
+    """Units at random within `radius` mm, at their published densities.
+
+    densities: units per cm² across the first touch, for the types that differ from the library.
+    """
+
+    kind = "scatter"
+
+    radius: float = 5.0
+    densities: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        """Check radius and densities."""
+        super().__post_init__()
+        self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
+        name = "ask.population.densities"
+        given: Any = self.densities
+        if not isinstance(given, Mapping):
+            msg = f"{name}: expected a table such as {{SAI = 70}}, received {given!r}"
+            raise InputError(msg)
+        reject_unknown(name, given, TYPES)
+        checked = {
+            kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
+            for kind, value in self.densities.items()
+        }
+        object.__setattr__(self, "densities", checked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid(Layout):
+    """A unit of each type every `spacing` mm in x and y, within `radius` mm."""
+
+    kind = "grid"
+
+    branched: bool = False
+    spacing: float = 1.0
+    radius: float = 5.0
+
+    def __post_init__(self) -> None:
+        """Check spacing and radius."""
+        super().__post_init__()
+        self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
+        self._number("spacing", at_least=0.1, at_most=self.radius, unit="mm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line(Layout):
+    """`count` units of each type above a straight line in x and y, from `start` to `stop` in mm."""
+
+    kind = "line"
+
+    start: tuple[float, float]
+    stop: tuple[float, float]
+    count: int = 11
+    branched: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the ends and the number."""
+        super().__post_init__()
+        for name in ("start", "stop"):
+            self._point(name)
+        if self.start == self.stop:
+            msg = f"ask.population.stop: expected another place than start, received {self.stop}"
+            raise InputError(msg)
+        if isinstance(self.count, bool) or not isinstance(self.count, int) or self.count < 2:
+            msg = f"ask.population.count: expected 2 or more places, received {self.count!r}"
+            raise InputError(msg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Places(Layout):
+    """A unit of each type at each of `places`, a list of [x, y] in mm."""
+
+    kind = "places"
+
+    places: tuple[tuple[float, float], ...]
+    branched: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the list."""
+        super().__post_init__()
+        name = "ask.population.places"
+        given: Any = self.places
+        if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+            msg = f"{name}: expected a list of [x, y] in mm, received {given!r}"
+            raise InputError(msg)
+        places = tuple(
+            numbers(f"{name}[{i}]", place, count=2, unit="mm") for i, place in enumerate(given)
+        )
+        if not places:
+            msg = f"{name}: expected one place [x, y] or more, received none"
+            raise InputError(msg)
+        object.__setattr__(self, "places", places)
+
+
+LAYOUTS: dict[str, type[Layout]] = {cls.kind: cls for cls in (Scatter, Grid, Line, Places)}

@@ -1,0 +1,48 @@
+"""The skin that a population lies under: of a meshed finger, and of a spherical pad."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.neural.populations import Surface
+
+
+Array = NDArray[np.float64]
+
+LATTICE = 0.4  # mm between the points of a spherical pad
+STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
+
+
+def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half: bool) -> Surface:
+    """Return the skin of a mesh: triangles (n, 3) of its pad, smooth outward normals (n_points, 3).
+
+    That of a half model is mirrored.
+    """
+    corners = points[triangles]
+    area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    shares = np.asarray(
+        np.bincount(triangles.ravel(), np.repeat(area / 6.0, 3), len(points)), float
+    )
+    used = np.unique(triangles)
+    used = used[np.linalg.norm(normals[used], axis=1) > 0.5]
+    points, normals, shares = points[used], normals[used], shares[used]
+    if half:
+        mirror, off = np.array([1.0, -1.0, 1.0]), points[:, 1] > 0.0
+        shares = np.concatenate([np.where(off, 1.0, 2.0) * shares, shares[off]])
+        points = np.concatenate([points, points[off] * mirror])
+        normals = np.concatenate([normals, normals[off] * mirror])
+    return Surface(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), shares)
+
+
+def spherical(radius: float, axis: Array) -> Surface:
+    """Return a pad of `radius` mm that touches the origin, where `axis` (3,) points inward."""
+    reach = STEEPEST * radius
+    x = LATTICE * np.arange(-np.floor(reach / LATTICE), np.floor(reach / LATTICE) + 1)
+    flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    flat = flat[np.linalg.norm(flat, axis=1) <= reach]
+    side = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
+    side /= np.linalg.norm(side)
+    depth = np.sqrt(radius**2 - np.sum(flat**2, axis=1))
+    outward = flat @ np.stack([side, np.cross(axis, side)]) - np.outer(depth, axis)
+    return Surface(radius * axis + outward, outward / radius, LATTICE**2 * radius / depth)

@@ -1,0 +1,33 @@
+"""The compiled response of real poles between samples; imported when an end organ is evaluated."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def between(
+    at_rest: float,
+    weights: NDArray[np.float64],
+    poles: NDArray[np.float64],
+    columns: NDArray[np.float64],
+    slopes: NDArray[np.float64],
+    memory: NDArray[np.float64],
+    interval: NDArray[np.int64],
+    since: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return the output (n_at, n) at `since` s after the sample `interval`, both (n_at,).
+
+    columns, slopes (n_t, n): input and its slope after each sample; memory (n_t, n_poles, n).
+    """
+    out = np.empty((len(since), columns.shape[1]))
+    for a in range(len(since)):
+        k, s = interval[a], since[a]
+        for u in range(columns.shape[1]):
+            out[a, u] = at_rest * (columns[k, u] + slopes[k, u] * s)
+        for i in range(len(poles)):
+            kept = weights[i] * np.exp(-poles[i] * s)
+            fresh = (weights[i] - kept) / poles[i]
+            for u in range(columns.shape[1]):
+                out[a, u] += kept * memory[k, i, u] + fresh * slopes[k, u]
+    return out

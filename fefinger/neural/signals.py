@@ -1,0 +1,158 @@
+"""What every simulation of afferents shares: checked signals, names, times, and remarks on them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError
+from fefinger.neural.membranes import Firing
+from fefinger.neural.trains import SpikeTrains
+
+
+Array = NDArray[np.float64]
+
+FAII_STEP, FAII_JUMP = 2e-4, 2.0
+"""s and mm/s: a jump of velocity between samples further apart than the step is noted for FAII,
+whose filter differentiates twice up to 100 Hz; 3.2 mm/s is the smallest jump that fires it."""
+
+LONGEST = 3600.0
+"""s: a run of an hour is 72 million steps of every membrane."""
+
+MANY = 8
+"""Units beyond which one sentence stands for all of a kind."""
+
+
+def checked_signals(
+    time: ArrayLike, drive: ArrayLike, lengths: ArrayLike, n_units: int
+) -> tuple[Array, Array]:
+    """Return the checked time (n_t,) and x_in (n_t, n_units)."""
+    time, drive = np.asarray(time, float), np.asarray(drive, float)
+    if time.ndim != 1 or len(time) < 2 or drive.shape != (len(time), n_units):
+        msg = (
+            f"time, drive: expected (n_t,) and (n_t, {n_units}) for {n_units} units with two "
+            f"samples or more, received {time.shape} and {drive.shape}"
+        )
+        raise InputError(msg)
+    x_in = drive * np.broadcast_to(np.asarray(lengths, float), (n_units,))
+    if not (np.isfinite(time).all() and np.isfinite(x_in).all()) or np.any(np.diff(time) < 0):
+        msg = "time, drive: expected finite values and times in s that never decrease"
+        raise InputError(msg)
+    if time[-1] - time[0] > LONGEST:
+        msg = (
+            f"time: expected at most {LONGEST:g} s in one run, received {time[-1] - time[0]:g} s; "
+            "are the times in another unit?"
+        )
+        raise InputError(msg)
+    return time, x_in
+
+
+def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
+    """Return the columns of each unit's end organs."""
+    unit = np.asarray(unit)
+    whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
+    if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
+        msg = (
+            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
+            f"units has one or more; received {np.unique(unit).tolist()}"
+        )
+        raise InputError(msg)
+    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
+
+
+def unit_delays(delays: ArrayLike, n_units: int) -> Array:
+    """Return the delay of each unit in s, (n_units,)."""
+    later = np.asarray(delays, float)
+    if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
+        msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
+        raise InputError(msg)
+    return np.broadcast_to(later, (n_units,))
+
+
+def unit_names(types: tuple[str, ...]) -> tuple[str, ...]:
+    """Return types as names, numbered where a type repeats."""
+    seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]
+    return tuple(
+        kind if types.count(kind) == 1 else f"{kind}-{n}"
+        for kind, n in zip(types, seen, strict=True)
+    )
+
+
+def dense_times(time: Array, steps: float | Array) -> Array:
+    """Return times that contain `time` and divide each interval evenly.
+
+    steps: longest step in s, one or (n_t - 1,). A repeated time, a jump, is kept as two: the last
+    before it and itself.
+    """
+    count = np.ceil(np.diff(time) / steps - 1e-9).astype(int)
+    k = np.repeat(np.arange(len(count)), count)
+    j = np.arange(len(k)) - np.repeat(np.cumsum(count) - count, count)
+    inside = time[k] + j * (np.diff(time) / np.maximum(count, 1))[k]
+    jumps = time[:-1][np.diff(time) == 0]
+    before = np.nextafter(jumps[jumps > time[0]], -np.inf)
+    return np.unique(np.concatenate([inside, before, time[-1:]]))
+
+
+def count_changes(
+    names: Sequence[str], firing: Firing | SpikeTrains, other: Firing | SpikeTrains, change: str
+) -> tuple[str, ...]:
+    """Return a sentence per unit whose spike count is another when `change`; empty: all survive.
+
+    One sentence for all of them where they are more than MANY.
+    """
+    moved = [(len(a), len(b)) for a, b in zip(firing.times, other.times, strict=True)]
+    off = [abs(b - a) for a, b in moved if a != b]
+    if len(off) > MANY:
+        return (
+            f"{len(off)} of {len(names)} units change their spike count, by {max(off)} at most, "
+            f"when {change}",
+        )
+    return tuple(
+        f"{name}: the spike count goes from {a} to {b} when {change}"
+        for name, (a, b) in zip(names, moved, strict=True)
+        if a != b
+    )
+
+
+def remarks(
+    time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...], firing: Firing
+) -> tuple[str, ...]:
+    """Return sentences on block, on crossings that the current drives, and on coarse samples."""
+    blocked = [
+        f"{name}: in depolarization block for {seconds:.3g} s"
+        for name, seconds in zip(names, firing.block_seconds, strict=True)
+        if seconds > 0
+    ]
+    driven = [
+        f"{name}: crossings of 40 mV that also occur with sodium activation frozen: {crossings} "
+        f"(spikes: {len(times)}); the current drives them, not the membrane"
+        for name, crossings, times in zip(names, firing.stimulus_driven, firing.times, strict=True)
+        if crossings > 0
+    ]
+    jumps = [
+        coarse_jump(time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
+        for i, kind in enumerate(types)
+    ]
+    coarse = [
+        f"{name}: the velocity of its input jumps by {jump:.3g} mm/s at samples more "
+        f"than {1e3 * FAII_STEP:g} ms apart, which a second derivative takes for sharp "
+        "corners; sample the motion more finely unless they are meant"
+        for name, jump in zip(names, jumps, strict=True)
+        if jump > FAII_JUMP
+    ]
+    return (*_few(blocked), *_few(driven), *_few(coarse))
+
+
+def _few(sentences: list[str]) -> list[str]:
+    """Return the sentences, or the first of many with the number of units like it."""
+    if len(sentences) <= MANY:
+        return sentences
+    return [f"{sentences[0]} (so, or alike, {len(sentences)} units)"]
+
+
+def coarse_jump(time: Array, x: Array, longest: float) -> float:
+    """Return the largest jump of velocity, in mm/s, next to an interval longer than `longest` s."""
+    moving = np.diff(time) > 0
+    step, change = np.diff(time)[moving], np.diff(x)[moving]
+    coarse = np.maximum(step[1:], step[:-1]) > longest * (1 + 1e-6)
+    return float(np.abs(np.diff(change / step))[coarse].max(initial=0.0))

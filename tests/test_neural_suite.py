@@ -1,0 +1,104 @@
+"""The suite `neural`: what it says about itself, that it can fail, and that it is drawn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fefinger.neural.membranes import ConnorStevens, IntegrateAndFire
+
+
+suites = pytest.importorskip("fefinger.validation.suites")
+sweep = pytest.importorskip("fefinger.validation.neural_sweep")
+from fefinger.validation import (  # noqa: E402
+    neural_filters,
+    neural_phases,
+    neural_ramps,
+    neural_sinusoids,
+)
+
+
+@pytest.fixture(scope="module")
+def outcomes():
+    return suites.run(["neural"], quick=True)["neural"]
+
+
+def test_nothing_fails(outcomes):
+    assert [o.case.name for o in outcomes if o.verdict == "fail"] == []
+
+
+def test_claims_that_are_not_reproduced_are_explained(outcomes):
+    documented = [o.case for o in outcomes if o.verdict == "documented"]
+    assert len(documented) >= 8
+    assert [case.name for case in documented if not case.erratum] == []
+
+
+def test_every_case_has_its_own_name_a_source_and_a_reason(outcomes):
+    names = [o.case.name for o in outcomes]
+    assert len(set(names)) == len(names)
+    assert all(o.case.source and o.case.reason for o in outcomes)
+
+
+def test_quick_is_part_of_the_whole(outcomes):
+    whole = {case.name for case in suites.cases("neural", quick=False)}
+    assert {o.case.name for o in outcomes} < whole
+
+
+@pytest.mark.parametrize(
+    ("membrane", "measure", "holds"),
+    [
+        (IntegrateAndFire(), neural_sinusoids.shift, lambda octaves: octaves >= 2),
+        (ConnorStevens(), lambda name: neural_phases.spread(name, 16.0), lambda n: n == 0),
+    ],
+)
+def test_claims_fail_on_a_membrane_that_lacks_the_property(monkeypatch, membrane, measure, holds):
+    """The shifting peak and the locking are the membrane's."""
+    spring = sweep.MODELS["spring"]
+    name = f"spring on {type(membrane).__name__}"
+    tones = spring.frequencies if membrane == IntegrateAndFire() else (16.0,)
+    monkeypatch.setitem(
+        sweep.MODELS, name, replace(spring, name=name, membrane=membrane, frequencies=tones)
+    )
+    assert holds(measure("spring"))
+    assert not holds(measure(name))
+
+
+def test_the_steady_state_is_that_of_the_filter_after_many_cycles():
+    organ, tone = sweep.END_ORGANS["SAII"], 3.0
+    turn = np.arange(12 * 2000 + 1) / 2000
+    late = turn >= 11
+    followed = organ.respond(turn / tone, 1.0 - np.cos(2 * np.pi * turn))
+    steady = sweep.current(organ, tone, turn)
+    np.testing.assert_allclose(np.maximum(followed, 0)[late], steady[late], atol=1e-5)
+
+
+def test_retraction_is_the_second_half_of_the_cycle():
+    found = sweep.swing(sweep.DAMPER, sweep.SLOWED, 1.0, [10.0])
+    assert len(found.phases[0]) > 2
+    assert found.phases[0].max() < 180.0
+
+
+def test_a_damped_ramp_is_silent_in_the_hold_and_a_spring_is_not():
+    assert neural_ramps.holding("damper", 8.0) == 0
+    assert neural_ramps.holding("spring", 8.0) > 10
+
+
+def test_the_printed_form_of_5_8_is_the_limit_of_a_stiff_nerve():
+    assert neural_filters.printed_share(1e6) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_figures_are_in_the_axes_of_the_thesis():
+    from fefinger.validation import neural_drawings
+
+    for drawn in (
+        neural_drawings._response("spring"),
+        neural_drawings._course("FAI"),
+        neural_drawings._force(),
+        neural_drawings._gains(),
+    ):
+        for axis in drawn.axes:
+            assert axis.get_ylabel() or axis.collections
+            assert axis.lines or axis.collections or axis.patches
+    captions = " ".join(text for _, text in (*neural_drawings.RESPONSES, *neural_drawings.COURSES))
+    for number in ("4-4b", "4-5b", "4-8", "4-9", "4-10a", "4-11b", "4-13", "4-14b", "4-16", "4-17"):
+        assert number in captions
