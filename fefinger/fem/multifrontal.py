@@ -23,6 +23,8 @@ from fefinger.tolerances import SINGULAR_PIVOT
 
 LEAF = 48  # cells in the smallest part: smaller ones cost more in Python than they save
 
+NOTHING: Integers = np.empty(0, dtype=np.int64)
+
 SINGULAR = (
     "held facets: expected a body that cannot move freely and cells of positive volume, received "
     "a stiffness matrix that is singular; hold more facets or repair the mesh"
@@ -78,24 +80,35 @@ class Factor:
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
         work = right[self.order].reshape(len(right), -1)
-        for f in self.fronts:
-            own = slice(f.front.start, f.front.stop)
-            work[own] = dtrsm(1.0, f.lower, work[own], lower=1)
-            work[f.front.rest] -= f.below @ work[own]
-        for f in reversed(self.fronts):
-            own = slice(f.front.start, f.front.stop)
-            known = f.signs * work[own] - f.below.T @ work[f.front.rest]
-            work[own] = dtrsm(1.0, f.lower, known, lower=1, trans_a=1)
+        self.forward(work)
+        self.backward(work)
         answer = np.empty_like(work)
         answer[self.order] = work
         return answer.reshape(right.shape)
 
+    def forward(self, work: Array) -> None:
+        """Replace right hand sides (n, k), in the order of elimination, by those of D L'."""
+        for f in self.fronts:
+            own = slice(f.front.start, f.front.stop)
+            work[own] = dtrsm(1.0, f.lower, work[own], lower=1)
+            work[f.front.rest] -= f.below @ work[own]
 
-def dissect(unknowns: Integers, centers: Array, n_displacements: int) -> Dissection:
+    def backward(self, work: Array) -> None:
+        """Replace what `forward` left (n, k) by the solutions, in the order of elimination."""
+        for f in reversed(self.fronts):
+            own = slice(f.front.start, f.front.stop)
+            known = f.signs * work[own] - f.below.T @ work[f.front.rest]
+            work[own] = dtrsm(1.0, f.lower, known, lower=1, trans_a=1)
+
+
+def dissect(
+    unknowns: Integers, centers: Array, n_displacements: int, last: Integers = NOTHING
+) -> Dissection:
     """Return a nested dissection of cells.
 
     unknowns (n_cells, n_local) of each cell, -1 where prescribed; centers (n_cells, 3); unknowns
-    from `n_displacements` on are pressures.
+    from `n_displacements` on are pressures. `last`, ascending, are kept for a front of their own
+    at the end, after which nothing is left of the matrix but what acts between them.
     """
     pieces: list[tuple[Integers, Integers, tuple[int, ...]]] = []
 
@@ -115,7 +128,9 @@ def dissect(unknowns: Integers, centers: Array, n_displacements: int) -> Dissect
         pieces.append((own, outer, parts))
         return len(pieces) - 1
 
-    divide(np.arange(len(unknowns)), _members(unknowns), np.empty(0, dtype=np.int64))
+    root = divide(np.arange(len(unknowns)), _members(unknowns), last)
+    if len(last):
+        pieces.append((last, NOTHING, (root,)))
     order = np.concatenate([own for own, _, _ in pieces])
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
