@@ -1,9 +1,5 @@
-"""The operator of a finger: built once, kept in the user's cache under the hash of its content.
+"""The operator of a finger, from the files of the cache or built and put there."""
 
-An operator depends on the ratio of the moduli only; it is built for a skin of 1 kPa and scaled.
-"""
-
-import hashlib
 import json
 import os
 import shutil
@@ -18,16 +14,15 @@ from scipy import sparse
 
 from fefinger.checks import InputError
 from fefinger.fem.body import prescribed, solid
-from fefinger.fem.condense import PALMAR, Compliance, Operator, Part, condense, mirrored
+from fefinger.fem.condense import Compliance, Operator, Part, condense, mirrored
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
+from fefinger.mechanics._kept import folder, identity, parities
+from fefinger.mechanics._press import held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
 
-
-FORMAT = 1
-"""Raised when the elements, the solver or the files change, so that operators are built again."""
 
 ARRAYS = ("order", "table", "rest", "values", "matrix")
 
@@ -45,55 +40,17 @@ def operator(
     mesh = ready(finger, half=True)
     own = solid(mesh, (1, 2))
     body = own if half else solid(ready(finger, half=False), (1, 2))
-    parts = []
-    for number, odd in enumerate((False,) if half else (False, True)):
+    parts: list[Part] = []
+    wanted = parities(half=half)
+    for odd in wanted:
         compliance = _compliance(finger, mesh, odd=odd)
         if half:
             unfold = sparse.eye(own.space.n_unknowns, format="csr")
         else:
             unfold = mirrored(body.space, own.space, odd=odd)
-        parts.append(Part(compliance, unfold, (1.0 if half else 0.5) / finger.skin.modulus))
-        progress((number + 1) / (1 if half else 2))
+        parts.append(Part(compliance, unfold, 1.0 / (len(wanted) * finger.skin.modulus)))
+        progress(len(parts) / len(wanted))
     return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts))
-
-
-def at_hand(finger: Finger, *, half: bool) -> bool:
-    """Return whether the operator of a finger is in the cache and need not be built."""
-    mesh = ready(finger, half=True)
-    parities = (False,) if half else (False, True)
-    return all(folder(identity(finger, mesh, odd=odd)).is_dir() for odd in parities)
-
-
-def held(finger: Finger) -> tuple[str, ...]:
-    """Return the facets that do not move."""
-    return ("bone", "nail", "cut") if finger.cut == "fixed" else ("bone", "nail")
-
-
-def identity(finger: Finger, mesh: FingerMesh, *, odd: bool) -> dict[str, Any]:
-    """Return all that decides an operator."""
-    facets = hashlib.sha256(mesh.pad_normals.tobytes())
-    for name in ("pad", "medial", *held(finger)):
-        facets.update(mesh.facets[name].tobytes())
-    return {
-        "format": FORMAT,
-        "element": "Taylor-Hood, P2 and P1 per tissue",
-        "solver": "multifrontal, pad last",
-        "mesh": mesh.fingerprint,
-        "facets": facets.hexdigest(),
-        "held": list(held(finger)),
-        "palmar": PALMAR,
-        "modulus_ratio": finger.subcutaneous.modulus / finger.skin.modulus,
-        "poisson": [finger.skin.poisson, finger.subcutaneous.poisson],
-        "parity": "odd" if odd else "even",
-    }
-
-
-def folder(identity: dict[str, Any]) -> Path:
-    """Return where the user's cache keeps an operator."""
-    from platformdirs import user_cache_path
-
-    key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-    return user_cache_path("fefinger") / "operators" / key[:16]
 
 
 def read(place: Path, identity: dict[str, Any]) -> Compliance:
@@ -149,16 +106,16 @@ def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None
 
 def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
     """Return one parity of a finger with a skin of 1 kPa."""
-    identified = identity(finger, mesh, odd=odd)
-    place = folder(identified)
-    if place.is_dir():
-        return read(place, identified)
+    identified = identity(finger, odd=odd)
+    if identified is not None and folder(identified).is_dir():
+        return read(folder(identified), identified)
     ratio = finger.subcutaneous.modulus / finger.skin.modulus
     tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
     own = solid(mesh, tissues)
     built = condense(own, tissues, prescribed(own, mesh, held(finger), odd=odd))
-    with suppress(OSError):  # without room for it, it is built again the next time
-        write(built, place, identified)
+    if identified is not None:
+        with suppress(OSError):  # without room for it, it is built again the next time
+            write(built, folder(identified), identified)
     return built
 
 
