@@ -23,7 +23,7 @@ REFINEMENTS = 2
 DONE, ENDLESS, SINGULAR, MISSED = 0, 1, 2, 3
 
 K, SOLVED, EXCHANGED, REBUILT = 0, 1, 2, 3
-"""Places in `Active.count`: active vertices, solutions, vertices exchanged, inverses made anew."""
+"""Places in `Active.counts`: active vertices, solutions, vertices exchanged, inverses made anew."""
 
 
 class Active(NamedTuple):
@@ -31,7 +31,7 @@ class Active(NamedTuple):
 
     flexibility (n, n); inverse (n, n), the leading block of which is H; where (n,) the active
     vertices in the order of H, place (n,) where in it a vertex stands or -1; x and moved = F x
-    (n,); wrong (n,) marks; work (2, n); count (4,).
+    (n,); wrong (n,) marks; work (2, n); counts (4,).
     """
 
     flexibility: Array
@@ -42,7 +42,7 @@ class Active(NamedTuple):
     moved: Array
     wrong: Integers
     work: Array
-    count: Integers
+    counts: Integers
 
 
 def active(flexibility: Array) -> Active:
@@ -57,7 +57,7 @@ def active(flexibility: Array) -> Active:
         moved=np.zeros(n),
         wrong=np.zeros(n, dtype=np.int64),
         work=np.zeros((2, n)),
-        count=np.zeros(4, dtype=np.int64),
+        counts=np.zeros(4, dtype=np.int64),
     )
 
 
@@ -67,11 +67,11 @@ def release(s: Active) -> None:
     s.place[:] = -1
     s.x[:] = 0.0
     s.moved[:] = 0.0
-    s.count[:] = 0
+    s.counts[:] = 0
 
 
 @njit(cache=True, fastmath={"contract"})
-def _accumulate(out: Array, rows: Array, chosen: Integers, factor: Array, k: int) -> None:
+def accumulate(out: Array, rows: Array, chosen: Integers, factor: Array, k: int) -> None:
     """Add the sum over i < k of factor[i] rows[chosen[i]] to `out`."""
     n = len(out)
     whole = k - k % 4
@@ -90,7 +90,7 @@ def _accumulate(out: Array, rows: Array, chosen: Integers, factor: Array, k: int
 @njit(cache=True, fastmath={"contract"})
 def _times_inverse(s: Active, right: Array, out: Array) -> None:
     """Put H right into `out`, both in the order of H."""
-    k = s.count[K]
+    k = s.counts[K]
     h = s.inverse
     for j in range(k):
         out[j] = 0.0
@@ -107,7 +107,7 @@ def _times_inverse(s: Active, right: Array, out: Array) -> None:
 @njit(cache=True, fastmath={"contract"})
 def _join(s: Active, vertex: int) -> bool:
     """Add a vertex to the active set; False if F is not positive definite."""
-    k, h = s.count[K], s.inverse
+    k, h = s.counts[K], s.inverse
     column, image = s.work[0], s.work[1]
     for i in range(k):
         column[i] = s.flexibility[vertex, s.where[i]]
@@ -127,14 +127,14 @@ def _join(s: Active, vertex: int) -> bool:
     h[k, k] = 1.0 / pivot
     s.where[k] = vertex
     s.place[vertex] = k
-    s.count[K] = k + 1
+    s.counts[K] = k + 1
     return True
 
 
 @njit(cache=True, fastmath={"contract"})
 def _leave(s: Active, vertex: int) -> None:
     """Remove a vertex from the active set."""
-    h, last, at = s.inverse, s.count[K] - 1, s.place[vertex]
+    h, last, at = s.inverse, s.counts[K] - 1, s.place[vertex]
     if at != last:
         for j in range(last + 1):
             h[at, j], h[last, j] = h[last, j], h[at, j]
@@ -143,7 +143,7 @@ def _leave(s: Active, vertex: int) -> None:
         s.where[at] = s.where[last]
         s.place[s.where[at]] = at
     s.place[vertex] = -1
-    s.count[K] = last
+    s.counts[K] = last
     pivot, row = h[last, last], h[last]
     for i in range(last):
         share = h[i, last] / pivot
@@ -154,9 +154,9 @@ def _leave(s: Active, vertex: int) -> None:
 @njit(cache=True)
 def _rebuild(s: Active) -> bool:
     """Make H anew; False if F is not positive definite."""
-    k = s.count[K]
-    s.count[K] = 0
-    s.count[REBUILT] += 1
+    k = s.counts[K]
+    s.counts[K] = 0
+    s.counts[REBUILT] += 1
     for i in range(k):
         if not _join(s, s.where[i]):
             return False
@@ -166,17 +166,17 @@ def _rebuild(s: Active) -> bool:
 @njit(cache=True)
 def _product(s: Active) -> None:
     """Put F x into `moved`."""
-    k = s.count[K]
+    k = s.counts[K]
     for i in range(k):
         s.work[0, i] = s.x[s.where[i]]
     s.moved[:] = 0.0
-    _accumulate(s.moved, s.flexibility, s.where, s.work[0], k)
+    accumulate(s.moved, s.flexibility, s.where, s.work[0], k)
 
 
 @njit(cache=True)
 def _balance(s: Active, offset: Array, scale: float) -> bool:
     """Make F x + b zero on the active set, from the present x; False if F is not definite."""
-    k = s.count[K]
+    k = s.counts[K]
     for attempt in range(REFINEMENTS + 2):
         largest = 0.0
         for i in range(k):
@@ -223,7 +223,7 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
     for j in range(len(offset)):
         scale = max(scale, abs(offset[j]))
     fewest, patience = len(offset) + 1, PATIENCE
-    s.count[SOLVED] += 1
+    s.counts[SOLVED] += 1
     for _ in range(EXCHANGES):
         if not _balance(s, offset, scale):
             return SINGULAR
@@ -237,7 +237,7 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
             patience -= 1
         else:
             first = count - 1
-        s.count[EXCHANGED] += count - first
+        s.counts[EXCHANGED] += count - first
         for i in range(first, count):
             j = s.wrong[i]
             if s.place[j] < 0:
@@ -254,7 +254,7 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
 @njit(cache=True)
 def slope(s: Active, right: Array) -> float:
     """Return right . z, with F z = `right` on the active set and z = 0 off it."""
-    k = s.count[K]
+    k = s.counts[K]
     for i in range(k):
         s.work[0, i] = right[s.where[i]]
     _times_inverse(s, s.work[0], s.work[1])

@@ -173,9 +173,23 @@ def reduce(
         moved = np.ascontiguousarray((loads.T @ part.compliance.matrix).T)
         flexibility += part.scale * (loads.T @ moved)
         rows = (strain @ part.unfold).tocsr()
-        strains += part.scale * (part.compliance.tractions(rows).T @ moved)
+        strains += part.scale * _strains(part.compliance, rows, moved)
         progress((number + 1) / len(operator.parts))
     return Reduced(patch, (flexibility + flexibility.T) / 2, strains)
+
+
+def _strains(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Array:
+    """Return `rows` @ u (n_rows, k) for displacements `moved` (n_pad, k) of the pad.
+
+    The fronts are swept for the rows or for the displacements, whichever are fewer.
+    """
+    if rows.shape[0] <= moved.shape[1]:
+        return np.asarray(compliance.tractions(rows).T @ moved)
+    found = np.empty((rows.shape[0], moved.shape[1]))
+    for start in range(0, moved.shape[1], BLOCK):
+        block = slice(start, start + BLOCK)
+        found[:, block] = rows @ compliance.displacements(moved[:, block], rows.shape[1])
+    return found
 
 
 @one_thread

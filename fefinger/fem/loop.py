@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError
 from fefinger.fem import active as contact
 from fefinger.fem.active import CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active
 from fefinger.fem.march import History, Prescribed, Relaxation
-from fefinger.fem.spaces import Array
+from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH
 
 
@@ -58,6 +59,68 @@ def memory(gap: Array, travel: Array, weights: Array, rates: Array) -> Memory:
         offset=np.zeros(n),
         depth=np.zeros(1),
     )
+
+
+FORCE, AREA, X, Y, RIM = 0, 1, 2, 3, 4
+"""Places in `Output.summary`: mN, mm², center of pressure in mm, vertices pressed on the rim."""
+
+
+class Output(NamedTuple):
+    """What is read off the pad after a step.
+
+    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, rim (n,) whether
+    contact there is more than the patch can answer; elastic (n,) kPa the pressure q of the linear
+    body; rows (n, n_strains) the strains under unit pressures, of either precision, chosen (n,) and
+    factor (n,) those that count; strain (n_strains,); summary (5,).
+    """
+
+    areas: Array
+    moments: Array
+    rim: NDArray[np.bool_]
+    elastic: Array
+    rows: NDArray[np.floating]
+    chosen: Integers
+    factor: NDArray[np.floating]
+    strain: NDArray[np.floating]
+    summary: Array
+
+
+@njit(cache=True)
+def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
+    """Bring the output up to date."""
+    force = area = weight = x = y = rim = 0.0
+    k = 0
+    for j in range(len(s.x)):
+        pressure = s.x[j]
+        if pressure > 0.0:
+            force += m.travel[j] * pressure
+            area += out.areas[j]
+            weight += out.areas[j] * pressure
+            x += out.moments[0, j] * pressure
+            y += out.moments[1, j] * pressure
+            rim += out.rim[j]
+        out.elastic[j] = m.elastic[j] / stiffening
+        if m.elastic[j] != 0.0:
+            out.chosen[k] = j
+            out.factor[k] = out.elastic[j]
+            k += 1
+    out.strain[:] = 0.0
+    contact.accumulate(out.strain, out.rows, out.chosen, out.factor, k)
+    summary = out.summary
+    summary[FORCE], summary[AREA], summary[RIM] = force, area, rim
+    summary[X] = x / weight if weight > 0.0 else np.nan
+    summary[Y] = y / weight if weight > 0.0 else np.nan
+
+
+@njit(cache=True)
+def advance(
+    s: Active, m: Memory, out: Output, dt: float, target: float, by_force: bool, stiffening: float
+) -> int:
+    """Step, and read; return DONE or what failed."""
+    failed = step(s, m, dt, target, by_force, stiffening)
+    if failed == DONE:
+        read(s, m, out, stiffening)
+    return failed
 
 
 @njit(cache=True)
@@ -205,4 +268,4 @@ def march(
         check(step(s, m, dt, float(target), by_force, 1.0))
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
         progress((k + 1) / len(time))
-    return History(depth, pressure, elastic, int(s.count[contact.SOLVED]))
+    return History(depth, pressure, elastic, int(s.counts[contact.SOLVED]))

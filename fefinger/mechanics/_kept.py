@@ -1,4 +1,4 @@
-"""Where the user's cache keeps the operators of `condensed`, under the hash of all that decides one.
+"""Where the user's cache keeps the operators of `condensed`: under the hash of what decides one.
 
 An operator depends on the ratio of the moduli only: it is built for a skin of 1 kPa and scaled.
 """

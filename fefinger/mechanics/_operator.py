@@ -13,12 +13,14 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.checks import InputError
+from fefinger.fem import condense as reduction
+from fefinger.fem import loop
 from fefinger.fem.body import prescribed, solid
 from fefinger.fem.condense import Compliance, Operator, Part, condense, mirrored
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.mechanics._kept import folder, identity, parities
-from fefinger.mechanics._press import held
+from fefinger.mechanics._press import Method, held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
@@ -143,3 +145,12 @@ def _scratch(parent: Path) -> Iterator[Path]:
         yield path
     finally:
         shutil.rmtree(path, ignore_errors=True)
+
+
+METHOD = Method(
+    lambda finger, mesh, report: operator(finger, half=mesh.half, progress=report),
+    reduction.reduce,
+    loop.march,
+    reduction.displaced,
+)
+"""How `condensed` solves."""

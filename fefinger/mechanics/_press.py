@@ -15,7 +15,7 @@ from fefinger.fem.body import Body, Reduced, Solid, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.march import History, Prescribed, Relaxation, march
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
 from fefinger.mechanics._notes import normalized
@@ -116,7 +116,7 @@ def held(finger: Finger) -> tuple[str, ...]:
 class _Contact:
     """The solved contact: where, on what, when, and the end organs that it strains."""
 
-    touch: Obstacle
+    touch: Rigid
     reduced: Reduced
     sites: Sites | None
     time: Array
@@ -191,7 +191,8 @@ def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)
     reduced = contact.reduced
-    if scene.indenter != STANDARD or contact.history.depth.max() < REFERENCE_DEPTH:
+    here = np.array_equal(central.points, contact.sites.points) and scene.indenter == STANDARD
+    if not here or contact.history.depth.max() < REFERENCE_DEPTH:
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)
@@ -242,7 +243,7 @@ def _answer(
 ) -> dict[str, Any]:
     """Return the fields of a Response that the solved contact gives."""
     history, on_pad = contact.history, contact.reduced.patch
-    pad, column = _pad(finger, contact)
+    pad, column = _pad(finger, contact.reduced)
     pressure = history.pressure[:, column]
     sides = 2 if finger.half else 1
     force = sides * history.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
@@ -280,9 +281,9 @@ def _centroid(pad: Pad, pressure: Array) -> Array:
     return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
 
 
-def _pad(finger: Solid, contact: _Contact) -> tuple[Pad, NDArray[np.int64]]:
+def _pad(finger: Solid, reduced: Reduced) -> tuple[Pad, NDArray[np.int64]]:
     """Return the pad of the whole finger, and the patch column of each of its points."""
-    on_pad = contact.reduced.patch
+    on_pad = reduced.patch
     points, normals = finger.space.points[on_pad.vertices], finger.normals[on_pad.vertices]
     column = np.arange(len(points))
     number = np.full(len(finger.space.points), -1, dtype=np.int64)

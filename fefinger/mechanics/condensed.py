@@ -63,14 +63,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ConvergenceError
         If a contact solution is not reached.
     """
-    from fefinger.fem import condense, loop
-    from fefinger.mechanics import _operator
-    from fefinger.mechanics._press import Method, press
+    from fefinger.mechanics._operator import METHOD
+    from fefinger.mechanics._press import press
 
-    method = Method(
-        lambda finger, mesh, report: _operator.operator(finger, half=mesh.half, progress=report),
-        condense.reduce,
-        loop.march,
-        condense.displaced,
-    )
-    return press(scene, progress, mechanics=name, notes=NOTES, method=method)
+    return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
