@@ -123,7 +123,8 @@ class Condensed:
     def reset(self) -> None:
         """Lift the indenter off, and let the tissue forget."""
         loop.reset(self._state, self._memory)
-        self._read(1.0)
+        loop.read(self._state, self._memory, self._output, 1.0)
+        self._read()
 
     def step(self, depth: float, dt: float) -> Step:
         """Move the indenter to `depth` mm in `dt` s and return what the finger feels.
@@ -159,7 +160,7 @@ class Condensed:
             raise InputError(message)
         state, memory, output = self._state, self._memory, self._output
         loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
-        return self._read(stiffening)
+        return self._read()
 
     def _stiffness(self, depth: float) -> float:
         """Return t at a depth; where it is not above 0 the pad must never have been touched."""
@@ -175,9 +176,8 @@ class Condensed:
             raise InputError(message)
         return 1.0
 
-    def _read(self, stiffening: float) -> Step:
+    def _read(self) -> Step:
         now, summary = self.now, self._output.summary
-        loop.read(self._state, self._memory, self._output, stiffening)
         if summary[loop.RIM] > 0.0:
             message = (
                 f"step: expected contact inside the candidates for a depth of {self.deepest:g} mm, "
@@ -248,7 +248,7 @@ def _probe(solid: Solid, points: Array) -> sparse.csr_matrix:
         return strain_at(solid.space, points)
     beyond = points[:, 1] < 0
     signs = np.ones((len(points), len(VOIGT)))
-    signs[np.ix_(beyond, ODD)] = -1.0
+    signs[np.ix_(beyond, np.array(ODD))] = -1.0
     there = np.where(beyond[:, None], points * MIRROR, points)
     return sparse.diags(signs.ravel()) @ strain_at(solid.space, there, medial=True)
 
@@ -261,7 +261,7 @@ def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
     moments = [np.bincount(column, pad.areas * pad.points[:, c], minlength=count) for c in (0, 1)]
     kind = np.float32 if precision == "single" else np.float64
     return loop.Output(
-        areas=areas,
+        areas=np.asarray(areas, dtype=np.float64),
         moments=np.array(moments),
         rim=on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid)),
         elastic=np.zeros(count),

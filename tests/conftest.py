@@ -1,6 +1,7 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,6 +35,15 @@ def one_thread() -> Iterator[None]:
     """Keep BLAS to one thread: the tests run side by side, and threads that spin slow them down."""
     with threadpool_limits(1, user_api="blas"):
         yield
+
+
+@pytest.fixture(scope="session")
+def operators(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return the folder of operators in a cache of the session's own."""
+    with pytest.MonkeyPatch.context() as patched:
+        cache = tmp_path_factory.mktemp("cache")
+        patched.setattr("platformdirs.user_cache_path", lambda name: cache / name)
+        yield cache / "fefinger" / "operators"
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fefinger.fem.spaces import Array, Integers
 
+
+Floats = NDArray[np.floating]
 
 EXCHANGES = 500  # as in `contact`: PATIENCE block exchanges without progress, then single ones
 PATIENCE = 12
@@ -71,8 +74,8 @@ def release(s: Active) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def accumulate(out: Array, rows: Array, chosen: Integers, factor: Array, k: int) -> None:
-    """Add the sum over i < k of factor[i] rows[chosen[i]] to `out`."""
+def accumulate(out: Floats, rows: Floats, chosen: Integers, factor: Floats, k: int) -> None:
+    """Add the sum over i < k of factor[i] rows[chosen[i]] to `out`, in either precision."""
     n = len(out)
     whole = k - k % 4
     for i in range(0, whole, 4):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError
 from fefinger.fem import active as contact
-from fefinger.fem.active import CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active
+from fefinger.fem.active import CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active, Floats
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH
@@ -78,10 +78,10 @@ class Output(NamedTuple):
     moments: Array
     rim: NDArray[np.bool_]
     elastic: Array
-    rows: NDArray[np.floating]
+    rows: Floats
     chosen: Integers
-    factor: NDArray[np.floating]
-    strain: NDArray[np.floating]
+    factor: Floats
+    strain: Floats
     summary: Array
 
 

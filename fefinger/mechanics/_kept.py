@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from fefinger.checks import InputError
 from fefinger.mesh.ready import sha256
 from fefinger.scene import Finger
 
@@ -48,5 +49,8 @@ def folder(identity: dict[str, Any]) -> Path:
 
 def at_hand(finger: Finger, *, half: bool) -> bool:
     """Return whether the operators of a finger are in the cache and need not be built."""
-    found = [identity(finger, odd=odd) for odd in parities(half=half)]
+    try:
+        found = [identity(finger, odd=odd) for odd in parities(half=half)]
+    except InputError:  # no mesh can be made for a finger of this size
+        return False
     return all(each is not None and folder(each).is_dir() for each in found)

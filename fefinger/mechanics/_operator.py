@@ -55,6 +55,14 @@ def operator(
     return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts))
 
 
+def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
+    """Return one parity of a finger, given the mesh of its half, with a skin of 1 kPa."""
+    ratio = finger.subcutaneous.modulus / finger.skin.modulus
+    tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
+    own = solid(mesh, tissues)
+    return condense(own, tissues, prescribed(own, mesh, held(finger), odd=odd))
+
+
 def read(place: Path, identity: dict[str, Any]) -> Compliance:
     """Return the compliance in a folder, mapped into memory.
 
@@ -107,14 +115,11 @@ def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None
 
 
 def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
-    """Return one parity of a finger with a skin of 1 kPa."""
+    """Return one parity of a finger, from the cache or built and put there."""
     identified = identity(finger, odd=odd)
     if identified is not None and folder(identified).is_dir():
         return read(folder(identified), identified)
-    ratio = finger.subcutaneous.modulus / finger.skin.modulus
-    tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
-    own = solid(mesh, tissues)
-    built = condense(own, tissues, prescribed(own, mesh, held(finger), odd=odd))
+    built = build(finger, mesh, odd=odd)
     if identified is not None:
         with suppress(OSError):  # without room for it, it is built again the next time
             write(built, folder(identified), identified)
