@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.checks import InputError, choice, number
-from fefinger.fem import active, condense, loop
+from fefinger.fem import active, loop
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact import patch
 from fefinger.fem.march import History
@@ -31,6 +31,7 @@ from fefinger.motion import Motion
 from fefinger.records import Response, Sites
 from fefinger.scene import Ask, Finger, Flat, Indenter, Ramp, Scene
 from fefinger.stages import Stages
+from fefinger.tolerances import COMPLEMENTARITY
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
@@ -74,6 +75,8 @@ class Condensed:
         t(u) of the thesis (3.11) over a constant modulus, at a depth in mm: the contact pressure is
         then the integral of G(t - s) d(t q)(s), with q that of the linear body. Under depth control
         and while t > 0.
+    tolerance
+        Penetration, over the largest gap or depth, that counts as none.
 
     Raises
     ------
@@ -90,6 +93,7 @@ class Condensed:
         sites: Sites | None = None,
         precision: Literal["double", "single"] = "double",
         stiffening: Callable[[float], float] | None = None,
+        tolerance: float = COMPLEMENTARITY,
     ) -> None:
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
@@ -108,17 +112,40 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(_scene(finger, indenter), origin, touch.axis)
         self.sites = sites
-        reduced = condense.reduce(solid, on_pad, _probe(solid, self.sites.points))
-        self._solid, self._touch, self._reduced = solid, touch, reduced
+        where = self.sites.points
+        reduced = _operator.reduced(finger, solid, on_pad, where, lambda: _probe(solid, where))
+        self.solid, self.patch, self.flexibility = solid, on_pad, reduced.flexibility
+        self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = active.active(reduced.flexibility)
-        self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v))
+        self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, precision)
+        nothing = np.empty((len(on_pad.vertices), 0), dtype=self._output.rows.dtype)
+        self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
         self.reset()
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """How much work it was (5,): see `fem.active.K` and the names beside it."""
+        return self._state.counts
+
+    @property
+    def elastic(self) -> Array:
+        """Pressure (n,) kPa of the linear body at the present displacement."""
+        return self._output.elastic
+
+    def energy(self) -> tuple[float, float]:
+        """Return what the body stores in uJ and what its dampers take in uW (without t(u))."""
+        memory, flexibility = self._memory, self.flexibility
+        stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
+        for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):
+            held = float(term @ flexibility @ term / weight)
+            stored, lost = stored + held / 2, lost + rate * held
+        return float(stored), lost
 
     def reset(self) -> None:
         """Lift the indenter off, and let the tissue forget."""
@@ -141,6 +168,16 @@ class Condensed:
             stiffening = self._stiffness(depth)
         return self._advance(dt, depth, False, stiffening)
 
+    def step_contact(self, depth: float, dt: float) -> Step:
+        """Move as `step` does, and leave the strain as it was: contact and force alone.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        return self._advance(dt, depth, False, 1.0, self._without)
+
     def step_force(self, force: float, dt: float) -> Step:
         """Load the indenter with `force` N in `dt` s and return what the finger feels.
 
@@ -154,11 +191,19 @@ class Condensed:
             raise InputError(message)
         return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True, 1.0)
 
-    def _advance(self, dt: float, target: float, by_force: bool, stiffening: float) -> Step:
+    def _advance(
+        self,
+        dt: float,
+        target: float,
+        by_force: bool,
+        stiffening: float,
+        output: loop.Output | None = None,
+    ) -> Step:
         if not dt >= 0.0:
             message = f"dt: expected a time of at least 0 s, received {dt!r}"
             raise InputError(message)
-        state, memory, output = self._state, self._memory, self._output
+        state, memory = self._state, self._memory
+        output = output or self._output
         loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
         return self._read()
 
@@ -198,7 +243,7 @@ class Condensed:
         InputError, ConvergenceError
             As `step`.
         """
-        stages, solid = Stages(), self._solid
+        stages, solid = Stages(), self.solid
         with stages.stage("contact"):
             time = time_grid(motion, fast=fast)
             contact = _press._Contact(

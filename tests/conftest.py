@@ -37,13 +37,25 @@ def one_thread() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="session")
-def operators(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Return the folder of operators in a cache of the session's own."""
+@pytest.fixture(scope="session", autouse=True)
+def _empty_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the user's cache out: the planner prefers an operator that is in it."""
     with pytest.MonkeyPatch.context() as patched:
-        cache = tmp_path_factory.mktemp("cache")
-        patched.setattr("platformdirs.user_cache_path", lambda name: cache / name)
-        yield cache / "fefinger" / "operators"
+        patched.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("empty")))
+        yield
+
+
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a cache for the tests that build operators."""
+    return tmp_path_factory.mktemp("kept")
+
+
+@pytest.fixture
+def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of the operators that those tests share."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
+    return kept / "fefinger" / "operators"
 
 
 @pytest.fixture(scope="session")

@@ -27,8 +27,10 @@ def _own_cache(operators: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def finger(operators: Path) -> Condensed:
-    return Condensed(FINGER, ff.Flat(30), deepest=1.2)
+def finger(kept: Path) -> Condensed:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        return Condensed(FINGER, ff.Flat(30), deepest=1.2)
 
 
 def trace(finger: Condensed, depths: np.ndarray = DEPTHS) -> np.ndarray:

@@ -9,7 +9,7 @@ from fefinger.validation.case import Case, Outcome
 from fefinger.checks import choice
 
 
-SUITES = ("hertz", "elements", "relaxation", "finger", "neural", "thesis")
+SUITES = ("hertz", "elements", "relaxation", "finger", "condensed", "neural", "thesis")
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:

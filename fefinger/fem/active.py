@@ -25,8 +25,9 @@ REFINEMENTS = 2
 
 DONE, ENDLESS, SINGULAR, MISSED = 0, 1, 2, 3
 
-K, SOLVED, EXCHANGED, REBUILT = 0, 1, 2, 3
-"""Places in `Active.counts`: active vertices, solutions, vertices exchanged, inverses made anew."""
+K, SOLVED, ROUNDS, EXCHANGED, REBUILT = 0, 1, 2, 3, 4
+"""Places in `Active.counts`: active vertices; solutions, rounds of exchange in them and vertices
+exchanged; inverses made anew."""
 
 
 class Active(NamedTuple):
@@ -34,7 +35,7 @@ class Active(NamedTuple):
 
     flexibility (n, n); inverse (n, n), the leading block of which is H; where (n,) the active
     vertices in the order of H, place (n,) where in it a vertex stands or -1; x and moved = F x
-    (n,); wrong (n,) marks; work (2, n); counts (4,).
+    (n,); wrong (n,) marks; work (2, n); counts (5,).
     """
 
     flexibility: Array
@@ -60,7 +61,7 @@ def active(flexibility: Array) -> Active:
         moved=np.zeros(n),
         wrong=np.zeros(n, dtype=np.int64),
         work=np.zeros((2, n)),
-        counts=np.zeros(4, dtype=np.int64),
+        counts=np.zeros(5, dtype=np.int64),
     )
 
 
@@ -240,6 +241,7 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
             patience -= 1
         else:
             first = count - 1
+        s.counts[ROUNDS] += 1
         s.counts[EXCHANGED] += count - first
         for i in range(first, count):
             j = s.wrong[i]

@@ -25,7 +25,8 @@ class Memory(NamedTuple):
 
     gap (n,) mm³ and travel (n,) mm² of the patch; weights and rates (m,) of the Prony terms; terms
     and moved_terms (m, n) their recursions for the pressure and for F times it; elastic and
-    moved_elastic (n,) y and F y; past, moved_past and offset (n,) work; depth (1,) mm.
+    moved_elastic (n,) y and F y; past, moved_past and offset (n,) work; depth (1,) mm; tolerance
+    (1,) of the penetration, over the largest offset.
     """
 
     gap: Array
@@ -40,9 +41,16 @@ class Memory(NamedTuple):
     moved_past: Array
     offset: Array
     depth: Array
+    tolerance: Array
 
 
-def memory(gap: Array, travel: Array, weights: Array, rates: Array) -> Memory:
+def memory(
+    gap: Array,
+    travel: Array,
+    weights: Array,
+    rates: Array,
+    tolerance: float = COMPLEMENTARITY,
+) -> Memory:
     """Return a pad at rest; `weights` (m,) are those of the terms over the long-time one."""
     n, m = len(gap), len(rates)
     return Memory(
@@ -58,6 +66,7 @@ def memory(gap: Array, travel: Array, weights: Array, rates: Array) -> Memory:
         moved_past=np.zeros(n),
         offset=np.zeros(n),
         depth=np.zeros(1),
+        tolerance=np.array([tolerance]),
     )
 
 
@@ -193,7 +202,7 @@ def _press(s: Active, m: Memory, stiffness: float, depth: float) -> int:
     """Find the pressure at a depth; `stiffness` is g t."""
     for j in range(len(m.gap)):
         m.offset[j] = (m.gap[j] - depth * m.travel[j]) * stiffness - m.moved_past[j]
-    return contact.solve(s, m.offset, COMPLEMENTARITY)
+    return contact.solve(s, m.offset, m.tolerance[0])
 
 
 @njit(cache=True)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.checks import InputError
-from fefinger.mesh.ready import sha256
 from fefinger.scene import Finger
 
 
@@ -19,6 +18,8 @@ FORMAT = 1
 
 def identity(finger: Finger, *, odd: bool) -> dict[str, Any] | None:
     """Return all that decides an operator; None where the mesh is not at hand."""
+    from fefinger.mesh.ready import sha256
+
     mesh = sha256(finger)
     if mesh is None:
         return None
@@ -39,16 +40,23 @@ def parities(*, half: bool) -> tuple[bool, ...]:
     return (False,) if half else (False, True)
 
 
-def folder(identity: dict[str, Any]) -> Path:
-    """Return where the cache keeps an operator."""
+def root() -> Path:
+    """Return the folder of all operators."""
     from platformdirs import user_cache_path
 
+    return user_cache_path("fefinger") / "operators"
+
+
+def folder(identity: dict[str, Any]) -> Path:
+    """Return where the cache keeps an operator."""
     key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-    return user_cache_path("fefinger") / "operators" / key[:16]
+    return root() / key[:16]
 
 
 def at_hand(finger: Finger, *, half: bool) -> bool:
     """Return whether the operators of a finger are in the cache and need not be built."""
+    if not root().is_dir():  # then not even the name of the mesh is needed
+        return False
     try:
         found = [identity(finger, odd=odd) for odd in parities(half=half)]
     except InputError:  # no mesh can be made for a finger of this size

@@ -1,5 +1,6 @@
 """The operator of a finger, from the files of the cache or built and put there."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -15,11 +16,13 @@ from scipy import sparse
 from fefinger.checks import InputError
 from fefinger.fem import condense as reduction
 from fefinger.fem import loop
-from fefinger.fem.body import prescribed, solid
+from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condense import Compliance, Operator, Part, condense, mirrored
+from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
-from fefinger.mechanics._kept import folder, identity, parities
+from fefinger.fem.spaces import Array
+from fefinger.mechanics._kept import folder, identity, parities, root
 from fefinger.mechanics._press import Method, held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
@@ -90,10 +93,33 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
     )
 
 
+def reduced(
+    finger: Finger, solid: Operator, patch: Patch, points: Array, probe: Callable[[], Any]
+) -> Reduced:
+    """Return the operator reduced to a patch and to the strain at `points`, kept likewise.
+
+    `probe` gives the strain at the points; it is called only where the cache lacks the answer.
+    """
+    known = [identity(finger, odd=odd) for odd in parities(half=solid.half)]
+    digest = hashlib.sha256(json.dumps([known, finger.skin.modulus]).encode())
+    for array in (patch.loads.indptr, patch.loads.indices, patch.loads.data, points):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    place = root().parent / "patches" / digest.hexdigest()[:16]
+    names = ("flexibility", "strain")
+    with suppress(OSError, ValueError):
+        found = (np.load(place / f"{name}.npy", mmap_mode="r") for name in names)
+        return Reduced(patch, *(array.view(np.ndarray) for array in found))
+    made = reduction.reduce(solid, patch, probe())
+    if None not in known:
+        with suppress(OSError), _appearing(place) as new:
+            for name in names:
+                np.save(new / f"{name}.npy", getattr(made, name))
+    return made
+
+
 def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None:
     """Write a compliance into a folder, which appears complete or not at all."""
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with _scratch(place.parent) as new:
+    with _appearing(place) as new:
         (new / "identity.json").write_text(json.dumps(identity, indent=1), encoding="utf-8")
         fronts = compliance.fronts
         np.save(new / "order.npy", compliance.order)
@@ -109,9 +135,6 @@ def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None
                 values[start : start + block.size] = block.ravel(order="F")
                 start += block.size
         values.flush()
-        del values
-        with suppress(OSError):  # another process was faster
-            os.rename(new, place)
 
 
 def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
@@ -143,11 +166,14 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 @contextmanager
-def _scratch(parent: Path) -> Iterator[Path]:
-    """Yield a new folder in `parent` that is removed, unless it was renamed."""
-    path = Path(tempfile.mkdtemp(dir=parent, prefix=".building-"))
+def _appearing(place: Path) -> Iterator[Path]:
+    """Yield a folder to fill, which then appears in its place, unless another did before."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    path = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
     try:
         yield path
+        with suppress(OSError):  # another process was faster
+            os.rename(path, place)
     finally:
         shutil.rmtree(path, ignore_errors=True)
 

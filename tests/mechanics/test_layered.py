@@ -152,7 +152,7 @@ def test_what_it_cannot_do_is_refused():
 
 
 def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
-    assert mechanics.names() == ("lumped", "hertz", "layered", "linear")
+    assert mechanics.names() == ("lumped", "hertz", "layered", "condensed", "linear")
     rungs = ff.explain(scenes.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
     seconds = {rung.mechanics: rung.seconds for rung in rungs if np.isfinite(rung.seconds)}
     assert seconds["hertz"] < seconds["layered"] < seconds["linear"]
