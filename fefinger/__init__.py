@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from fefinger.motion import Trapezoid as Trapezoid
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
+    from fefinger.realtime import Condensed as Condensed
     from fefinger.scene import Scene as Scene
     from fefinger.theory.relaxation import Prony as Prony
     from fefinger.tissue import Tissue as Tissue
@@ -65,6 +66,7 @@ _HOMES = {
         "ForceSampled",
     ),
     "plan": ("choose", "explain"),
+    "realtime": ("Condensed",),
     "scene": ("Scene",),
     "theory.relaxation": ("Prony",),
     "tissue": ("Tissue",),

@@ -1,6 +1,7 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,6 +35,27 @@ def one_thread() -> Iterator[None]:
     """Keep BLAS to one thread: the tests run side by side, and threads that spin slow them down."""
     with threadpool_limits(1, user_api="blas"):
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _empty_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the user's cache out: the planner prefers an operator that is in it."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("empty")))
+        yield
+
+
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a cache for the tests that build operators."""
+    return tmp_path_factory.mktemp("kept")
+
+
+@pytest.fixture
+def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of the operators that those tests share."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
+    return kept / "fefinger" / "operators"
 
 
 @pytest.fixture(scope="session")

@@ -59,6 +59,7 @@ HEAVY = (
 LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.console", "fefinger.scenes", "fefinger.scene"),
     *("fefinger.records", "fefinger.plan", "fefinger.run", "fefinger.mechanics.linear"),
+    "fefinger.mechanics.condensed",
     "fefinger.mechanics.hertz",
     "fefinger.mechanics.layered",
     "fefinger.mechanics.lumped",

@@ -9,7 +9,7 @@ from fefinger.validation.case import Case, Outcome
 from fefinger.checks import choice
 
 
-SUITES = ("fem", "finger", "neural", "thesis")
+SUITES = ("fem", "finger", "condensed", "neural", "thesis")
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:

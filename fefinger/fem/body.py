@@ -1,6 +1,6 @@
 """A finger as a factored elastic body: soft tissue, held facets, symmetry, one factor."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,19 +17,25 @@ BLOCK = 64  # loads solved at once: enough to stream the factor once for many, s
 
 
 @dataclass(frozen=True)
-class Body:
-    """A factored body.
+class Solid:
+    """The soft tissue of a finger.
 
     pad (n, 3) triangles and normals (n_points, 3) in the numbering of the space; original
     (n_points,) the number that each vertex has in the mesh; half: only y >= 0 is there.
     """
 
     space: Space
-    system: System
     pad: Integers
     normals: Array
     original: Integers
     half: bool
+
+
+@dataclass(frozen=True)
+class Body(Solid):
+    """A factored body."""
+
+    system: System
 
 
 @dataclass(frozen=True)
@@ -47,17 +53,39 @@ def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
     A region that is left out (a rigid bone) must be held through the facets that bound it.
     """
-    kept = np.isin(mesh.region, list(tissues))
+    soft = solid(mesh, tissues)
+    system = factor(soft.space, stiffness(soft.space, tissues), prescribed(soft, mesh, held))
+    return Body(soft.space, soft.pad, soft.normals, soft.original, soft.half, system)
+
+
+def solid(mesh: FingerMesh, regions: Iterable[int]) -> Solid:
+    """Return the cells of `mesh` whose region is among `regions`."""
+    kept = np.isin(mesh.region, list(regions))
     original, cells = np.unique(mesh.cells[kept], return_inverse=True)
-    number = np.full(len(mesh.points), -1, dtype=np.int64)
-    number[original] = np.arange(len(original))
     space = Space(mesh.points[original], cells.reshape(-1, 4), mesh.region[kept])
-    fixed = [_unknowns(space, _present(space, mesh, number, name), (0, 1, 2)) for name in held]
+    pad = _present(space, mesh, original, "pad")
+    return Solid(space, pad, mesh.pad_normals[original], original, mesh.half)
+
+
+def prescribed(
+    soft: Solid, mesh: FingerMesh, held: Sequence[str], *, odd: bool = False
+) -> Integers:
+    """Return the unknowns that are zero: those on the facets `held` and in the medial plane.
+
+    A field of half a finger goes on beyond the medial plane as its mirror image or, if `odd`, as
+    the opposite of that: then the plane moves across itself only, and has no mean stress.
+    """
+    space = soft.space
+    fixed = [
+        _unknowns(space, _present(space, mesh, soft.original, name), (0, 1, 2)) for name in held
+    ]
     if mesh.half:
-        fixed.append(_unknowns(space, _present(space, mesh, number, "medial"), (1,)))
-    system = factor(space, stiffness(space, tissues), np.concatenate(fixed))
-    pad = _present(space, mesh, number, "pad")
-    return Body(space, system, pad, mesh.pad_normals[original], original, mesh.half)
+        medial = _present(space, mesh, soft.original, "medial")
+        fixed.append(_unknowns(space, medial, (0, 2) if odd else (1,)))
+        if odd:
+            inside = np.isin(space.vertices, medial)
+            fixed.append(space.n_displacements + np.unique(space.pressures[inside]))
+    return np.concatenate(fixed)
 
 
 def reduce(
@@ -79,8 +107,10 @@ def reduce(
     return Reduced(patch, (flexibility + flexibility.T) / 2, strains)
 
 
-def _present(space: Space, mesh: FingerMesh, number: Integers, name: str) -> Integers:
+def _present(space: Space, mesh: FingerMesh, original: Integers, name: str) -> Integers:
     """Triangles of the facets `name` that bound kept cells, in the numbering of the space."""
+    number = np.full(len(mesh.points), -1, dtype=np.int64)
+    number[original] = np.arange(len(original))
     triangles = number[mesh.facets[name]]
     return np.asarray(triangles[space.has_faces(triangles)])
 

@@ -8,6 +8,7 @@ J. Optim. 5:100, 1995): F = L D L' with D = 1 on displacements and -1 on pressur
 factors, so that nearly all the work is done by dense matrix products.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ from fefinger.tolerances import SINGULAR_PIVOT
 
 UNEVEN = 0.15  # how far from half the cells a part may be cut: 1.2 to 1.7 times fewer entries
 LEAF = 48  # cells in the smallest part: smaller ones cost more in Python than they save
+
+NOTHING: Integers = np.empty(0, dtype=np.int64)
 
 SINGULAR = (
     "held facets: expected a body that cannot move freely and cells of positive volume, received "
@@ -88,26 +91,38 @@ class Factor:
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
         kind = self.fronts[0].lower.dtype
-        trsm = dtrsm if kind == np.float64 else strsm
         work = right[self.order].reshape(len(right), -1).astype(kind)
-        for f in self.fronts:
-            own = slice(f.front.start, f.front.stop)
-            work[own] = trsm(1.0, f.lower, work[own], lower=1)
-            work[f.front.rest] -= f.below @ work[own]
-        for f in reversed(self.fronts):
-            own = slice(f.front.start, f.front.stop)
-            known = f.signs * work[own] - f.below.T @ work[f.front.rest]
-            work[own] = trsm(1.0, f.lower, known, lower=1, trans_a=1)
+        self.forward(work)
+        self.backward(work)
         answer = np.empty(work.shape)
         answer[self.order] = work
         return answer.reshape(right.shape)
 
+    def forward(self, work: Array) -> None:
+        """Replace right hand sides (n, k), in the order of elimination, by those of D L'."""
+        trsm = _trsm(work)
+        for f in self.fronts:
+            own = slice(f.front.start, f.front.stop)
+            work[own] = trsm(1.0, f.lower, work[own], lower=1)
+            work[f.front.rest] -= f.below @ work[own]
 
-def dissect(unknowns: Integers, centers: Array, n_displacements: int) -> Dissection:
+    def backward(self, work: Array) -> None:
+        """Replace what `forward` left (n, k) by the solutions, in the order of elimination."""
+        trsm = _trsm(work)
+        for f in reversed(self.fronts):
+            own = slice(f.front.start, f.front.stop)
+            known = f.signs * work[own] - f.below.T @ work[f.front.rest]
+            work[own] = trsm(1.0, f.lower, known, lower=1, trans_a=1)
+
+
+def dissect(
+    unknowns: Integers, centers: Array, n_displacements: int, last: Integers = NOTHING
+) -> Dissection:
     """Return a nested dissection of cells.
 
     unknowns (n_cells, n_local) of each cell, -1 where prescribed; centers (n_cells, 3); unknowns
-    from `n_displacements` on are pressures.
+    from `n_displacements` on are pressures. `last`, ascending, are kept for a front of their own
+    at the end, after which nothing is left of the matrix but what acts between them.
     """
     pieces: list[tuple[Integers, Integers, tuple[int, ...]]] = []
 
@@ -127,7 +142,9 @@ def dissect(unknowns: Integers, centers: Array, n_displacements: int) -> Dissect
         pieces.append((own, outer, parts))
         return len(pieces) - 1
 
-    divide(np.arange(len(unknowns)), _members(unknowns), np.empty(0, dtype=np.int64))
+    root = divide(np.arange(len(unknowns)), _members(unknowns), last)
+    if len(last):
+        pieces.append((last, NOTHING, (root,)))
     order = np.concatenate([own for own, _, _ in pieces])
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
@@ -275,6 +292,11 @@ def _schur(rest: Array, below: Array, split: int) -> Array:
     if split < below.shape[1]:
         rest = dsyrk(1.0, below[:, split:], beta=1.0, c=rest, lower=1, overwrite_c=1)
     return rest
+
+
+def _trsm(work: Array) -> Callable[..., Array]:
+    """Return the triangular solver for the precision of `work`."""
+    return dtrsm if work.dtype == np.float64 else strsm
 
 
 def _cholesky(block: Array) -> Array:

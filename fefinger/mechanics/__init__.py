@@ -12,7 +12,7 @@ from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
 
-LADDER = ("lumped", "hertz", "layered", "linear", "solid")
+LADDER = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
 
 
 class Mechanics(Protocol):

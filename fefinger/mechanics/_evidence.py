@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.data import report
+from fefinger.mechanics._kept import at_hand
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.scene import (
@@ -41,6 +42,8 @@ LAYERED_REPORT = "layered-force.json"
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
 
+CONDENSED_REPORT = "condensed-cost.json"
+
 WHOLE = 3.0
 """Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
 
@@ -58,6 +61,27 @@ def linear_seconds(scene: Scene) -> float:
     steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
     setup = float(row["setup_seconds"]) * (1.0 if symmetric(scene) else WHOLE)
     return setup + steps * float(row["step_seconds"])
+
+
+@cache
+def condensed() -> dict[str, Any]:
+    """Return the cost of the operator of `condensed` and of its use, by resolution."""
+    measured: dict[str, Any] = json.loads(report(CONDENSED_REPORT))["resolutions"]
+    return measured
+
+
+def condensed_seconds(scene: Scene) -> float:
+    """Return the expected wall time of `condensed` in s: more, if its operator is to be built.
+
+    A whole finger is two halves.
+    """
+    row = condensed()[scene.finger.resolution]
+    half = symmetric(scene)
+    each = float(row["setup_seconds"])
+    if not at_hand(scene.finger, half=half):
+        each += float(row["build_seconds"])
+    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
+    return (1 if half else 2) * each + steps * float(row["step_seconds"])
 
 
 def linear_error(scene: Scene) -> tuple[float, str]:

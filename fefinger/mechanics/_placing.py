@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
-from fefinger.fem.body import Body
+from fefinger.fem.body import Solid
 from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
@@ -17,7 +17,7 @@ from fefinger.scene import Flat, Grating, Indenter, Relief
 Array = NDArray[np.float64]
 
 
-def obstacle(indenter: Indenter, body: Body) -> Obstacle:
+def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     """Return the indenter at first touch on this body.
 
     Raises
@@ -37,7 +37,7 @@ def obstacle(indenter: Indenter, body: Body) -> Obstacle:
     return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 
 
-def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
+def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     """Move the obstacle along its axis to first touch on the smooth surface of the pad."""
     surface = trace(body.space, body.pad)
     places = smooth_places(body.space.points, body.normals, surface)
@@ -56,13 +56,13 @@ def _touching(placed: Obstacle, body: Body, field: str) -> Obstacle:
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
-def _foremost(body: Body, axis: Array) -> Array:
+def _foremost(body: Solid, axis: Array) -> Array:
     """Return the pad vertex (3,) that a plate moving along `axis` meets first."""
     points = body.space.points[np.unique(body.pad)]
     return np.asarray(points[int(np.argmin(points @ axis))])
 
 
-def border(body: Body) -> NDArray[np.int64]:
+def border(body: Solid) -> NDArray[np.int64]:
     """Return the pad vertices on edges of only one pad triangle, the medial plane aside."""
     edges = np.sort(body.pad[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)
@@ -73,7 +73,7 @@ def border(body: Body) -> NDArray[np.int64]:
     return np.unique(single)
 
 
-def _pad_point(body: Body, at: tuple[float, float]) -> tuple[Array, Array]:
+def _pad_point(body: Solid, at: tuple[float, float]) -> tuple[Array, Array]:
     """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,)."""
     points = body.space.points[body.pad]
     palmar = body.normals[body.pad][:, :, 2].max(axis=1) < 0

@@ -3,6 +3,7 @@
 Shared by the small-strain mechanics: one factor, unit loads on the candidate vertices, then time.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
-from fefinger.fem.body import Body, Reduced, body, reduce
+from fefinger.fem.body import Body, Reduced, Solid, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.march import History, Prescribed, Relaxation, march
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
 from fefinger.mechanics._notes import normalized
@@ -47,6 +48,28 @@ FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finge
 FRAMES_MOVING, FRAMES_RESTING = 20, 6
 
 
+@dataclass(frozen=True)
+class Method:
+    """How a mechanics solves: the solid, its reduction to a patch, its march and its fields.
+
+    solid(finger, mesh, report); reduce and march as in `fem.body` and `fem.march`; unknowns(solid,
+    loads) gives the displacement under loads on the pad.
+    """
+
+    solid: Callable[..., Any]
+    reduce: Callable[..., Reduced]
+    march: Callable[..., History]
+    unknowns: Callable[[Any, Array], Array]
+
+
+def factored(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) -> Body:
+    """Return the finger as a body with a factor of its own."""
+    return body(mesh, tissues(finger), held(finger))
+
+
+WHOLE_MESH = Method(factored, reduce, march, lambda solid, loads: solid.system.solve(loads))
+
+
 def press(
     scene: Scene,
     progress: Progress | None = None,
@@ -54,6 +77,7 @@ def press(
     mechanics: str,
     notes: tuple[str, ...],
     refine: int = 1,
+    method: Method = WHOLE_MESH,
 ) -> Response:
     """Answer the scene; `refine` divides every time step.
 
@@ -67,16 +91,16 @@ def press(
     stages = Stages(progress)
     with stages.stage("mesh"):
         mesh = ready(scene.finger, half=symmetric(scene))
-    with stages.stage("factor"):
-        finger = body(mesh, tissues(scene.finger), held(scene.finger))
+    with stages.stage("factor") as report:
+        finger = method.solid(scene.finger, mesh, report)
     touch = _placing.obstacle(scene.indenter, finger)
     check_depth(scene, finger, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
-    contact = _contact(scene, finger, touch, time, stages)
+    contact = _contact(scene, finger, touch, time, stages, method)
     with stages.stage("reference"):
-        reference = _reference(scene, finger, contact)
+        reference = _reference(scene, finger, contact, method)
     with stages.stage("fields"):
-        fields = _fields(contact, finger, mesh) if scene.ask.fields else None
+        fields = _fields(contact, finger, mesh, method) if scene.ask.fields else None
     return Response(
         mechanics=mechanics,
         **_answer(scene, finger, contact, reference, fields),
@@ -97,7 +121,7 @@ def held(finger: Finger) -> tuple[str, ...]:
     return ("bone", "nail", "cut") if finger.cut == "fixed" else ("bone", "nail")
 
 
-def skin(finger: Body) -> Surface:
+def skin(finger: Solid) -> Surface:
     """Return the skin of the pad that a population lies under."""
     return meshed(finger.space.points, finger.pad, finger.normals, half=finger.half)
 
@@ -106,14 +130,16 @@ def skin(finger: Body) -> Surface:
 class _Contact:
     """The solved contact: where, on what, when, and the end organs that it strains."""
 
-    touch: Obstacle
+    touch: Rigid
     reduced: Reduced
     sites: Sites | None
     time: Array
     history: History
 
 
-def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: Stages) -> _Contact:
+def _contact(
+    scene: Scene, finger: Solid, touch: Obstacle, time: Array, stages: Stages, method: Method
+) -> _Contact:
     """Solve the contact, with more candidate vertices as long as it meets their rim."""
     asked_sites = scene.ask.strain or scene.ask.spikes
     found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
@@ -137,12 +163,12 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
             raise InputError(message)
         known = len(candidates.vertices)
         with stages.stage("unit loads") as report:
-            reduced = reduce(finger, candidates, probe, report)
+            reduced = method.reduce(finger, candidates, probe, report)
         prony = scene.finger.prony
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(candidates.vertices))
         asked = Prescribed(scene.motion.control, time, value)
         with stages.stage("contact") as report:
-            history = march(
+            history = method.march(
                 reduced.flexibility, candidates.gap, candidates.travel, memory, asked, report
             )
         pressed = (history.pressure > 0).any(axis=0)
@@ -162,7 +188,7 @@ def _contact(scene: Scene, finger: Body, touch: Obstacle, time: Array, stages: S
     raise ConvergenceError(message)
 
 
-def check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) -> None:
+def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) -> None:
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))
     if scene.motion.control == "depth" and scene.motion.peak >= pulp:
@@ -173,7 +199,9 @@ def check_depth(scene: Scene, finger: Body, mesh: FingerMesh, touch: Obstacle) -
         raise InputError(message)
 
 
-def reference(scene: Scene, finger: Body, reduced: Reduced | None = None) -> Reference:
+def reference(
+    scene: Scene, finger: Solid, reduced: Reduced | None = None, *, method: Method = WHOLE_MESH
+) -> Reference:
     """Press the standard plate a little, on a patch `reduced` for it if there is one."""
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)
@@ -181,7 +209,7 @@ def reference(scene: Scene, finger: Body, reduced: Reduced | None = None) -> Ref
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)
-        reduced = reduce(finger, candidates, probe)
+        reduced = method.reduce(finger, candidates, probe)
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
     pressure = Complementarity(reduced.flexibility).solve(free)
     if (pressure[reduced.patch.edge] > 0).any():
@@ -191,21 +219,21 @@ def reference(scene: Scene, finger: Body, reduced: Reduced | None = None) -> Ref
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 
-def _reference(scene: Scene, finger: Body, contact: _Contact) -> Reference | None:
+def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -> Reference | None:
     """Return the reference press; on the scene's own patch if that is the same plate."""
     if contact.sites is None:
         return None
     own = scene.indenter == STANDARD and contact.history.depth.max() >= REFERENCE_DEPTH
     own = own and scene.ask.population is None
-    return reference(scene, finger, contact.reduced if own else None)
+    return reference(scene, finger, contact.reduced if own else None, method=method)
 
 
-def _fields(contact: _Contact, finger: Body, mesh: FingerMesh) -> Fields:
+def _fields(contact: _Contact, finger: Solid, mesh: FingerMesh, method: Method) -> Fields:
     """Solve for the whole body at some of the times."""
     force = contact.history.pressure @ contact.reduced.patch.travel
     frames = frames_of(contact.history.depth, int(np.argmax(force)))
     loads = contact.reduced.patch.loads @ contact.history.elastic[frames].T
-    unknowns = finger.system.solve(np.asarray(loads))
+    unknowns = method.unknowns(finger, np.asarray(loads))
     n_points, n_frames = len(mesh.points), len(frames)
     displacement = np.zeros((n_frames, n_points, 3))
     strain = np.zeros((n_frames, n_points, 6))
@@ -230,7 +258,7 @@ def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
 
 def _answer(
     scene: Scene,
-    finger: Body,
+    finger: Solid,
     contact: _Contact,
     reference: Reference | None,
     fields: Fields | None,
@@ -277,7 +305,7 @@ def centroid(pad: Pad, pressure: Array) -> Array:
 
 
 def whole_pad(
-    finger: Body, vertices: NDArray[np.int64], faces: NDArray[np.int64], areas: Array
+    finger: Solid, vertices: NDArray[np.int64], faces: NDArray[np.int64], areas: Array
 ) -> tuple[Pad, NDArray[np.int64]]:
     """Return the pad of the whole finger, and which of `vertices` each of its points is."""
     points, normals = finger.space.points[vertices], finger.normals[vertices]

@@ -1,6 +1,7 @@
 """Contact of a finger at finite strain, from a scene to a response."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._stride import Stride, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import sites
+from fefinger.mechanics._touch import folded, organs, unfolded
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Fields, Progress, Response, Sites
@@ -63,15 +64,15 @@ def squeeze(
     steps = stride(scene.motion, time, refine)
     passage = _passage(scene, finger, elements, touch, steps, stages)
     with stages.stage("reference"):
-        organs = passage.sites
-        reference = None if organs is None else _press.reference(scene, finger)
+        asked = passage.sites is not None
+        reference = _press.reference(scene, finger) if asked else None
     with stages.stage("fields"):
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
     return Response(
         mechanics=mechanics,
         time=time,
         **_answer(scene, finger, passage, steps),
-        sites=organs,
+        sites=passage.sites,
         reference=reference,
         fields=fields,
         seconds=stages.seconds,
@@ -136,8 +137,10 @@ def _passage(
     stages: Stages,
 ) -> _Passage:
     """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
-    organs = sites(scene, touch.origin, touch.axis) if _asked(scene) else None
-    where = organs.points if organs else np.empty((0, 3))
+    skin = partial(_press.skin, finger)
+    found = organs(scene, touch.origin, touch.axis, skin) if _asked(scene) else None
+    where = found.points if found else np.empty((0, 3))
+    where = folded(where) if finger.half else where
     probe = gradient_at(finger.space, where, medial=finger.half)
     motion, sides = scene.motion, 2 if finger.half else 1
     depth_control = motion.control == "depth"
@@ -166,7 +169,7 @@ def _passage(
             continue
         return _Passage(
             contact=contact,
-            sites=organs,
+            sites=found,
             depth=np.array(recorder.depth),
             pressure=pressure,
             areas=np.array(recorder.areas),
@@ -224,10 +227,18 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
         "centroid": _press.centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,
         "pressure": pressure if asked else None,
-        "strain": None if passage.sites is None else steps.smooth(passage.strain),
+        "strain": _strain(finger, passage, steps),
         "status": passage.status,
         "numbers": passage.numbers,
     }
+
+
+def _strain(finger: Body, passage: _Passage, steps: Stride) -> Array | None:
+    """Return the strain at the sites of the whole finger at all times."""
+    if passage.sites is None:
+        return None
+    strain = steps.smooth(passage.strain)
+    return unfolded(strain, passage.sites.points) if finger.half else strain
 
 
 def _fields(passage: _Passage, finger: Body, mesh: FingerMesh) -> Fields:

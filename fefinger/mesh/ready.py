@@ -31,6 +31,15 @@ def at_hand(finger: Any) -> bool:
     return shipped_path(recipe) is not None or cached_path(recipe).is_file()
 
 
+def sha256(finger: Any) -> str | None:
+    """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
+    recipe = Recipe.of(finger)
+    sidecar = files.sidecar_path(shipped_path(recipe) or cached_path(recipe))
+    if not sidecar.is_file():
+        return None
+    return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
+
+
 def shipped_path(recipe: Recipe) -> Path | None:
     """Return the file of the shipped mesh of a recipe, or None."""
     for sidecar in sorted(data_folder().glob("*.json")):

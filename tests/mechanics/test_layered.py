@@ -186,7 +186,8 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
 
 
 def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
-    assert mechanics.names() == ("lumped", "hertz", "layered", "linear", "solid")
+    rungs = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
+    assert mechanics.names() == rungs
     rungs = ff.explain(scenes.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
     seconds = {rung.mechanics: rung.seconds for rung in rungs if np.isfinite(rung.seconds)}
     assert seconds["hertz"] < seconds["layered"] < seconds["linear"]

@@ -1,0 +1,241 @@
+"""How fast a condensed finger is: its operator, a step of contact, a step with 1000 end organs.
+
+A whole finger under a tilted plate, so that neither symmetry nor half a mesh helps: ramp, hold, 8
+Hz sinusoid and retraction in 10 000 steps of 1 ms. A step is timed in processor time of its thread
+and in wall time, which counts what else the machine did. Baselines: the steps of `linear` for
+contact, and its answer for agreement.
+"""
+
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import scenes
+from fefinger.bench import Figure, Progress
+from fefinger.fem import active, loop
+from fefinger.fem.march import Prescribed, Relaxation, march
+from fefinger.fem.threads import one_thread
+from fefinger.mechanics import _kept, _operator
+from fefinger.mesh.ready import ready
+from fefinger.realtime import Condensed
+from fefinger.records import Sites
+from fefinger.scene import Finger, Flat
+
+
+Array = NDArray[np.float64]
+Precision = Literal["double", "single"]
+
+PLATE = Flat(30.0, tilt=10.0)
+DEPTH, AMPLITUDE, SPEED = 1.0, 0.3, 20.0  # mm, mm, mm/s
+STEPS, DT = 10_000, 1e-3
+TYPES = {"FAI": 0.6, "SAI": 0.8, "SAII": 1.8, "FAII": 2.5}  # end organs and their depths in mm
+EACH = 250
+COMPARED = 600
+TOLERANCES = (1e-6, 1e-4)
+
+
+@one_thread
+def figures(progress: Progress) -> list[Figure]:
+    """Measure the operator of a standard finger, and steps on it."""
+    finger = replace(scenes.load("flat-press").finger, resolution="standard")
+    found = [*_building(finger), *_loading(finger)]
+    progress("condensed", 0.4)
+    sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
+    placed = _seconds(lambda: _placed(finger, sites, "double"))
+    found += [
+        Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", placed),
+    ]
+    double, single = _placed(finger, sites, "double"), _placed(finger, sites, "single")
+    found += [*_stepping("strains in double precision", double), *_contact(double)]
+    progress("condensed", 0.7)
+    found += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
+    found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger, sites)]
+    return found
+
+
+def motion() -> Array:
+    """Return the depths (STEPS,) in mm of ramp, hold, sinusoid and retraction."""
+    times = np.arange(STEPS) * DT
+    down = DEPTH / SPEED
+    depth = np.interp(times, [0, down, 9, 9 + down + 0.01], [0, DEPTH, DEPTH, -0.2])
+    waving = (times >= 3) & (times < 9)
+    depth[waving] += AMPLITUDE * np.sin(2 * np.pi * 8 * (times[waving] - 3))
+    return np.asarray(depth)
+
+
+def end_organs(finger: Condensed) -> Sites:
+    """Return EACH sites of every type, under the vertices of the pad nearest to the plate."""
+    on_pad = finger.patch
+    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.travel)[:EACH]]
+    points, normals = finger.solid.space.points[near], finger.solid.normals[near]
+    depths = np.repeat(list(TYPES.values()), EACH)
+    outward = np.tile(normals, (len(TYPES), 1))
+    places = np.tile(points, (len(TYPES), 1)) - depths[:, None] * outward
+    return Sites(places, outward, depths, tuple(np.repeat(list(TYPES), EACH).tolist()))
+
+
+def _building(finger: Finger) -> list[Figure]:
+    """Build both parities, one thread, and keep them."""
+    mesh, seconds = ready(finger, half=True), 0.0
+    for odd in (False, True):
+        started = time.perf_counter()
+        built = _operator.build(finger, mesh, odd=odd)
+        identity = _kept.identity(finger, odd=odd)
+        assert identity is not None
+        _operator.write(built, _kept.folder(identity), identity)
+        seconds += time.perf_counter() - started
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return [
+        Figure("operator, whole finger: wall, built and written", seconds, "s"),
+        Figure("operator: memory at the peak", peak, "MB"),
+        Figure("operator: unknowns on the half of the pad", len(built.matrix), "1"),
+        Figure("operator: entries kept", 2 * (built.matrix.size + _entries(built)), "1"),
+    ]
+
+
+def _entries(built: _operator.Compliance) -> int:
+    return sum(front.lower.size + front.below.size for front in built.fronts)
+
+
+def _loading(finger: Finger) -> list[Figure]:
+    seconds = _seconds(lambda: _operator.operator(finger, half=False))
+    return [Figure("operator, whole finger: wall, loaded with its mesh", seconds, "s")]
+
+
+def _placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
+    return Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=sites, precision=precision)
+
+
+def _again(finger: Finger, sites: Sites) -> float:
+    return _seconds(lambda: _placed(finger, sites, "double"))
+
+
+def _stepping(name: str, finger: Condensed) -> list[Figure]:
+    """Time the steps of the motion with everything that a step gives."""
+    processor, wall, vertices = np.empty(STEPS), np.empty(STEPS), np.empty(STEPS)
+    _warm(finger)
+    for k, depth in enumerate(motion().tolist()):
+        begun, started = time.thread_time(), time.perf_counter()
+        finger.step(depth, DT)
+        processor[k], wall[k] = time.thread_time() - begun, time.perf_counter() - started
+        vertices[k] = finger.counts[active.K]
+    return [
+        Figure(f"{name}: vertices in contact, median", float(np.median(vertices)), "1"),
+        Figure(f"{name}: step, median, processor", _ms(processor, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(processor, 0.99), "ms"),
+        Figure(f"{name}: step, median, wall", _ms(wall, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, wall", _ms(wall, 0.99), "ms"),
+    ]
+
+
+def _contact(finger: Condensed) -> list[Figure]:
+    """Time the steps of contact and force alone."""
+    seconds, exchanged = np.empty(STEPS), np.empty(STEPS)
+    _warm(finger)
+    for k, depth in enumerate(motion().tolist()):
+        begun = time.thread_time()
+        finger.step_contact(depth, DT)
+        seconds[k] = time.thread_time() - begun
+        exchanged[k] = finger.counts[active.EXCHANGED]
+    return [
+        Figure("contact only: candidate vertices", len(finger.now.pressure), "1"),
+        Figure("contact only: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure("contact only: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+        Figure("contact only: vertices exchanged per step", exchanged[-1] / STEPS, "1"),
+        Figure("contact only: inverses made anew", float(finger.counts[active.REBUILT]), "1"),
+    ]
+
+
+def _agreement(finger: Condensed) -> list[Figure]:
+    """Compare pressures and seconds with `march`, on the same operator, over a short motion."""
+    on_pad, prony = finger.patch, finger.finger.prony
+    depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
+    asked = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
+    answers, seconds = [], []
+    for method in (loop.march, march):
+        memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+        begun = time.thread_time()
+        found = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, asked)
+        seconds.append((time.thread_time() - begun) / len(depth))
+        answers.append(found.pressure)
+    error = np.abs(answers[0] - answers[1]).max(axis=1)
+    scale = np.abs(answers[1]).max(axis=1)
+    worst = float((error[scale > 0] / scale[scale > 0]).max())
+    name = "contact only: step, mean, processor, against linear"
+    return [
+        Figure("pressure against linear's march, worst step", worst, "1"),
+        Figure(name, 1e3 * seconds[0], "ms", 1e3 * seconds[1]),
+    ]
+
+
+def _strain_error(single: Condensed, double: Condensed) -> list[Figure]:
+    """Compare the strains of both precisions over a tenth of the motion."""
+    worst = largest = 0.0
+    for each in (single, double):
+        each.reset()
+    for depth in motion()[::10].tolist():
+        exact = double.step(depth, DT).strain
+        worst = max(worst, float(np.abs(single.step(depth, DT).strain - exact).max()))
+        largest = max(largest, float(np.abs(exact).max()))
+    return [Figure("strain in single precision: error over the largest", worst / largest, "1")]
+
+
+def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
+    """Trade the tolerance of the contact against its error."""
+    found = []
+    forces = _forces(exact)
+    for tolerance in TOLERANCES:
+        rough = Condensed(
+            finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites, tolerance=tolerance
+        )
+        begun = time.thread_time()
+        error = np.abs(_forces(rough) - forces).max() / forces.max()
+        seconds = (time.thread_time() - begun) / STEPS
+        found += [
+            Figure(f"contact tolerance {tolerance:g}: step, mean, processor", 1e3 * seconds, "ms"),
+            Figure(f"contact tolerance {tolerance:g}: error of the force", float(error), "1"),
+        ]
+    return found
+
+
+def _coarser(finger: Finger, sites: Sites) -> list[Figure]:
+    """Trade the mesh against the error: the coarse one against the standard one."""
+    rough = Condensed(replace(finger, resolution="coarse"), PLATE, deepest=DEPTH + AMPLITUDE)
+    exact = Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE)
+    rough.reset()
+    begun = time.thread_time()
+    forces = _forces(rough)
+    seconds = (time.thread_time() - begun) / STEPS
+    error = float(np.abs(forces - _forces(exact)).max() / forces.max())
+    return [
+        Figure("coarse mesh: step, mean, processor", 1e3 * seconds, "ms"),
+        Figure("coarse mesh: force against the standard one", error, "1"),
+    ]
+
+
+def _forces(finger: Condensed) -> Array:
+    """Return the forces (STEPS,) of the motion in N, contact only."""
+    finger.reset()
+    return np.array([finger.step_contact(depth, DT).force for depth in motion().tolist()])
+
+
+def _warm(finger: Condensed) -> None:
+    """Compile, and come back to rest."""
+    finger.step(DEPTH / 2, DT)
+    finger.step_contact(DEPTH / 2, DT)
+    finger.reset()
+
+
+def _ms(seconds: Array, part: float) -> float:
+    return 1e3 * float(np.quantile(seconds, part))
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started

@@ -1,0 +1,64 @@
+"""Where the user's cache keeps the operators of `condensed`: under the hash of what decides one.
+
+An operator depends on the ratio of the moduli only: it is built for a skin of 1 kPa and scaled.
+"""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from fefinger.checks import InputError
+from fefinger.scene import Finger
+
+
+FORMAT = 1
+"""Raised when the elements, the solver or the files change, so that operators are built again."""
+
+
+def identity(finger: Finger, *, odd: bool) -> dict[str, Any] | None:
+    """Return all that decides an operator; None where the mesh is not at hand."""
+    from fefinger.mesh.ready import sha256
+
+    mesh = sha256(finger)
+    if mesh is None:
+        return None
+    return {
+        "format": FORMAT,
+        "element": "Taylor-Hood, P2 and P1 per tissue",
+        "solver": "multifrontal, pad last",
+        "mesh_file_sha256": mesh,
+        "cut": finger.cut,
+        "modulus_ratio": finger.subcutaneous.modulus / finger.skin.modulus,
+        "poisson": [finger.skin.poisson, finger.subcutaneous.poisson],
+        "parity": "odd" if odd else "even",
+    }
+
+
+def parities(*, half: bool) -> tuple[bool, ...]:
+    """Return which parities make up half of a finger or a whole one: whether each is odd."""
+    return (False,) if half else (False, True)
+
+
+def root() -> Path:
+    """Return the folder of all operators."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("fefinger") / "operators"
+
+
+def folder(identity: dict[str, Any]) -> Path:
+    """Return where the cache keeps an operator."""
+    key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
+    return root() / key[:16]
+
+
+def at_hand(finger: Finger, *, half: bool) -> bool:
+    """Return whether the operators of a finger are in the cache and need not be built."""
+    if not root().is_dir():  # then not even the name of the mesh is needed
+        return False
+    try:
+        found = [identity(finger, odd=odd) for odd in parities(half=half)]
+    except InputError:  # no mesh can be made for a finger of this size
+        return False
+    return all(each is not None and folder(each).is_dir() for each in found)

@@ -1,0 +1,187 @@
+"""The operator of a finger, from the files of the cache or built and put there."""
+
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.checks import InputError
+from fefinger.fem import condense as reduction
+from fefinger.fem import loop
+from fefinger.fem.body import Reduced, prescribed, solid
+from fefinger.fem.condense import Compliance, Operator, Part, condense, mirrored
+from fefinger.fem.contact import Patch
+from fefinger.fem.forms import Elastic
+from fefinger.fem.multifrontal import Eliminated, Front
+from fefinger.fem.spaces import Array
+from fefinger.mechanics._kept import folder, identity, parities, root
+from fefinger.mechanics._press import Method, held
+from fefinger.mesh.ready import ready
+from fefinger.mesh.record import FingerMesh
+from fefinger.scene import Finger
+
+
+ARRAYS = ("order", "table", "rest", "values", "matrix")
+
+
+def operator(
+    finger: Finger, *, half: bool, progress: Callable[[float], None] = lambda fraction: None
+) -> Operator:
+    """Return the operator of a finger, or of half of it, from the cache or built and put there.
+
+    Raises
+    ------
+    InputError
+        If the cache holds something else under the hash of this finger.
+    """
+    mesh = ready(finger, half=True)
+    own = solid(mesh, (1, 2))
+    body = own if half else solid(ready(finger, half=False), (1, 2))
+    parts: list[Part] = []
+    wanted = parities(half=half)
+    for odd in wanted:
+        compliance = _compliance(finger, mesh, odd=odd)
+        if half:
+            unfold = sparse.eye(own.space.n_unknowns, format="csr")
+        else:
+            unfold = mirrored(body.space, own.space, odd=odd)
+        parts.append(Part(compliance, unfold, 1.0 / (len(wanted) * finger.skin.modulus)))
+        progress(len(parts) / len(wanted))
+    return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts))
+
+
+def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
+    """Return one parity of a finger, given the mesh of its half, with a skin of 1 kPa."""
+    ratio = finger.subcutaneous.modulus / finger.skin.modulus
+    tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
+    own = solid(mesh, tissues)
+    return condense(own, tissues, prescribed(own, mesh, held(finger), odd=odd))
+
+
+def read(place: Path, identity: dict[str, Any]) -> Compliance:
+    """Return the compliance in a folder, mapped into memory.
+
+    Raises
+    ------
+    InputError
+        If the folder is damaged, or what it holds was built from something else.
+    """
+    advice = f"delete the folder {str(place)!r}, and it is built again"
+    try:
+        found = json.loads((place / "identity.json").read_text(encoding="utf-8"))
+        arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
+    except (OSError, ValueError) as error:
+        message = f"operator: expected {len(ARRAYS)} arrays and their identity ({error}); {advice}"
+        raise InputError(message) from None
+    for name, value in identity.items():
+        if found.get(name) != value:
+            message = (
+                f"operator: expected one with {name} = {value!r}, received one with "
+                f"{found.get(name)!r}; {advice}"
+            )
+            raise InputError(message)
+    return Compliance(
+        np.array(arrays["order"]), tuple(_fronts(arrays)), arrays["matrix"].view(np.ndarray)
+    )
+
+
+def reduced(
+    finger: Finger, solid: Operator, patch: Patch, points: Array, probe: Callable[[], Any]
+) -> Reduced:
+    """Return the operator reduced to a patch and to the strain at `points`, kept likewise.
+
+    `probe` gives the strain at the points; it is called only where the cache lacks the answer.
+    """
+    known = [identity(finger, odd=odd) for odd in parities(half=solid.half)]
+    digest = hashlib.sha256(json.dumps([known, finger.skin.modulus]).encode())
+    for array in (patch.loads.indptr, patch.loads.indices, patch.loads.data, points):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    place = root().parent / "patches" / digest.hexdigest()[:16]
+    names = ("flexibility", "strain")
+    with suppress(OSError, ValueError):
+        found = (np.load(place / f"{name}.npy", mmap_mode="r") for name in names)
+        return Reduced(patch, *(array.view(np.ndarray) for array in found))
+    made = reduction.reduce(solid, patch, probe())
+    if None not in known:
+        with suppress(OSError), _appearing(place) as new:
+            for name in names:
+                np.save(new / f"{name}.npy", getattr(made, name))
+    return made
+
+
+def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None:
+    """Write a compliance into a folder, which appears complete or not at all."""
+    with _appearing(place) as new:
+        (new / "identity.json").write_text(json.dumps(identity, indent=1), encoding="utf-8")
+        fronts = compliance.fronts
+        np.save(new / "order.npy", compliance.order)
+        np.save(new / "matrix.npy", compliance.matrix)
+        np.save(new / "rest.npy", np.concatenate([f.front.rest for f in fronts]))
+        rows = [(f.front.start, f.front.pressure, f.front.stop, len(f.front.rest)) for f in fronts]
+        np.save(new / "table.npy", np.array(rows, dtype=np.int64))
+        size = sum(f.lower.size + f.below.size for f in fronts)
+        values = np.lib.format.open_memmap(new / "values.npy", "w+", np.float64, (size,))
+        start = 0
+        for front in fronts:
+            for block in (front.lower, front.below):
+                values[start : start + block.size] = block.ravel(order="F")
+                start += block.size
+        values.flush()
+
+
+def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
+    """Return one parity of a finger, from the cache or built and put there."""
+    identified = identity(finger, odd=odd)
+    if identified is not None and folder(identified).is_dir():
+        return read(folder(identified), identified)
+    built = build(finger, mesh, odd=odd)
+    if identified is not None:
+        with suppress(OSError):  # without room for it, it is built again the next time
+            write(built, folder(identified), identified)
+    return built
+
+
+def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
+    """Yield the fronts as views of the file."""
+    rest, values = np.array(arrays["rest"]), arrays["values"].view(np.ndarray)
+    first = start = 0
+    for begin, pressure, stop, below in arrays["table"].tolist():
+        n = stop - begin
+        front = Front(begin, pressure, stop, rest[first : first + below], ())
+        lower = values[start : start + n * n].reshape((n, n), order="F")
+        start += n * n
+        under = values[start : start + below * n].reshape((below, n), order="F")
+        start, first = start + below * n, first + below
+        signs = np.ones((n, 1))
+        signs[pressure - begin :] = -1.0
+        yield Eliminated(front, lower, under, signs)
+
+
+@contextmanager
+def _appearing(place: Path) -> Iterator[Path]:
+    """Yield a folder to fill, which then appears in its place, unless another did before."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    path = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
+    try:
+        yield path
+        with suppress(OSError):  # another process was faster
+            os.rename(path, place)
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+METHOD = Method(
+    lambda finger, mesh, report: operator(finger, half=mesh.half, progress=report),
+    reduction.reduce,
+    loop.march,
+    reduction.displaced,
+)
+"""How `condensed` solves."""

@@ -1,0 +1,319 @@
+"""A finger to drive from a loop of one's own, at the rates of a haptic controller.
+
+    finger = ff.Condensed(ff.Finger.subject("a.h."), ff.Flat(angle=30), deepest=2.0)
+    step = finger.step(depth=0.3, dt=1e-3)
+    step.force, step.strain
+
+It is `mechanics/condensed` without a scene: the operator of the finger is built once and kept, an
+indenter is placed in about a second, and then no array is made from one step to the next.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fefinger.checks import InputError, choice, number
+from fefinger.fem import active, loop
+from fefinger.fem.body import Reduced, Solid
+from fefinger.fem.contact import patch
+from fefinger.fem.march import History
+from fefinger.fem.obstacle import Rigid
+from fefinger.fem.probe import ODD, VOIGT, strain_at
+from fefinger.mechanics import _operator, _placing, _press, condensed
+from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._touch import sites as central_sites
+from fefinger.motion import Motion
+from fefinger.records import Response, Sites
+from fefinger.scene import Ask, Finger, Flat, Indenter, Ramp, Scene
+from fefinger.stages import Stages
+from fefinger.tolerances import COMPLEMENTARITY
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+MIRROR = np.array([1.0, -1.0, 1.0])
+
+
+@dataclass(slots=True)
+class Step:
+    """What a step gives; the arrays are those of the finger, and change with its next step.
+
+    depth mm, force N, contact_area mm², x and y mm of the center of pressure (nan without contact);
+    pressure (n,) kPa at the candidate vertices, strain (n_sites, 6), positive in tension, with the
+    components xx yy zz xy yz xz of the tensor.
+    """
+
+    depth: float
+    force: float
+    contact_area: float
+    x: float
+    y: float
+    pressure: Array
+    strain: NDArray[np.floating]
+
+
+class Condensed:
+    """A finger under an indenter, stepped in real time.
+
+    Parameters
+    ----------
+    finger, indenter
+        As in a scene; or an obstacle with an `axis` and a `gap(points)`, as `fem.obstacle.Rigid`.
+    deepest
+        Depth in mm that the pad has to answer; the candidate vertices follow from it.
+    sites
+        End organs at which the strain is wanted; the central ones by default.
+    precision
+        "double", or "single" for strains to 1e-5 of the largest in half the time.
+    stiffening
+        t(u) of the thesis (3.11) over a constant modulus, at a depth in mm: the contact pressure is
+        then the integral of G(t - s) d(t q)(s), with q that of the linear body. Under depth control
+        and while t > 0.
+    tolerance
+        Penetration, over the largest gap or depth, that counts as none.
+
+    Raises
+    ------
+    InputError
+        If the indenter misses the pad, or a site lies outside the soft tissue.
+    """
+
+    def __init__(
+        self,
+        finger: Finger,
+        indenter: Indenter | Rigid = Flat(30.0),  # noqa: B008 - immutable
+        *,
+        deepest: float = 2.0,
+        sites: Sites | None = None,
+        precision: Literal["double", "single"] = "double",
+        stiffening: Callable[[float], float] | None = None,
+        tolerance: float = COMPLEMENTARITY,
+    ) -> None:
+        self.finger, self.indenter = finger, indenter
+        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        choice("precision", precision, ("double", "single"))
+        half = isinstance(indenter, Indenter) and indenter.mirrored
+        solid = _operator.operator(finger, half=half)
+        if isinstance(indenter, Indenter):
+            touch: Rigid = _placing.obstacle(indenter, solid)
+        else:
+            touch = indenter
+        on_pad = patch(solid.space, solid.pad, solid.normals, touch, _press.REACH * self.deepest)
+        if len(on_pad.vertices) == 0:
+            message = "indenter: expected it over the pad, received one that no vertex is under"
+            raise InputError(message)
+        if sites is None:
+            origin = getattr(touch, "origin", np.zeros(3))
+            sites = central_sites(_scene(finger, indenter), origin, touch.axis)
+        self.sites = sites
+        where = self.sites.points
+        reduced = _operator.reduced(finger, solid, on_pad, where, lambda: _probe(solid, where))
+        self.solid, self.patch, self.flexibility = solid, on_pad, reduced.flexibility
+        self._touch, self._reduced = touch, reduced
+        self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
+        prony = finger.prony
+        weights = np.array(prony.weights[1:]) / prony.weights[0]
+        self._state = active.active(reduced.flexibility)
+        self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v), tolerance)
+        self._output = _output(solid, reduced, precision)
+        nothing = np.empty((len(on_pad.vertices), 0), dtype=self._output.rows.dtype)
+        self._without = self._output._replace(rows=nothing, strain=nothing[0])
+        strain = self._output.strain.reshape(-1, 6)
+        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
+        self.reset()
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """How much work it was (5,): see `fem.active.K` and the names beside it."""
+        return self._state.counts
+
+    @property
+    def elastic(self) -> Array:
+        """Pressure (n,) kPa of the linear body at the present displacement."""
+        return self._output.elastic
+
+    def energy(self) -> tuple[float, float]:
+        """Return what the body stores in uJ and what its dampers take in uW (without t(u))."""
+        memory, flexibility = self._memory, self.flexibility
+        stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
+        for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):
+            held = float(term @ flexibility @ term / weight)
+            stored, lost = stored + held / 2, lost + rate * held
+        return float(stored), lost
+
+    def reset(self) -> None:
+        """Lift the indenter off, and let the tissue forget."""
+        loop.reset(self._state, self._memory)
+        loop.read(self._state, self._memory, self._output, 1.0)
+        self._read()
+
+    def step(self, depth: float, dt: float) -> Step:
+        """Move the indenter to `depth` mm in `dt` s and return what the finger feels.
+
+        Raises
+        ------
+        InputError
+            If contact reaches the rim of the candidates, beyond `deepest`.
+        ConvergenceError
+            If no contact is found.
+        """
+        stiffening = 1.0
+        if self._stiffening is not None:
+            stiffening = self._stiffness(depth)
+        return self._advance(dt, depth, False, stiffening)
+
+    def step_contact(self, depth: float, dt: float) -> Step:
+        """Move as `step` does, and leave the strain as it was: contact and force alone.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        return self._advance(dt, depth, False, 1.0, self._without)
+
+    def step_force(self, force: float, dt: float) -> Step:
+        """Load the indenter with `force` N in `dt` s and return what the finger feels.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        if self._stiffening is not None:
+            message = "step_force: expected depth control, as t(u) is a function of the depth"
+            raise InputError(message)
+        return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True, 1.0)
+
+    def _advance(
+        self,
+        dt: float,
+        target: float,
+        by_force: bool,
+        stiffening: float,
+        output: loop.Output | None = None,
+    ) -> Step:
+        if not dt >= 0.0:
+            message = f"dt: expected a time of at least 0 s, received {dt!r}"
+            raise InputError(message)
+        state, memory = self._state, self._memory
+        output = output or self._output
+        loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
+        return self._read()
+
+    def _stiffness(self, depth: float) -> float:
+        """Return t at a depth; where it is not above 0 the pad must never have been touched."""
+        assert self._stiffening is not None
+        value = float(self._stiffening(depth))
+        if value > 0.0:
+            return value
+        if self._memory.elastic.any():
+            message = (
+                f"stiffening: expected t above 0 as long as the tissue remembers a contact, "
+                f"received {value:g} at a depth of {depth:g} mm; reset, or stay in contact"
+            )
+            raise InputError(message)
+        return 1.0
+
+    def _read(self) -> Step:
+        now, summary = self.now, self._output.summary
+        if summary[loop.RIM] > 0.0:
+            message = (
+                f"step: expected contact inside the candidates for a depth of {self.deepest:g} mm, "
+                "but it reaches their rim; make the finger with a larger `deepest`, press less, or "
+                "take a larger indenter"
+            )
+            raise InputError(message)
+        now.depth = float(self._memory.depth[0])
+        now.force = summary[loop.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
+        now.contact_area, now.x, now.y = summary[loop.AREA], summary[loop.X], summary[loop.Y]
+        return now
+
+    def run(self, motion: Motion, *, fast: bool = False) -> Response:
+        """Return the Response to a whole motion from rest; `fast` limits the step to 0.2 ms.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        stages, solid = Stages(), self.solid
+        with stages.stage("contact"):
+            time = time_grid(motion, fast=fast)
+            contact = _press._Contact(
+                self._touch, self._reduced, self.sites, time, self._history(motion, time)
+            )
+        scene = _scene(self.finger, self.indenter, motion, self.sites.types)
+        with stages.stage("reference"):
+            reference = _press._reference(scene, solid, contact, _operator.METHOD)
+        return Response(
+            mechanics=condensed.name,
+            **_press._answer(scene, solid, contact, reference, None),
+            seconds=stages.seconds,
+            notes=condensed.NOTES,
+        )
+
+    def _history(self, motion: Motion, time: Array) -> History:
+        """Step through a motion from rest."""
+        self.reset()
+        shape = (len(time), len(self.now.pressure))
+        depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
+        values, lengths = motion.value(time), np.diff(time, prepend=time[0])
+        take = self.step if motion.control == "depth" else self.step_force
+        for k, (value, dt) in enumerate(zip(values.tolist(), lengths.tolist(), strict=True)):
+            depth[k] = take(value, dt).depth
+            pressure[k], elastic[k] = self.now.pressure, self._output.elastic
+        return History(depth, pressure, elastic, int(self._state.counts[active.SOLVED]))
+
+
+def _scene(
+    finger: Finger,
+    indenter: Indenter | Rigid,
+    motion: Motion | None = None,
+    types: Sequence[str] = (),
+) -> Scene:
+    """Return the scene; an obstacle of one's own stands in it as a plate at 0 degrees."""
+    return Scene(
+        finger=finger,
+        indenter=indenter if isinstance(indenter, Indenter) else Flat(0.0),
+        motion=motion or Ramp(1.0, 1.0),
+        ask=Ask(fields=False, spikes=tuple(dict.fromkeys(types))),
+    )
+
+
+def _probe(solid: Solid, points: Array) -> sparse.csr_matrix:
+    """Return the strain at points; those of the half that is not there have theirs mirrored."""
+    if not solid.half:
+        return strain_at(solid.space, points)
+    beyond = points[:, 1] < 0
+    signs = np.ones((len(points), len(VOIGT)))
+    signs[np.ix_(beyond, np.array(ODD))] = -1.0
+    there = np.where(beyond[:, None], points * MIRROR, points)
+    return sparse.diags(signs.ravel()) @ strain_at(solid.space, there, medial=True)
+
+
+def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
+    """Return what is read off the pad in every step."""
+    on_pad, count = reduced.patch, len(reduced.patch.vertices)
+    pad, column = _press.whole_pad(
+        solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
+    )
+    areas = np.bincount(column, pad.areas, minlength=count)
+    moments = [np.bincount(column, pad.areas * pad.points[:, c], minlength=count) for c in (0, 1)]
+    kind = np.float32 if precision == "single" else np.float64
+    return loop.Output(
+        areas=np.asarray(areas, dtype=np.float64),
+        moments=np.array(moments),
+        rim=on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid)),
+        elastic=np.zeros(count),
+        rows=np.ascontiguousarray(reduced.strain.T, dtype=kind),
+        chosen=np.zeros(count, dtype=np.int64),
+        factor=np.zeros(count, dtype=kind),
+        strain=np.zeros(len(reduced.strain), dtype=kind),
+        summary=np.zeros(5),
+    )

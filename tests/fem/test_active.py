@@ -1,0 +1,117 @@
+"""Compiled contact and its steps, against the solver and the march that they repeat."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import ConvergenceError
+from fefinger.fem import active, loop
+from fefinger.fem.contact import Complementarity
+from fefinger.fem.march import Prescribed, Relaxation, march
+from fefinger.tolerances import COMPLEMENTARITY
+
+
+WEIGHTS, RATES = np.array([0.3, 0.4, 0.2, 0.1]), np.array([200.0, 10.0, 0.6])
+N = 41
+
+
+@pytest.fixture
+def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a flexibility like that of a layer, gaps of a paraboloid, and weights."""
+    x = np.linspace(-1, 1, N)
+    matrix = 0.02 * np.exp(-np.abs(x[:, None] - x) / 0.4) + 0.005 * np.eye(N)
+    weights = np.full(N, 0.05)
+    return matrix, weights * x**2 / 2, weights
+
+
+def flexible(n: int, seed: int) -> np.ndarray:
+    factor = np.random.default_rng(seed).normal(size=(n, n))
+    return factor @ factor.T + 0.1 * np.eye(n)
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 120])
+def test_it_solves_what_the_oracle_solves_from_any_start(n: int) -> None:
+    matrix, rng = flexible(n, n), np.random.default_rng(100 + n)
+    oracle, state = Complementarity(matrix), active.active(matrix)
+    for _ in range(12):
+        offset = rng.normal(size=n)
+        expected = oracle.solve(offset)
+        assert active.solve(state, offset, COMPLEMENTARITY) == active.DONE
+        assert state.x == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(expected).max())
+        assert state.moved == pytest.approx(matrix @ state.x, rel=1e-9, abs=1e-9)
+        assert np.array_equal(
+            np.sort(state.where[: state.counts[active.K]]), np.nonzero(state.place >= 0)[0]
+        )
+
+
+def test_the_inverse_stays_that_of_the_active_block() -> None:
+    matrix, rng = flexible(60, 3), np.random.default_rng(4)
+    state = active.active(matrix)
+    for _ in range(400):
+        active.solve(state, rng.normal(size=60), COMPLEMENTARITY)
+    k = state.counts[active.K]
+    where = state.where[:k]
+    product = state.inverse[:k, :k] @ matrix[np.ix_(where, where)]
+    assert product == pytest.approx(np.eye(k), abs=1e-6)
+
+
+def test_an_inverse_that_went_wrong_is_made_anew() -> None:
+    matrix = flexible(30, 5)
+    offset = np.random.default_rng(6).normal(size=30)
+    state = active.active(matrix)
+    active.solve(state, offset, COMPLEMENTARITY)
+    state.inverse[:] *= 1.7
+    assert active.solve(state, 1.1 * offset, COMPLEMENTARITY) == active.DONE
+    assert state.counts[active.REBUILT] >= 1
+    expected = Complementarity(matrix).solve(1.1 * offset)
+    assert state.x == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_a_flexibility_that_is_not_positive_is_reported() -> None:
+    state = active.active(-np.eye(3))
+    assert active.solve(state, np.array([-1.0, 0.0, 1.0]), COMPLEMENTARITY) == active.SINGULAR
+    with pytest.raises(ConvergenceError, match="not positive definite"):
+        loop.check(active.SINGULAR)
+    with pytest.raises(ConvergenceError, match="refine the step"):
+        loop.check(active.ENDLESS)
+
+
+def wavy(force: bool) -> Prescribed:
+    """Press, hold, let go of it, and press again, in steps of very different lengths."""
+    time = np.concatenate([np.linspace(0, 0.4, 120), 0.4 + np.geomspace(1e-4, 5, 40)])
+    value = 0.3 * np.sin(9 * time) + 0.05 * np.sin(70 * time)
+    return Prescribed(*(("force", time, np.maximum(value, 0)) if force else ("depth", time, value)))
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
+    expected = march(*pad, Relaxation(WEIGHTS, RATES, N), wavy(force))
+    found = loop.march(*pad, Relaxation(WEIGHTS, RATES, N), wavy(force))
+    for name in ("depth", "pressure", "elastic"):
+        exact = getattr(expected, name)
+        assert getattr(found, name) == pytest.approx(exact, rel=1e-10, abs=1e-10 * exact.max())
+    assert np.array_equal(found.pressure > 0, expected.pressure > 0)
+    assert (expected.pressure > 0).any(axis=1).mean() < 0.9  # it does come off
+
+
+def test_an_unreachable_force_is_reported(pad: tuple) -> None:
+    matrix, gap, travel = pad
+    state = active.active(matrix)
+    memory = loop.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    assert loop.step(state, memory, 0.0, np.nan, True, 1.0) == active.MISSED
+    with pytest.raises(ConvergenceError, match="shorter steps"):
+        loop.check(active.MISSED)
+
+
+def test_a_reset_forgets(pad: tuple) -> None:
+    matrix, gap, travel = pad
+    state = active.active(matrix)
+    memory = loop.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    first = []
+    for _ in range(2):
+        loop.reset(state, memory)
+        answers = []
+        for depth in (0.1, 0.3, 0.2):
+            loop.step(state, memory, 0.01, depth, False, 1.0)
+            answers.append(state.x.copy())
+        first.append(np.array(answers))
+    assert np.array_equal(*first)

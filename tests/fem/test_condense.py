@@ -1,0 +1,100 @@
+"""The reduction of a body to its pad, against solutions of the whole mesh."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.fem import condense
+from fefinger.fem.body import Body, body, prescribed, reduce, solid
+from fefinger.fem.contact import patch
+from fefinger.fem.forms import Elastic
+from fefinger.fem.grids import box
+from fefinger.fem.probe import strain_at
+from fefinger.mechanics import _placing, _press
+from fefinger.mesh.ready import ready
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+TISSUES = _press.tissues(FINGER)
+
+
+@pytest.fixture(scope="module")
+def parts() -> tuple[condense.Compliance, condense.Compliance]:
+    """Return the even and the odd compliance of the half."""
+    mesh = ready(FINGER, half=True)
+    own = solid(mesh, TISSUES)
+    held = _press.held(FINGER)
+    even, odd = (
+        condense.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
+        for odd in (False, True)
+    )
+    return even, odd
+
+
+@pytest.fixture(scope="module", params=["half", "whole"])
+def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condense.Operator]:
+    """Return a factored body and its operator."""
+    half = request.param == "half"
+    exact = body(ready(FINGER, half=half), TISSUES, _press.held(FINGER))
+    own = solid(ready(FINGER, half=True), TISSUES)
+    if half:
+        pieces = [condense.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
+    else:
+        pieces = [
+            condense.Part(part, condense.mirrored(exact.space, own.space, odd=odd), 0.5)
+            for part, odd in zip(parts, (False, True), strict=True)
+        ]
+    shape = (exact.space, exact.pad, exact.normals, exact.original, exact.half)
+    return exact, condense.Operator(*shape, tuple(pieces))
+
+
+@pytest.mark.parametrize("points", [3, 40])
+def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points: int) -> None:
+    exact, operator = both
+    place = None if exact.half else (1.0, 1.5)
+    touch = _placing.obstacle(ff.Sphere(6, at=place), exact)
+    on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
+    inside = touch.origin + np.linspace(0.4, 3.0, points)[:, None] * touch.axis
+    probe = strain_at(exact.space, inside, medial=exact.half)
+    expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
+    for name in ("flexibility", "strain"):
+        scale = np.abs(getattr(expected, name)).max()
+        assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 1e-12 * scale
+
+
+def test_displacements_everywhere_are_those_of_the_whole_mesh(both: tuple) -> None:
+    exact, operator = both
+    touch = _placing.obstacle(ff.Flat(20), exact)
+    on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
+    pressure = np.random.default_rng(0).uniform(size=(len(on_pad.vertices), 2))
+    loads = np.asarray(on_pad.loads @ pressure)
+    moving = slice(0, exact.space.n_displacements)
+    expected = exact.system.solve(loads)[moving]
+    found = condense.displaced(operator, loads)[moving]
+    assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+def test_a_load_beyond_the_palmar_part_is_refused(both: tuple) -> None:
+    exact, operator = both
+    outside = np.setdiff1d(exact.space.face_nodes(exact.pad), condense.palmar(exact))
+    loads = np.zeros((exact.space.n_unknowns, 1))
+    loads[3 * outside[0]] = 1.0
+    with pytest.raises(InputError, match="beyond the side of the finger"):
+        condense.displaced(operator, loads)
+
+
+def test_an_incompressible_body_is_refused() -> None:
+    mesh = ready(FINGER, half=True)
+    own = solid(mesh, TISSUES)
+    stiff = {1: Elastic(80.0, 0.5), 2: Elastic(34.0, 0.48)}
+    with pytest.raises(InputError, match=r"expected less than 0\.49999"):
+        condense.condense(own, stiff, prescribed(own, mesh, _press.held(FINGER)))
+
+
+def test_only_twins_are_mirrored() -> None:
+    grid = np.linspace(0.0, 1.0, 3)
+    half, other = box(grid, grid, grid), box(grid, 1.1 * grid, grid)
+    with pytest.raises(InputError, match="its own mirror image"):
+        condense.mirrored(other, half, odd=False)

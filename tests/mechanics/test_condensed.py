@@ -1,0 +1,153 @@
+"""The mechanics `condensed`: the answers of `linear`, its operator on disk, its refusals."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.mechanics import _evidence, _kept, _operator, condensed, linear
+from fefinger.mesh.ready import ready
+from fefinger.records import Response
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+STIFFER = replace(FINGER, skin=replace(FINGER.skin, modulus=3 * FINGER.skin.modulus))
+WAVE = ff.RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=2)
+PRESSES = {
+    "hold": (ff.Flat(30), ff.RampHold(60, 1.2, hold=0.3)),
+    "re-contact": (ff.Flat(10, 20), WAVE),
+    "force": (ff.Sphere(5, at=(1, 1)), ff.ForceTrapezoid(2, 0.3, hold=0.3)),
+}
+
+
+def scene(press: str, **parts: object) -> ff.Scene:
+    indenter, motion = PRESSES[press]
+    return ff.Scene(**({"finger": FINGER, "indenter": indenter, "motion": motion} | parts))
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+def same(found: Response, expected: Response, name: str) -> None:
+    """Check agreement to 1e-10 of the largest value, at every step."""
+    a, b = (np.nan_to_num(getattr(r, name)).reshape(len(r.time), -1) for r in (found, expected))
+    assert (np.abs(a - b).max(axis=1) <= 1e-10 * np.abs(b).max(axis=1) + 1e-14 * b.max()).all()
+
+
+@pytest.mark.parametrize("press", PRESSES)
+def test_every_step_is_that_of_linear(press: str) -> None:
+    asked = scene(press, ask=ff.Ask(fields=press == "re-contact"))
+    expected, found = linear.respond(asked), condensed.respond(asked)
+    for name in ("depth", "force", "contact_area", "centroid", "pressure", "strain"):
+        same(found, expected, name)
+    assert found.reference.strain == pytest.approx(expected.reference.strain, abs=1e-12)
+    assert found.mechanics == "condensed"
+    if found.fields is not None:
+        for name in ("displacement", "strain", "pressure"):
+            exact = getattr(expected.fields, name)
+            assert np.abs(getattr(found.fields, name) - exact).max() < 1e-10 * np.abs(exact).max()
+
+
+def test_one_operator_serves_every_modulus_of_the_same_ratio(operators: Path) -> None:
+    condensed.respond(scene("hold"))
+    before = sorted(operators.iterdir())
+    twice = replace(
+        FINGER,
+        skin=replace(FINGER.skin, modulus=2 * FINGER.skin.modulus),
+        subcutaneous=replace(FINGER.subcutaneous, modulus=2 * FINGER.subcutaneous.modulus),
+    )
+    asked = scene("hold", finger=twice, ask=ff.Ask(fields=False))
+    same(condensed.respond(asked), linear.respond(asked), "pressure")
+    assert sorted(operators.iterdir()) == before
+
+
+def test_what_decides_the_operator_decides_its_folder() -> None:
+    changed = [
+        FINGER,
+        STIFFER,
+        replace(FINGER, cut="nail"),
+        replace(FINGER, subcutaneous=replace(FINGER.subcutaneous, poisson=0.45)),
+        replace(FINGER, resolution="standard"),
+    ]
+    folders = {_kept.folder(_kept.identity(f, odd=odd)) for f in changed for odd in (False, True)}
+    assert len(folders) == 10
+    slower = replace(FINGER, prony=ff.Prony((0.5, 0.5), (1.0,)))
+    assert _kept.identity(slower, odd=False) == _kept.identity(FINGER, odd=False)
+
+
+def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
+    built = _operator.build(FINGER, ready(FINGER, half=True), odd=False)
+    identity = _kept.identity(FINGER, odd=False)
+    _operator.write(built, tmp_path / "kept", identity)
+    _operator.write(built, tmp_path / "kept", identity)  # the second one changes nothing
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+    found = _operator.read(tmp_path / "kept", identity)
+    assert np.array_equal(found.matrix, built.matrix)
+    assert np.array_equal(found.order, built.order)
+    for a, b in zip(found.fronts, built.fronts, strict=True):
+        for name in ("lower", "below", "signs"):
+            assert np.array_equal(getattr(a, name), getattr(b, name))
+        assert np.array_equal(a.front.rest, b.front.rest)
+
+
+def test_another_operator_in_its_place_is_refused_with_a_sentence(operators: Path) -> None:
+    condensed.respond(scene("hold"))
+    identity = _kept.identity(FINGER, odd=False)
+    place = _kept.folder(identity)
+    original = (place / "identity.json").read_text()
+    try:
+        strange = json.loads(original) | {"modulus_ratio": 0.1}
+        (place / "identity.json").write_text(json.dumps(strange))
+        with pytest.raises(InputError, match=r"expected one with modulus_ratio = .*delete the"):
+            condensed.respond(scene("hold"))
+    finally:
+        (place / "identity.json").write_text(original)
+
+
+def test_a_damaged_operator_is_refused_with_a_sentence(tmp_path: Path) -> None:
+    condensed.respond(scene("hold"))
+    identity = _kept.identity(FINGER, odd=False)
+    place = tmp_path / "damaged"
+    shutil.copytree(_kept.folder(identity), place)
+    content = (place / "values.npy").read_bytes()
+    (place / "values.npy").write_bytes(content[: len(content) // 2])
+    with pytest.raises(InputError, match="delete the folder"):
+        _operator.read(place, identity)
+    (place / "matrix.npy").unlink()
+    with pytest.raises(InputError, match="delete the folder"):
+        _operator.read(place, identity)
+
+
+def test_contact_beyond_the_palmar_part_is_refused() -> None:
+    with pytest.raises(InputError, match="palmar part of the pad"):
+        condensed.respond(scene("hold", indenter=ff.Flat(0, 45), motion=ff.Ramp(60, 3.0)))
+
+
+def test_incompressible_tissue_is_not_for_it() -> None:
+    finger = replace(FINGER, skin=replace(FINGER.skin, poisson=0.5))
+    (refusal,) = condensed.refuse(scene("hold", finger=finger))
+    assert refusal.about == "ability"
+    assert "finger.skin.poisson = 0.5 > 0.49999" in refusal.reason
+
+
+def test_accuracy_is_refused_as_linear_does() -> None:
+    (refusal,) = condensed.refuse(scene("hold", indenter=ff.Sphere(radius=1)))
+    assert (refusal.mechanics, refusal.about) == ("condensed", "accuracy")
+
+
+def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
+    finger = replace(FINGER, resolution="standard")
+    row = _evidence.condensed()["standard"]
+    asked = scene("hold", finger=finger)
+    assert condensed.cost(asked) > row["build_seconds"]
+    _kept.folder(_kept.identity(finger, odd=False)).mkdir(parents=True)
+    assert condensed.cost(asked) < row["build_seconds"]
+    assert condensed.error(asked) == linear.error(asked)
+    assert not _kept.at_hand(replace(finger, width=60.0), half=True)

@@ -1,0 +1,171 @@
+"""A finger that is driven from a loop."""
+
+import tracemalloc
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.fem.obstacle import Obstacle
+from fefinger.mechanics import condensed
+from fefinger.mechanics._touch import direction
+from fefinger.realtime import Condensed
+from fefinger.records import Sites
+from fefinger.theory.relaxation import hereditary_integral
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+DEPTHS = 0.6 * np.sin(np.linspace(0, 9, 60))
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+@pytest.fixture(scope="module")
+def finger(kept: Path) -> Condensed:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        return Condensed(FINGER, ff.Flat(30), deepest=1.2)
+
+
+def trace(finger: Condensed, depths: np.ndarray = DEPTHS) -> np.ndarray:
+    """Return everything that the steps to some depths give."""
+    finger.reset()
+    steps = (finger.step(float(depth), 2e-3) for depth in depths)
+    return np.array(
+        [
+            np.concatenate([[s.force, s.contact_area, s.x, s.y], s.pressure, s.strain.ravel()])
+            for s in steps
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("indenter", "motion"),
+    [
+        (ff.Flat(30), ff.RampHold(60, 1.2, hold=0.2)),
+        (ff.Flat(20, 15), ff.RampSinusoid(20, 0.5, amplitude=0.6, frequency=8, cycles=1)),
+        (ff.Sphere(6), ff.ForceTrapezoid(2, 0.2, hold=0.1)),
+    ],
+)
+def test_a_motion_gives_the_response_of_the_mechanics(
+    indenter: ff.Flat | ff.Sphere, motion: ff.Ramp
+) -> None:
+    asked = ff.Scene(finger=FINGER, indenter=indenter, motion=motion, ask=ff.Ask(fields=False))
+    expected = condensed.respond(asked)
+    stepped = Condensed(FINGER, indenter, deepest=1.2)
+    found = stepped.run(motion)
+    for name in ("time", "depth", "force", "contact_area", "centroid", "strain"):
+        exact = np.nan_to_num(getattr(expected, name))
+        close = pytest.approx(exact, rel=1e-9, abs=1e-11 * np.abs(exact).max())
+        assert np.nan_to_num(getattr(found, name)) == close
+    assert found.reference.strain == pytest.approx(expected.reference.strain, abs=1e-12)
+    now = stepped.now
+    assert now.force == pytest.approx(found.force[-1], abs=1e-12)
+    assert now.contact_area == pytest.approx(found.contact_area[-1])
+    assert (now.x, now.y) == pytest.approx(tuple(found.centroid[-1]), abs=1e-9, nan_ok=True)
+
+
+def test_it_repeats_itself_bit_for_bit(finger: Condensed) -> None:
+    first = trace(finger)
+    assert np.array_equal(first, trace(finger), equal_nan=True)
+    again = Condensed(FINGER, ff.Flat(30), deepest=1.2)
+    assert np.array_equal(first, trace(again), equal_nan=True)
+
+
+def test_single_precision_is_good_to_five_digits(finger: Condensed) -> None:
+    single = Condensed(FINGER, ff.Flat(30), deepest=1.2, precision="single")
+    double, found = trace(finger), trace(single)
+    strain = slice(-finger.now.strain.size, None)
+    assert single.now.strain.dtype == np.float32
+    error = np.abs(double[:, strain] - found[:, strain]).max()
+    assert error < 1e-5 * np.abs(double[:, strain]).max()
+    before = slice(0, -finger.now.strain.size)
+    assert np.array_equal(double[:, before], found[:, before], equal_nan=True)
+
+
+def test_a_step_makes_no_array() -> None:
+    inside = np.array([0.5, 0.7, 1.5]) + np.linspace(0, 0.5, 200)[:, None]
+    sites = Sites(inside, np.tile([0.0, 0.0, -1.0], (200, 1)), np.full(200, 1.5), ("SAI",) * 200)
+    finger = Condensed(FINGER, ff.Flat(30), deepest=1.2, sites=sites)
+    depths = np.linspace(0.3, 0.8, 500).tolist()
+    tracemalloc.start()
+    for depth in depths:
+        finger.step(depth, 1e-3)
+    before, _ = tracemalloc.get_traced_memory()
+    tracemalloc.reset_peak()
+    for depth in depths:
+        finger.step(depth, 1e-3)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak - before < finger.now.strain.nbytes / 2
+
+
+def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> None:
+    inside = np.array([[0.5, 0.7, 1.5], [0.5, -0.7, 1.5]])
+    normals = np.tile([0.0, 0.0, -1.0], (2, 1))
+    sites = Sites(inside, normals, np.full(2, 1.5), ("SAI", "SAI"))
+    half = Condensed(FINGER, ff.Flat(30), deepest=0.6, sites=sites)
+    whole = Condensed(FINGER, ff.Flat(30, 1e-9), deepest=0.6, sites=sites)
+    left, right = (each.step(0.5, 0.01).strain for each in (half, whole))
+    assert left == pytest.approx(right, abs=1e-7 * np.abs(right).max())
+    assert left[0, 3] == pytest.approx(-left[1, 3])
+
+
+def test_an_obstacle_of_ones_own(finger: Condensed) -> None:
+    touched = finger.run(ff.Ramp(60, 0.6))
+    origin = touched.sites.points[0] - touched.sites.depths[0] * direction(ff.Flat(30))
+    plate = Obstacle(direction(ff.Flat(30)), origin)
+    own = Condensed(FINGER, plate, deepest=1.2)
+    own.step(0.5, 1e-3)
+    finger.reset()
+    assert own.now.force == pytest.approx(finger.step(0.5, 1e-3).force, rel=1e-9)
+
+
+def test_the_reading_of_the_thesis_is_the_integral_of_g_over_t_times_the_elastic_force() -> None:
+    def t(depth: float) -> float:
+        return 2.0 * np.expm1(1.5 * depth)
+
+    elastic = Condensed(replace(FINGER, prony=ff.Prony((1.0,), ())), ff.Flat(30), deepest=1.2)
+    scaled = Condensed(FINGER, ff.Flat(30), deepest=1.2, stiffening=t)
+    time = np.linspace(0, 0.5, 501)
+    depth = 1.0 * np.minimum(time / 0.1, 1.0)
+    for each in (elastic, scaled):
+        each.reset()
+    forces = [
+        (t(d) * elastic.step(d, 1e-3).force, scaled.step(d, 1e-3).force) for d in depth.tolist()
+    ]
+    wanted, found = np.array(forces).T
+    expected = hereditary_integral(FINGER.prony, time, wanted) / FINGER.prony.long_time
+    assert found == pytest.approx(expected, rel=2e-3, abs=2e-3 * expected.max())
+    assert scaled.now.strain == pytest.approx(elastic.now.strain, rel=1e-9, abs=1e-12)
+    with pytest.raises(InputError, match="expected depth control"):
+        scaled.step_force(0.1, 1e-3)
+    with pytest.raises(InputError, match="expected t above 0"):
+        scaled.step(0.0, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"deepest": -1.0}, "deepest: expected"),
+        ({"precision": "half"}, "precision: expected"),
+        ({"indenter": Obstacle(np.array([0, 0, 1.0]), np.array([0, 99.0, 0]), np.ones(3))}, "over"),
+    ],
+)
+def test_what_cannot_be_placed_gets_a_sentence(options: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Condensed(FINGER, **options)
+
+
+def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
+    with pytest.raises(InputError, match="reaches their rim"):
+        finger.step(3.0, 1e-3)
+    finger.reset()
+    with pytest.raises(InputError, match="dt: expected"):
+        finger.step(0.1, -1e-3)
