@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.fem.area import Surface
 from fefinger.fem.contact import Complementarity, Patch, patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
@@ -71,15 +72,15 @@ class Block:
 
     @cached_property
     def patch(self) -> Patch:
-        """The candidate vertices, out to 1.4 contact radii."""
+        """The candidate vertices, out to 1.6 contact radii."""
         facets = self.top()
-        reach = (1.4 * self.hertz.contact_radius) ** 2 / (2 * self.hertz.radius)
+        reach = (1.6 * self.hertz.contact_radius) ** 2 / (2 * self.hertz.radius)
         flat = np.zeros_like(self.space.points)
         return patch(self.space, facets, flat, Paraboloid(self.hertz.radius), reach)
 
     @cached_property
-    def pressure(self) -> Array:
-        """The contact pressure (n,) kPa at the vertices of the patch."""
+    def solved(self) -> tuple[Array, Array]:
+        """The contact pressure (n,) kPa and the gap (n,) mm at the vertices of the patch."""
         exact = np.zeros((self.space.n_nodes, 3))
         places = self.space.node_points[self.far]
         r = np.hypot(places[:, 0], places[:, 1])
@@ -90,7 +91,14 @@ class Block:
         base = self.system.solve(np.zeros(self.space.n_unknowns), prescribed)
         unit = self.system.solve(self.patch.loads.toarray())
         free = self.patch.gap - self.hertz.depth * self.patch.travel + self.patch.loads.T @ base
-        return Complementarity(np.asarray(self.patch.loads.T @ unit)).solve(free)
+        pressure = Complementarity(np.asarray(self.patch.loads.T @ unit)).solve(free)
+        approach = self.patch.places.T @ (base + unit @ pressure)
+        return pressure, self.patch.clearance(np.array([self.hertz.depth]), approach)[0]
+
+    @property
+    def pressure(self) -> Array:
+        """The contact pressure (n,) kPa at the vertices of the patch."""
+        return self.solved[0]
 
     @property
     def force(self) -> float:
@@ -99,8 +107,15 @@ class Block:
 
     @property
     def area(self) -> float:
-        """The contact area of the whole block in mm²: that of the hats in contact."""
-        return 4 * float(self.patch.areas[self.pressure > 0].sum())
+        """The contact area of the whole block in mm²."""
+        pressure, gap = self.solved
+        number = np.full(len(self.space.points), -1)
+        number[self.patch.vertices] = np.arange(len(pressure))
+        triangles = number[self.patch.triangles]
+        triangles = triangles[(triangles >= 0).all(axis=1)]
+        places = self.space.points[self.patch.vertices]
+        surface = Surface(places, triangles, np.array([0.0, 0.0, 1.0]))
+        return 4 * float(surface.area((pressure > 0)[None], gap[None])[0])
 
     def top(self) -> NDArray[np.int64]:
         """Triangles (n, 3) of the face z = 0."""

@@ -46,11 +46,11 @@ def area_error(poisson: float, cells: int) -> float:
 MEASURES = {"force": force_error, "peak pressure": peak_error, "contact area": area_error}
 
 LIMITS = {
-    COARSE: {"force": 3.0, "peak pressure": 20.0, "contact area": 15.0},
-    QUICK: {"force": 1.0, "peak pressure": 6.0, "contact area": 12.0},
-    FINE: {"force": 0.3, "peak pressure": 3.0, "contact area": 8.0},
+    COARSE: {"force": 3.0, "peak pressure": 20.0, "contact area": 2.5},
+    QUICK: {"force": 1.0, "peak pressure": 6.0, "contact area": 2.5},
+    FINE: {"force": 0.3, "peak pressure": 3.0, "contact area": 2.0},
 }
-"""Largest errors in %. The area is that of whole hats, so it is good to a fraction of a cell."""
+"""Largest errors in %."""
 
 SOURCE = (
     "Hertz 1881: P = 4/3 E* sqrt(R) depth^1.5, p0 = 2 E* / pi sqrt(depth / R), area = pi R depth"

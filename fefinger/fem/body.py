@@ -34,11 +34,16 @@ class Body:
 
 @dataclass(frozen=True)
 class Reduced:
-    """What the body does under unit loads on a patch: F of the patch, strains (n_rows, n)."""
+    """What the body does under unit loads on a patch.
+
+    flexibility F (n, n), strain (n_rows, n), and approach (n, n) mm, the displacement of the
+    patch's vertices along the obstacle's normal.
+    """
 
     patch: Patch
     flexibility: Array
     strain: Array
+    approach: Array
 
 
 def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) -> Body:
@@ -70,13 +75,15 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.empty((count, count))
     strains = np.empty((strain.shape[0], count))
+    approach = np.empty((count, count))
     for start in range(0, count, BLOCK):
         block = slice(start, min(start + BLOCK, count))
         unknowns = body.system.solve(patch.loads[:, block].toarray())
         flexibility[:, block] = patch.loads.T @ unknowns
         strains[:, block] = strain @ unknowns
+        approach[:, block] = patch.places.T @ unknowns
         progress(block.stop / count)
-    return Reduced(patch, (flexibility + flexibility.T) / 2, strains)
+    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
 
 
 def _present(space: Space, mesh: FingerMesh, number: Integers, name: str) -> Integers:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.area import Surface
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
@@ -225,14 +226,19 @@ def _answer(
         components = history.elastic @ contact.reduced.strain.T
         strain = tensors(components.reshape(len(contact.time), -1, 6))
     asked = scene.ask.pressure
+    approach = history.elastic @ contact.reduced.approach.T
+    gap = on_pad.clearance(history.depth, approach)[:, column]
+    surface = Surface(pad.points, pad.triangles, contact.touch.axis)
     return {
         "time": contact.time,
         "depth": history.depth,
         "force": force,
-        "contact_area": (pressure > 0) @ pad.areas if asked else None,
+        "contact_area": surface.area(pressure > 0, gap) if asked else None,
         "centroid": _centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,
         "pressure": pressure if asked else None,
+        "gap": gap if asked else None,
+        "moment": _moment(history.pressure @ on_pad.moment, finger.half) if asked else None,
         "sites": contact.sites,
         "strain": strain,
         "reference": reference,
@@ -244,6 +250,12 @@ def _answer(
             "half": float(finger.half),
         },
     }
+
+
+def _moment(meshed: Array, half: bool) -> Array:
+    """Return the moment (n_t, 3) N mm on the whole finger about the origin."""
+    whole = meshed * np.array([0.0, 2.0, 0.0]) if half else meshed
+    return np.asarray(whole * NEWTON_PER_MILLINEWTON)
 
 
 def _centroid(pad: Pad, pressure: Array) -> Array:

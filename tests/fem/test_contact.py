@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from fefinger.validation.hertz import COARSE, block, force_error, peak_error
+from fefinger.validation.hertz import COARSE, area_error, block, force_error, peak_error
 
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.march import Prescribed, Relaxation, march
@@ -48,10 +48,11 @@ def test_complementarity_is_exact_on_a_large_problem_from_any_start() -> None:
 
 
 @pytest.mark.parametrize("poisson", [0.3, 0.49])
-def test_hertz_force_and_peak_pressure(poisson: float) -> None:
+def test_hertz_force_area_and_peak_pressure(poisson: float) -> None:
     assert abs(force_error(poisson, COARSE)) < 2.0
     assert abs(force_error(poisson, COARSE + 1)) < 0.5  # and on the way to zero
     assert abs(peak_error(poisson, COARSE + 1)) < 5.0
+    assert abs(area_error(poisson, COARSE + 1)) < 2.0
     assert block(poisson, COARSE + 1).pressure.min() >= 0
 
 
