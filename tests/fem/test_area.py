@@ -51,7 +51,7 @@ def test_the_error_falls_with_the_mesh() -> None:
 
 
 def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:
-    points, triangles = scattered(0.2, 1)
+    points, triangles = scattered(0.1, 1)
     left, right = (np.hypot((points[:, 0] - x) / 0.6, points[:, 1]) for x in (-1.0, 1.0))
     inside = np.minimum(left, right)
     gap = np.where(inside > 1, np.abs(inside - 1) ** 1.5, 0.0)
