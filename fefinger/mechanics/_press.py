@@ -21,7 +21,7 @@ from fefinger.mechanics import _placing
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
+from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, meshed_at, sites
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
@@ -58,7 +58,7 @@ def press(
     """
     stages = Stages(progress)
     with stages.stage("mesh"):
-        mesh = ready(scene.finger, half=symmetric(scene))
+        mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
     with stages.stage("factor"):
         finger = body(mesh, tissues(scene.finger), held(scene.finger))
     touch = _placing.obstacle(scene.indenter, finger)

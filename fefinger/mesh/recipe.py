@@ -15,12 +15,19 @@ FORMAT = 1
 """Raised when the builder changes so that meshes cached from the same recipe must be made again."""
 
 
+Touch = float | tuple[float, float] | None
+"""Where a mesh is fine, as in `Recipe`."""
+
+
 @dataclass(frozen=True)
 class Recipe:
     """Dimensions of a fingertip in mm and the resolution of its mesh.
 
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
     parametric shape, whose width, thickness and pad radius then only scale the inside.
+    `touch` is where the facets are fine: the angle in degrees of the plate that touches there, or
+    a place (x, y) in mm on the pad; None is around the touch of the 30 degree plate, which every
+    mesh resolves.
     """
 
     width: float
@@ -29,6 +36,7 @@ class Recipe:
     skin_thickness: float = 1.0
     resolution: str = "standard"
     surface: str | None = None
+    touch: Touch = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -42,7 +50,7 @@ class Recipe:
         choice("resolution", self.resolution, RESOLUTIONS)
 
     @classmethod
-    def of(cls, finger: Any) -> "Recipe":
+    def of(cls, finger: Any, touch: Touch = None) -> "Recipe":
         """Return the recipe of a scene's finger (any record with the same fields)."""
         return cls(
             finger.width,
@@ -51,11 +59,17 @@ class Recipe:
             skin_thickness=finger.skin.thickness,
             resolution=finger.resolution,
             surface=finger.surface,
+            touch=touch,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the recipe as plain values."""
-        return asdict(self)
+        """Return the recipe as plain values, without a `touch` that is None."""
+        values = asdict(self)
+        if self.touch is None:
+            del values["touch"]
+        elif isinstance(self.touch, tuple):
+            values["touch"] = list(self.touch)
+        return values
 
     def key(self) -> str:
         """Return a hash of all that decides the mesh, the content of a surface file included."""
