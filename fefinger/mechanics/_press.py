@@ -73,7 +73,7 @@ def press(
         mechanics=mechanics,
         **_answer(scene, finger, contact, reference, fields),
         seconds=stages.seconds,
-        notes=notes + _notes(scene),
+        notes=(*notes, *_notes(scene), *mesh.quality.get("notes", ())),
         sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
     )
 

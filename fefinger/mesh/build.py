@@ -221,4 +221,6 @@ def _record(
         own_volumes=shape.volumes,
         gap=gap,
     )
+    if shape.notes:
+        quality["notes"] = list(shape.notes)
     return replace(mesh, quality=quality)

@@ -24,7 +24,8 @@ class Recipe:
     """Dimensions of a fingertip in mm and the resolution of its mesh.
 
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
-    parametric shape, whose width, thickness and pad radius then only scale the inside.
+    parametric shape, whose width, thickness and pad radius then only scale the inside;
+    `bone_surface` is one with the bone, in the same place.
     `touch` is where the facets are fine: the angle in degrees of the plate that touches there, or
     a place (x, y) in mm on the pad; None is around the touch of the 30 degree plate, which every
     mesh resolves.
@@ -37,6 +38,7 @@ class Recipe:
     resolution: str = "standard"
     surface: str | None = None
     touch: Touch = None
+    bone_surface: str | None = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -59,22 +61,26 @@ class Recipe:
             skin_thickness=finger.skin.thickness,
             resolution=finger.resolution,
             surface=finger.surface,
+            bone_surface=finger.bone_surface,
             touch=touch,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the recipe as plain values, without a `touch` that is None."""
+        """Return the recipe as plain values, without `touch` and `bone_surface` where None."""
         values = asdict(self)
-        if self.touch is None:
-            del values["touch"]
-        elif isinstance(self.touch, tuple):
+        for name in ("touch", "bone_surface"):
+            if values[name] is None:
+                del values[name]
+        if isinstance(self.touch, tuple):
             values["touch"] = list(self.touch)
         return values
 
     def key(self) -> str:
         """Return a hash of all that decides the mesh, the content of a surface file included."""
         parts = {**self.to_dict(), "format": FORMAT}
-        if self.surface is not None:
-            parts["surface"] = hashlib.sha256(Path(self.surface).read_bytes()).hexdigest()
+        for name in ("surface", "bone_surface"):
+            file = getattr(self, name)
+            if file is not None:
+                parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
         text = json.dumps(parts, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
