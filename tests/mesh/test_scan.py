@@ -12,15 +12,16 @@ from fefinger.mesh.plate import PLATE_NORMAL
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
+from fefinger.mesh.shell import Shell
 
 
 trimesh = pytest.importorskip("trimesh")
 AWAY = np.array([100.0, 3.0, -7.0])  # a scan's origin is anywhere
 
 
-def exported(shape: Shape, path: Path) -> Path:
-    """Write the whole closed skin of a shape, moved away, to a file."""
-    points, faces = surface.half(shape.skin, 0.5)
+def exported(shell: Shell, path: Path) -> Path:
+    """Write the whole of a closed shell, moved away, to a file."""
+    points, faces = surface.half(shell, 0.5)
     faces = faces[~np.all(points[faces][:, :, 1] == 0.0, axis=1)]
     both = np.concatenate([faces, faces[:, ::-1] + len(points)])
     whole = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
@@ -39,7 +40,7 @@ def shape() -> Shape:
 @pytest.fixture(scope="module")
 def stl(shape: Shape, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an STL file of the parametric fingertip."""
-    return exported(shape, tmp_path_factory.mktemp("scan") / "finger.stl")
+    return exported(shape.skin, tmp_path_factory.mktemp("scan") / "finger.stl")
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +78,19 @@ def test_projection_lands_on_the_surface(scan: Shape) -> None:
     random = np.random.default_rng(2)
     points = scan.skin.points[::40] + random.normal(scale=0.05, size=scan.skin.points[::40].shape)
     assert np.abs(scan.skin.level(scan.skin.project(points))).max() < 1e-6
+
+
+def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Path) -> None:
+    file = exported(shape.bone, tmp_path / "bone.stl")
+    found = scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(file)))
+    assert found.volumes["bone"] == pytest.approx(shape.volumes["bone"], rel=0.06)
+    points = np.random.default_rng(5).uniform([-18, 0, -3], [4, 7, 8], (4000, 3))
+    assert np.mean(found.region(points) == shape.region(points)) > 0.97
+    outside = trimesh.load_mesh(file)
+    outside.vertices[:, 2] -= 3.0
+    outside.export(tmp_path / "low.stl")
+    with pytest.raises(InputError, match="expected room for the bone"):
+        scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "low.stl")))
 
 
 def test_missing_file_is_named() -> None:
