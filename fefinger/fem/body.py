@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from fefinger.checks import InputError
 from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.record import FingerMesh, volumes
 
 
+FLAT = 1e-6  # volume over the cube of the longest edge from a corner, of a cell without volume
 BLOCK = 64  # loads solved at once: enough to stream the factor once for many, small in memory
 
 
@@ -51,7 +53,13 @@ def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) 
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
     A region that is left out (a rigid bone) must be held through the facets that bound it.
+
+    Raises
+    ------
+    InputError
+        If a tissue has no cells, a cell is inverted or flat, or the body can move freely.
     """
+    _check(mesh, tissues)
     kept = np.isin(mesh.region, list(tissues))
     original, cells = np.unique(mesh.cells[kept], return_inverse=True)
     number = np.full(len(mesh.points), -1, dtype=np.int64)
@@ -63,6 +71,27 @@ def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) 
     system = factor(space, stiffness(space, tissues), np.concatenate(fixed))
     pad = _present(space, mesh, number, "pad")
     return Body(space, system, pad, mesh.pad_normals[original], original, mesh.half)
+
+
+def _check(mesh: FingerMesh, tissues: Mapping[int, Elastic]) -> None:
+    """Raise InputError for a mesh that lacks a tissue or has cells without volume."""
+    for label in tissues:
+        if not (mesh.region == label).any():
+            present = ", ".join(map(str, np.unique(mesh.region)))
+            message = (
+                f"mesh {mesh.name}: expected cells of region {label}, received regions {present} "
+                "alone; mesh the finger again"
+            )
+            raise InputError(message)
+    corners = mesh.points[mesh.cells]
+    size = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2).max(axis=1)
+    bad = np.flatnonzero(~(volumes(mesh.points, mesh.cells) > FLAT * size**3))
+    if len(bad):
+        message = (
+            f"mesh {mesh.name}: expected cells of positive volume, received {len(bad)} inverted or "
+            f"flat ones, the first of them number {bad[0]}; mesh the finger again"
+        )
+        raise InputError(message)
 
 
 def reduce(
