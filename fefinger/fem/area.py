@@ -21,7 +21,6 @@ Flags = NDArray[np.bool_]
 NEIGHBORS = 40  # nearest vertices that a fit chooses from
 REACH = 2.0  # radius of a fit in edges
 LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
-NOISE = 3.0  # a gap counts if it is this many times the largest gap left inside the contact
 SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
 
 
@@ -101,9 +100,11 @@ class _Rims:
         """Return phi, the curvature of its zero level, and whether they are known, at `rim`."""
         near = self.near[rim]
         offset = (self.across[near] - self.across[rim][:, None]) / self.edge[rim, None, None]
-        noise = NOISE * np.abs(gap[pressed]).max()
-        outside = (~pressed & (gap > noise))[near]
-        close = outside & (np.linalg.norm(offset, axis=2) < REACH)
+        within = np.linalg.norm(offset, axis=2) < REACH
+        # A gap counts if it is wider than what is left of it inside the contact nearby.
+        left = np.where(within & pressed[near], np.abs(gap[near]), 0.0).max(axis=1, keepdims=True)
+        outside = ~pressed[near] & (gap[near] > left)
+        close = outside & within
         first = outside & (np.cumsum(outside, axis=1) <= FIRST)
         used = np.where(close.sum(axis=1, keepdims=True) >= LEAST, close, first)
         values = np.maximum(gap[near], 0.0) ** (2 / 3)

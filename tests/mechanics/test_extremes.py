@@ -13,6 +13,7 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
 from fefinger.mechanics import _placing, _press, linear
+from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
@@ -160,3 +161,13 @@ def test_gap_and_moment_are_those_of_the_contact() -> None:
     weights = response.pressure[-1] * response.pad.areas
     expected = weights @ np.cross(response.pad.points, axis)[:, 1] / 1e3
     assert response.moment[-1, 1] == pytest.approx(expected, abs=0.02 * response.force[-1])
+
+
+def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:
+    assert meshed_at(ff.Flat(30)) is None
+    assert meshed_at(ff.Flat(36, 10)) is None
+    assert meshed_at(ff.Flat(10)) == 15.0
+    assert meshed_at(ff.Grating(4, 2, 0.6, angle=0)) == 0.0
+    assert meshed_at(ff.Sphere(5)) is None
+    assert meshed_at(ff.Sphere(5, at=(-2.0, 1.0))) is None
+    assert meshed_at(ff.Cylinder(5, at=(-6.7, -3.2))) == (-6.0, 4.0)
