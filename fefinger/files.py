@@ -53,6 +53,12 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("Response", "pressure"): Variable(
         "pressure", ("time", "pad"), "kPa", "contact pressure, positive in compression"
     ),
+    ("Response", "gap"): Variable(
+        "gap", ("time", "pad"), "mm", "distance of the pad from the indenter along its normal"
+    ),
+    ("Response", "moment"): Variable(
+        "moment", ("time", "axis"), "N mm", "moment of the contact pressure about the origin"
+    ),
     ("Response", "strain"): Variable(
         "strain", ("time", "site", "axis", "axis_2"), "1", "strain tensor, positive in tension"
     ),

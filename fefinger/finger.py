@@ -35,8 +35,11 @@ class Finger:
     subject_name
         The subject of the thesis whose values these are, or None.
     surface
-        File with the outer skin of the distal phalanx in mm (STL, PLY, OBJ; x distal, z dorsal), or
-        None for the parametric shape. Width and thickness then scale the bone inside.
+        File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK; x distal, z
+        dorsal), or None for the parametric shape. Width and thickness then scale the bone inside;
+        `from_surface` takes them from the file.
+    bone_surface
+        File with the surface of the bone, placed as in `surface`, or None for a parametric bone.
     tissue
         Name of the set in the library that `skin` and `subcutaneous` are taken from by default.
     prony
@@ -61,6 +64,7 @@ class Finger:
     pad_radius: float = _FROM_LIBRARY
     subject_name: str | None = None
     surface: str | None = None
+    bone_surface: str | None = None
     tissue: str = "maeno1998"
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
@@ -85,8 +89,13 @@ class Finger:
         choice("finger.bone", self.bone, BONES)
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, RESOLUTIONS)
-        if self.surface is not None and not Path(self.surface).is_file():
-            msg = f"finger.surface: expected a file with a surface, found none at {self.surface!r}"
+        for name in ("surface", "bone_surface"):
+            file = getattr(self, name)
+            if file is not None and not Path(file).is_file():
+                msg = f"finger.{name}: expected a file with a surface, found none at {file!r}"
+                raise InputError(msg)
+        if self.bone_surface is not None and self.surface is None:
+            msg = "finger.bone_surface: expected finger.surface beside it, received none"
             raise InputError(msg)
         self._check_layers()
 
@@ -111,6 +120,18 @@ class Finger:
     def pulp(self) -> float:
         """Upper bound of the thickness of soft tissue under the pad in mm."""
         return PULP * self.thickness
+
+    @classmethod
+    def from_surface(cls, file: str | Path, **overrides: Any) -> Self:
+        """Return the finger of a closed surface file (STL, OBJ, PLY, VTK), see `read_surface`.
+
+        Width and thickness are those of the surface; `overrides` replace any field.
+        """
+        from fefinger.mesh.surface_file import read_surface
+
+        found = read_surface(file, field="finger.surface")
+        size = {"width": found.width, "thickness": found.thickness}
+        return cls(**(size | overrides | {"surface": str(file)}))
 
     @classmethod
     def subject(cls, name: str, **overrides: Any) -> Self:

@@ -124,9 +124,10 @@ class Response:
     """What a mechanics answers; what the scene did not ask for is None.
 
     time (n_t,) s; depth (n_t,) mm; force (n_t,) N on the whole finger along the indenter's
-    normal; contact_area (n_t,) mm², that of the pad's vertices in contact; centroid (n_t, 2) mm in
-    x and y, nan out of contact; pressure (n_t, n_pad) kPa; strain (n_t, n_sites, 3, 3), positive
-    in tension.
+    normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact; pressure
+    (n_t, n_pad) kPa; gap (n_t, n_pad) mm, the distance of the pad from the indenter along the
+    indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; strain
+    (n_t, n_sites, 3, 3), positive in tension.
     `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
     the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
     sizes of the problem; `sources` what it was computed from, such as the mesh and its hash.
@@ -149,6 +150,8 @@ class Response:
     notes: tuple[str, ...]
     numbers: dict[str, float] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
+    gap: Array | None = None
+    moment: Array | None = None
 
 
 class Progress(Protocol):

@@ -89,8 +89,9 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     reject_unknown("finger", table, (SUBJECT, *names))
     prony = _prony(table)
     subject = table.pop(SUBJECT, None)
-    if isinstance(table.get("surface"), str):
-        table["surface"] = str(folder / table["surface"])
+    for name in ("surface", "bone_surface"):
+        if isinstance(table.get(name), str):
+            table[name] = str(folder / table[name])
     known = library.tissue_set(table.get("tissue", "maeno1998"))
     for layer in ("skin", "subcutaneous"):
         if layer in table:
@@ -101,6 +102,9 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
         table["prony"] = prony
     if subject is not None:
         return Finger.subject(subject, **table)
+    surface = table.pop("surface", None)
+    if surface is not None:
+        return Finger.from_surface(surface, **table)
     for size in ("width", "thickness"):
         if size not in table:
             msg = f"finger.{size}: missing; expected a subject, or width and thickness in mm"

@@ -192,6 +192,8 @@ class Trajectory:
 def _longest_corner(t: Array, kink: NDArray[np.bool_]) -> float:
     """Return the longest corner for which the parabolas about the kinks do not overlap."""
     at = t[kink]
+    if not len(at):
+        return float("inf")
     longest = np.diff(at).min(initial=np.inf)
     last = np.inf if kink[-1] else 2 * (t[-1] - at[-1])
     return float(min(longest, last))

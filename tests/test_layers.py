@@ -48,7 +48,7 @@ ONLY = {
     "skfem": "fefinger.fem",
     "pyvista": "fefinger.view",
     "vtk": "fefinger.view",
-    "vtkmodules": "fefinger.view",
+    "vtkmodules": ("fefinger.view", "fefinger.mesh.surface_file"),
 }
 """Libraries that one place alone imports."""
 

@@ -135,6 +135,11 @@ def test_samples_are_joined_by_straight_lines_and_collinear_ones_make_no_break()
     assert motion.breaks == (0.0, 2.0, 3.0)
 
 
+def test_samples_may_stay_at_one_depth_from_the_start():
+    motion = Sampled((0, 1, 2), (0.5, 0.5, 0.5))
+    assert motion.value(np.array([0.0, 0.7, 2.0])) == pytest.approx([0.5, 0.5, 0.5])
+
+
 def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
     file = tmp_path / "press.csv"
     file.write_text("time (s),depth (mm)\n0,0\n0.1,1.25\n\n0.2,0.5\n")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from fefinger.validation.block import Paraboloid, _graded
+from fefinger.validation.fem_quarter import Indenter
 from numpy.typing import NDArray
 
 from fefinger.fem import condense, loop
@@ -26,6 +26,7 @@ from fefinger.theory.relaxation import Prony
 Array = NDArray[np.float64]
 
 REACH = 1.5  # contact radii to the last candidate vertex
+EXTENT = 5.0  # contact radii to the outer faces of a half-space
 WIDTH = 5.0  # thicknesses of a layer to its outer faces
 
 
@@ -75,7 +76,7 @@ class Quarter:
     def patch(self) -> Patch:
         """The candidate vertices."""
         reach = (REACH * self.contact) ** 2 / (2 * self.radius)
-        obstacle = Paraboloid(self.radius)
+        obstacle = Indenter(lambda x, y: (x**2 + y**2) / (2 * self.radius))
         return patch(self.space, self.solid.pad, self.solid.normals, obstacle, reach)
 
     @cached_property
@@ -119,3 +120,15 @@ class Quarter:
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)
         return 4 * np.asarray(history.pressure @ self.patch.travel)
+
+
+def _graded(a: float, cells: int, even: float) -> Array:
+    """Even steps a / cells to `even` a, then growing smoothly to EXTENT a."""
+    count = max(1, round(even * cells))
+    inner = np.linspace(0, even * a, count + 1)
+    growth = 1.0 + 1.6 / cells
+    steps = [a / cells]
+    while sum(steps) < (EXTENT - even) * a:
+        steps.append(steps[-1] * growth)
+    outer = np.cumsum(steps)
+    return np.concatenate([inner, even * a + outer * ((EXTENT - even) * a / outer[-1])])

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from fefinger.checks import InputError
 from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.record import FingerMesh, volumes
 
 
+FLAT = 1e-6  # volume over the cube of the longest edge from a corner, of a cell without volume
 BLOCK = 64  # loads solved at once: enough to stream the factor once for many, small in memory
 
 
@@ -40,11 +42,16 @@ class Body(Solid):
 
 @dataclass(frozen=True)
 class Reduced:
-    """What the body does under unit loads on a patch: F of the patch, strains (n_rows, n)."""
+    """What the body does under unit loads on a patch.
+
+    flexibility F (n, n), strain (n_rows, n), and approach (n, n) mm, the displacement of the
+    patch's vertices along the obstacle's normal.
+    """
 
     patch: Patch
     flexibility: Array
     strain: Array
+    approach: Array
 
 
 def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) -> Body:
@@ -52,7 +59,13 @@ def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) 
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
     A region that is left out (a rigid bone) must be held through the facets that bound it.
+
+    Raises
+    ------
+    InputError
+        If a tissue has no cells, a cell is inverted or flat, or the body can move freely.
     """
+    _check(mesh, tissues)
     soft = solid(mesh, tissues)
     system = factor(soft.space, stiffness(soft.space, tissues), prescribed(soft, mesh, held))
     return Body(soft.space, soft.pad, soft.normals, soft.original, soft.half, system)
@@ -88,6 +101,27 @@ def prescribed(
     return np.concatenate(fixed)
 
 
+def _check(mesh: FingerMesh, tissues: Mapping[int, Elastic]) -> None:
+    """Raise InputError for a mesh that lacks a tissue or has cells without volume."""
+    for label in tissues:
+        if not (mesh.region == label).any():
+            present = ", ".join(map(str, np.unique(mesh.region)))
+            message = (
+                f"mesh {mesh.name}: expected cells of region {label}, received regions {present} "
+                "alone; mesh the finger again"
+            )
+            raise InputError(message)
+    corners = mesh.points[mesh.cells]
+    size = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2).max(axis=1)
+    bad = np.flatnonzero(~(volumes(mesh.points, mesh.cells) > FLAT * size**3))
+    if len(bad):
+        message = (
+            f"mesh {mesh.name}: expected cells of positive volume, received {len(bad)} inverted or "
+            f"flat ones, the first of them number {bad[0]}; mesh the finger again"
+        )
+        raise InputError(message)
+
+
 def reduce(
     body: Body,
     patch: Patch,
@@ -98,13 +132,15 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.empty((count, count))
     strains = np.empty((strain.shape[0], count))
+    approach = np.empty((count, count))
     for start in range(0, count, BLOCK):
         block = slice(start, min(start + BLOCK, count))
         unknowns = body.system.solve(patch.loads[:, block].toarray())
         flexibility[:, block] = patch.loads.T @ unknowns
         strains[:, block] = strain @ unknowns
+        approach[:, block] = patch.places.T @ unknowns
         progress(block.stop / count)
-    return Reduced(patch, (flexibility + flexibility.T) / 2, strains)
+    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
 
 
 def _present(space: Space, mesh: FingerMesh, original: Integers, name: str) -> Integers:

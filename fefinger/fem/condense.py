@@ -168,14 +168,16 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
     strains = np.zeros((strain.shape[0], count))
+    approach = np.zeros((count, count))
     for number, part in enumerate(operator.parts):
         loads = _on_pad(operator, part, patch.loads)
         moved = np.ascontiguousarray((loads.T @ part.compliance.matrix).T)
         flexibility += part.scale * (loads.T @ moved)
+        approach += part.scale * (_on_pad(operator, part, patch.places).T @ moved)
         rows = (strain @ part.unfold).tocsr()
         strains += part.scale * _strains(part.compliance, rows, moved)
         progress((number + 1) / len(operator.parts))
-    return Reduced(patch, (flexibility + flexibility.T) / 2, strains)
+    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
 
 
 def _strains(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Array:

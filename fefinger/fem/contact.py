@@ -29,8 +29,11 @@ class Patch:
     """The candidate vertices of the pad and what the obstacle means to them.
 
     vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
-    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, areas (n,)
-    mm² of the hats, edge (n,) the vertices beyond which contact could spread out of the patch.
+    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
+    (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge (n,) the
+    vertices beyond which contact could spread out of the patch.
+    At the vertices themselves: distance (n,) mm along the axis, cosine (n,) of n and the axis, and
+    places (n_unknowns, n) that take n . u from the unknowns.
     """
 
     vertices: Integers
@@ -38,8 +41,19 @@ class Patch:
     loads: sparse.csc_matrix
     gap: Array
     travel: Array
+    moment: Array
     areas: Array
     edge: NDArray[np.bool_]
+    distance: Array
+    cosine: Array
+    places: sparse.csc_matrix
+
+    def clearance(self, depth: Array, approach: Array) -> Array:
+        """Return the gap (n_t, n) mm at the vertices, along the obstacle's normal.
+
+        depth (n_t,) mm, approach (n_t, n) mm the displacement of the vertices along that normal.
+        """
+        return self.cosine * (self.distance - depth[:, None]) + approach
 
 
 def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
@@ -116,15 +130,29 @@ def patch(
         sums = np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
         return np.asarray(sums, dtype=np.float64)
 
+    arm = np.cross(part.places, direction)
+    apart, normal = obstacle.gap(space.points[vertices])
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
         loads=_loads(space, part, hats, direction, owner, len(vertices)),
         gap=gathered(cosine * distance),
         travel=gathered(cosine),
+        moment=np.stack([gathered(arm[..., k]) for k in range(3)], axis=1),
         areas=gathered(np.ones_like(cosine)),
         edge=chosen.edge,
+        distance=apart,
+        cosine=normal @ obstacle.axis,
+        places=_places(space, vertices, normal),
     )
+
+
+def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:
+    """Return what takes the displacement along `normal` (n, 3) at `vertices` from the unknowns."""
+    rows = (3 * vertices[:, None] + np.arange(3)).ravel()
+    columns = np.repeat(np.arange(len(vertices)), 3)
+    shape = (space.n_unknowns, len(vertices))
+    return sparse.coo_matrix((normal.ravel(), (rows, columns)), shape=shape).tocsc()
 
 
 def _loads(

@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from skfem import Basis, ElementTriP2, MeshTri
 
 from fefinger.fem.contact import Candidates, candidates
 from fefinger.fem.obstacle import Obstacle
@@ -24,11 +23,11 @@ FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
 
 @dataclass(frozen=True)
 class Sliding:
-    """The candidates on the pad, whose undeformed triangles have `corners`, and an obstacle."""
+    """The candidates on the pad, `at_rest` (n, 3) mm where they are undeformed, and an obstacle."""
 
     obstacle: Obstacle
     on: Candidates
-    corners: Array
+    at_rest: Array
     n_unknowns: int
 
     def __len__(self) -> int:
@@ -63,17 +62,11 @@ class Sliding:
         nodal = values[self._rows()]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
-    def areas(self, values: Array) -> Array:
-        """Return the integrals (n,) mm² of the hats over the deformed surface."""
-        corners = self.corners
-        midpoints = (corners + np.roll(corners, -1, axis=1)) / 2
-        nodal = values[self._rows()] + np.concatenate([corners, midpoints], axis=1)
-        along = np.einsum("kqr,tkc->tqrc", _slopes(), nodal)
-        stretched = np.linalg.norm(np.cross(along[:, :, 0], along[:, :, 1]), axis=2)
-        flat = np.linalg.norm(
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-        )
-        return self._gathered(np.einsum("tjq,tq->tj", self.hats, stretched / flat[:, None]))
+    def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
+        """Return the gaps (n,) along the obstacle's normal and the moves (n, 3) of the vertices, mm."""
+        moved = values[3 * self.on.vertices[:, None] + np.arange(3)]
+        distance, gradient, _ = self.obstacle.implicit(self.at_rest + moved, depth)
+        return np.asarray(distance / np.linalg.norm(gradient, axis=1)), moved
 
     def _rows(self) -> Integers:
         return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
@@ -89,10 +82,4 @@ def sliding(
 ) -> Sliding:
     """Return the patch of the pad `contact.candidates` within `reach` mm."""
     chosen = candidates(space, triangles, normals, obstacle, reach)
-    return Sliding(obstacle, chosen, space.points[chosen.part.triangles], space.n_unknowns)
-
-
-def _slopes() -> Array:
-    """Return the reference derivatives (6, n_q, 2) of the quadratics of `trace`."""
-    basis = Basis(MeshTri.init_refdom(), ElementTriP2(), intorder=5)
-    return np.array([f[0].grad[:, 0, :].T for f in basis.basis])
+    return Sliding(obstacle, chosen, space.points[chosen.vertices], space.n_unknowns)

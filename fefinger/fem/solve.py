@@ -76,7 +76,7 @@ class System:
             answer = answer + self.factor.solve(residual)
         message = (
             f"linear solution: asked for a relative residual of {LINEAR_RESIDUAL:g}, reached "
-            f"{worst:.1e}; check the held facets and the mesh quality"
+            f"{worst:.1e}; check the held facets, the mesh and moduli that are very far apart"
         )
         raise ConvergenceError(message)
 

@@ -32,7 +32,7 @@ measures it."""
 LINEAR_RADIUS = 2.0
 """Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
 
-LINEAR_EDGE = 0.5
+LINEAR_EDGE = 1.0
 """Radius of an edge, ridge or crest in mm below which the mesh error has not been measured."""
 
 LINEAR_REPORT = "linear-mesh.json"

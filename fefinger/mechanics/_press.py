@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.area import Surface as Touched
 from fefinger.fem.body import Body, Reduced, Solid, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
@@ -26,6 +27,7 @@ from fefinger.mechanics._touch import (
     REFERENCE_DEPTH,
     STANDARD,
     folded,
+    meshed_at,
     organs,
     sites,
     unfolded,
@@ -34,7 +36,7 @@ from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.neural.populations import Surface
 from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
-from fefinger.scene import Finger, Scene
+from fefinger.scene import Finger, Indenter, Scene
 from fefinger.stages import Stages
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
@@ -53,13 +55,14 @@ class Method:
     """How a mechanics solves: the solid, its reduction to a patch, its march and its fields.
 
     solid(finger, mesh, report); reduce and march as in `fem.body` and `fem.march`; unknowns(solid,
-    loads) gives the displacement under loads on the pad.
+    loads) gives the displacement under loads on the pad; touch(indenter) where the mesh is fine.
     """
 
     solid: Callable[..., Any]
     reduce: Callable[..., Reduced]
     march: Callable[..., History]
     unknowns: Callable[[Any, Array], Array]
+    touch: Callable[[Indenter], float | tuple[float, float] | None]
 
 
 def factored(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) -> Body:
@@ -67,7 +70,9 @@ def factored(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) 
     return body(mesh, tissues(finger), held(finger))
 
 
-WHOLE_MESH = Method(factored, reduce, march, lambda solid, loads: solid.system.solve(loads))
+WHOLE_MESH = Method(
+    factored, reduce, march, lambda solid, loads: solid.system.solve(loads), meshed_at
+)
 
 
 def press(
@@ -90,7 +95,7 @@ def press(
     """
     stages = Stages(progress)
     with stages.stage("mesh"):
-        mesh = ready(scene.finger, half=symmetric(scene))
+        mesh = ready(scene.finger, half=symmetric(scene), touch=method.touch(scene.indenter))
     with stages.stage("factor") as report:
         finger = method.solid(scene.finger, mesh, report)
     touch = _placing.obstacle(scene.indenter, finger)
@@ -105,7 +110,7 @@ def press(
         mechanics=mechanics,
         **_answer(scene, finger, contact, reference, fields),
         seconds=stages.seconds,
-        notes=notes + scene_notes(scene),
+        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
         sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
     )
 
@@ -275,14 +280,19 @@ def _answer(
         strain = tensors(components.reshape(len(contact.time), -1, 6))
         strain = unfolded(strain, contact.sites.points) if finger.half else strain
     asked = scene.ask.pressure
+    approach = history.elastic @ contact.reduced.approach.T
+    gap = on_pad.clearance(history.depth, approach)[:, column]
+    surface = Touched(pad.points, pad.triangles, contact.touch.axis)
     return {
         "time": contact.time,
         "depth": history.depth,
         "force": force,
-        "contact_area": (pressure > 0) @ pad.areas if asked else None,
+        "contact_area": surface.area(pressure > 0, gap) if asked else None,
         "centroid": centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,
         "pressure": pressure if asked else None,
+        "gap": gap if asked else None,
+        "moment": whole_moment(history.pressure @ on_pad.moment, finger.half) if asked else None,
         "sites": contact.sites,
         "strain": strain,
         "reference": reference,
@@ -294,6 +304,12 @@ def _answer(
             "half": float(finger.half),
         },
     }
+
+
+def whole_moment(meshed: Array, half: bool) -> Array:
+    """Return the moment (n_t, 3) N mm on the whole finger about the origin."""
+    whole = meshed * np.array([0.0, 2.0, 0.0]) if half else meshed
+    return np.asarray(whole * NEWTON_PER_MILLINEWTON)
 
 
 def centroid(pad: Pad, pressure: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.area import Surface
 from fefinger.fem.body import Body, body
 from fefinger.fem.equilibrium import Equilibrium, State
 from fefinger.fem.finite import Continuum, continuum
@@ -21,10 +22,10 @@ from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._stride import Stride, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import folded, organs, unfolded
+from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
-from fefinger.records import Fields, Progress, Response, Sites
+from fefinger.records import Fields, Pad, Progress, Response, Sites
 from fefinger.scene import Finger, Scene
 from fefinger.stages import Stages
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -54,7 +55,7 @@ def squeeze(
     """
     stages = Stages(progress)
     with stages.stage("mesh"):
-        mesh = ready(scene.finger, half=symmetric(scene))
+        mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
     with stages.stage("factor"):
         finger = body(mesh, _press.tissues(scene.finger), _press.held(scene.finger))
         elements = continuum(finger.space, laws(scene.finger))
@@ -76,7 +77,7 @@ def squeeze(
         reference=reference,
         fields=fields,
         seconds=stages.seconds,
-        notes=notes + _press.scene_notes(scene),
+        notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
         sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
     )
 
@@ -93,13 +94,19 @@ def laws(finger: Finger) -> dict[int, Law]:
 
 @dataclass(frozen=True)
 class _Passage:
-    """The solved steps: depth (n,), pressure and areas (n, n_candidates), strain at the sites."""
+    """The solved steps.
+
+    depth (n,) mm; pressure kPa, gap and moved mm (n, n_candidates), the latter in three components;
+    moment (n, 3) N mm of the meshed part; strain (n, n_sites, 3, 3).
+    """
 
     contact: Sliding
     sites: Sites | None
     depth: Array
     pressure: Array
-    areas: Array
+    gap: Array
+    moved: Array
+    moment: Array
     strain: Array
     times: Array
     frames: dict[int, Array]
@@ -110,11 +117,13 @@ class _Passage:
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some."""
 
-    def __init__(self, contact: Sliding, probe: Any, frames: set[int]) -> None:
-        self.contact, self.probe, self.wanted = contact, probe, frames
+    def __init__(self, contact: Sliding, places: Array, probe: Any, frames: set[int]) -> None:
+        self.contact, self.places, self.probe, self.wanted = contact, places, probe, frames
         self.depth: list[float] = []
         self.pressure: list[Array] = []
-        self.areas: list[Array] = []
+        self.gap: list[Array] = []
+        self.moved: list[Array] = []
+        self.moment: list[Array] = []
         self.strain: list[Array] = []
         self.frames: dict[int, Array] = {}
 
@@ -122,10 +131,21 @@ class _Recorder:
         """Keep step `number`."""
         self.depth.append(state.depth)
         self.pressure.append(state.pressure)
-        self.areas.append(self.contact.areas(state.values))
+        gap, moved = self.contact.clearance(state.values, state.depth)
+        self.gap.append(gap)
+        self.moved.append(moved)
+        self.moment.append(self._moment(state))
         self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
         if number in self.wanted:
             self.frames[number] = state.values
+
+    def _moment(self, state: State) -> Array:
+        """Return the moment (3,) N mm of the pressure about the origin."""
+        _, loads = self.contact.gaps(state.values, state.depth)
+        count = self.places.size
+        forces = (loads @ state.pressure)[:count].reshape(-1, 3)
+        arms = self.places + state.values[:count].reshape(-1, 3)
+        return np.asarray(np.cross(arms, forces).sum(axis=0))
 
 
 def _passage(
@@ -158,7 +178,7 @@ def _passage(
         known = len(contact)
         equilibrium = Equilibrium(elements, contact, finger.system)
         history = StressHistory(elements, series)
-        recorder = _Recorder(contact, probe, frames)
+        recorder = _Recorder(contact, finger.space.node_points, probe, frames)
         with stages.stage("steps") as report:
             taken = follow(equilibrium, history, path, recorder.keep, report)
         pressure = np.array(recorder.pressure)
@@ -172,7 +192,9 @@ def _passage(
             sites=found,
             depth=np.array(recorder.depth),
             pressure=pressure,
-            areas=np.array(recorder.areas),
+            gap=np.array(recorder.gap),
+            moved=np.array(recorder.moved),
+            moment=np.array(recorder.moment),
             strain=np.array(recorder.strain),
             times=steps.times,
             frames=recorder.frames,
@@ -212,25 +234,44 @@ def _check_contact(
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
     """Return the fields of a Response that the solved steps give, at all times."""
-    on, travel = passage.contact.on, passage.contact.travel
-    pad, column = _press.whole_pad(finger, on.vertices, on.part.triangles, travel)
-    sides = 2 if finger.half else 1
-    area = sides * np.sum(np.where(passage.pressure > 0, passage.areas, 0.0), axis=1)
     pressure = steps.bounded(passage.pressure)
-    force = sides * pressure @ travel * NEWTON_PER_MILLINEWTON
-    pressure = pressure[:, column]
-    asked = scene.ask.pressure
-    return {
+    sides = 2 if finger.half else 1
+    force = sides * pressure @ passage.contact.travel * NEWTON_PER_MILLINEWTON
+    answer = {
         "depth": steps.bounded(passage.depth) if scene.motion.control == "force" else steps.path,
         "force": force,
-        "contact_area": steps.bounded(area) if asked else None,
-        "centroid": _press.centroid(pad, pressure) if asked else None,
-        "pad": pad if asked else None,
-        "pressure": pressure if asked else None,
         "strain": _strain(finger, passage, steps),
         "status": passage.status,
         "numbers": passage.numbers,
     }
+    on_pad = ("contact_area", "centroid", "pad", "pressure", "gap", "moment")
+    if not scene.ask.pressure:
+        return answer | dict.fromkeys(on_pad)
+    on = passage.contact.on
+    pad, column = _press.whole_pad(finger, on.vertices, on.part.triangles, passage.contact.travel)
+    pressure = pressure[:, column]
+    return answer | {
+        "contact_area": steps.bounded(_areas(passage, pad, column)),
+        "centroid": _press.centroid(pad, pressure),
+        "pad": pad,
+        "pressure": pressure,
+        "gap": steps.smooth(passage.gap)[:, column],
+        "moment": _press.whole_moment(steps.smooth(passage.moment), finger.half),
+    }
+
+
+def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
+    """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
+    axis, sign = passage.contact.obstacle.axis, np.ones((len(column), 3))
+    sign[len(passage.contact) :, 1] = -1.0  # the mirror images follow the candidates
+    areas = np.empty(len(passage.depth))
+    for step, moved in enumerate(passage.moved):
+        surface = Surface(
+            pad.points + sign * moved[column], pad.triangles, passage.contact.obstacle.axis
+        )
+        pressed, gap = passage.pressure[step] > 0, passage.gap[step]
+        areas[step] = surface.area(pressed[column][None], gap[column][None])[0]
+    return areas
 
 
 def _strain(finger: Body, passage: _Passage, steps: Stride) -> Array | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fefinger.library import receptors
 from fefinger.records import Sites
-from fefinger.scene import Flat, Grating, Relief, Scene
+from fefinger.scene import Flat, Grating, Indenter, Relief, Scene
 
 
 if TYPE_CHECKING:
@@ -23,6 +23,12 @@ Array = NDArray[np.float64]
 STANDARD = Flat(angle=30.0)
 """The plate whose first touch is the origin, and whose small press is the reference of strain."""
 
+MESHED_ANGLE = 15.0
+"""Degrees between the plates for which meshes differ."""
+
+MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
+"""mm between the places for which meshes differ, and from the origin where none is needed."""
+
 REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
@@ -32,6 +38,24 @@ def direction(flat: Flat | Grating | Relief) -> Array:
     angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
     up = np.cos(angle)
     return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+
+
+def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:
+    """Return where the mesh has to be fine: the angle of a plate, a place (x, y) mm, or None.
+
+    Angles and places are rounded, so that neighboring scenes share a mesh; None is the mesh that is
+    fine around the touch of the 30 degree plate.
+    """
+    if isinstance(indenter, Flat | Grating | Relief):
+        angle = MESHED_ANGLE * round(indenter.angle / MESHED_ANGLE)
+        return None if angle == STANDARD.angle else float(angle)
+    x, y = getattr(indenter, "at", None) or (0.0, 0.0)
+    if np.hypot(x, y) <= MESHED_NEAR:
+        return None
+    return (
+        float(MESHED_PLACE * round(x / MESHED_PLACE)),
+        float(MESHED_PLACE * round(abs(y) / MESHED_PLACE)),
+    )
 
 
 def sites(scene: Scene, origin: Array, axis: Array) -> Sites:

@@ -50,13 +50,15 @@ def coarser(scene: Scene) -> Scene | None:
     """Return the scene on the next coarser mesh, if that is at hand."""
     from dataclasses import replace
 
+    from fefinger.mechanics._touch import meshed_at
     from fefinger.mesh.ready import at_hand
 
     below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.resolution)
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)
-    return replace(scene, finger=finger) if at_hand(finger) else None
+    at = meshed_at(scene.indenter)
+    return replace(scene, finger=finger) if at_hand(finger, at) else None
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.mesh import improve, topology
 from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.quality import gate, measure
-from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.record import BONE, FingerMesh, volumes
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
@@ -27,6 +27,15 @@ SETTINGS = {
     "standard": Settings(pad=0.42, deep=0.5, far=0.6),
     "fine": Settings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
+
+PALMAR = -1.0
+"""z in mm from which the palmar skin is looked for, below the touch of the 30 degree plate."""
+
+RIDGE, FOREMOST = 400, 12.0
+"""Places along the finger among which the touch of a plate is looked for, up to x in mm."""
+
+REFERENCE_RADIUS = 2.5
+"""Radius in mm about the origin that stays fine, for the small press that strains refer to."""
 
 ATTEMPTS = 4
 """Builds before giving up; each has another envelope, since the mesher is not deterministic."""
@@ -64,16 +73,45 @@ def build(
     raise ConvergenceError(message)
 
 
-def sizes(shape: Shape, settings: Settings) -> Callable[[Array], Array]:
-    """Return the wanted edge length (n,) mm at points (n, 3): fine at the pad, growing inward."""
+def sizes(shape: Shape, settings: Settings, touch: Touch = None) -> Callable[[Array], Array]:
+    """Return the wanted edge length (n,) mm at points (n, 3): fine at the pad, growing inward.
+
+    `touch` as in `Recipe`.
+    """
+    balls = [(PATCH_CENTER, PATCH_RADIUS)]
+    if touch is not None:
+        balls = [(np.zeros(3), REFERENCE_RADIUS), (touched(shape, touch), PATCH_RADIUS)]
 
     def size(points: Array) -> Array:
         below = np.maximum(-shape.subcutaneous.level(points), 0.0)
-        aside = np.maximum(np.linalg.norm(points - PATCH_CENTER, axis=1) - PATCH_RADIUS, 0.0)
+        away = [np.linalg.norm(points - center, axis=1) - radius for center, radius in balls]
+        aside = np.maximum(np.min(away, axis=0), 0.0)
         wanted = settings.pad + settings.deep * below + settings.far * aside
         return np.minimum(wanted, settings.largest)
 
     return size
+
+
+def touched(shape: Shape, touch: float | tuple[float, float]) -> Array:
+    """Return the point (3,) of the palmar skin at a place, or where a plate of an angle touches.
+
+    Raises InputError for a place that is not on the pad.
+    """
+    if isinstance(touch, tuple):
+        places = np.array([[touch[0], abs(touch[1]), PALMAR]])
+    else:
+        x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
+        places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
+    on_skin = shape.skin.project(places, free=np.tile([False, False, True], (len(places), 1)))
+    off = np.abs(shape.skin.level(on_skin)) > 1e-3
+    if isinstance(touch, tuple):
+        if off[0]:
+            message = f"indenter.at: expected a place (x, y) mm on the pad, received {touch}"
+            raise InputError(message)
+        return np.asarray(on_skin[0])
+    angle = np.radians(touch)
+    ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
+    return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
 
 
 def _attempt(
@@ -81,7 +119,7 @@ def _attempt(
 ) -> FingerMesh:
     """Return one half mesh, measured but not judged."""
     inputs = shape.triangles(settings.facet)
-    points, cells = tetrahedra(inputs, sizes(shape, settings), settings)
+    points, cells = tetrahedra(inputs, sizes(shape, settings, recipe.touch), settings)
     tolerance = 1.6 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
     points, cells, region = _inside(shape, points, cells, tolerance)
     say(f"{len(cells)} cells; fitting the boundaries")
@@ -183,4 +221,6 @@ def _record(
         own_volumes=shape.volumes,
         gap=gap,
     )
+    if shape.notes:
+        quality["notes"] = list(shape.notes)
     return replace(mesh, quality=quality)

@@ -72,7 +72,7 @@ def _with_inside(
     under = Shell.of(skin.middle, cut=cut, **inner)
     top = skin.middle + float(tables["dorsal"][1].max())
     bone = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-    shapes.check_room(under, bone, recipe)
+    shapes.check_room(under, surface.without_caps(surface.half(bone, 0.5))[0], recipe)
     nail = shapes.nail_of(recipe, tip=tip, middle=skin.middle, side=lambda x: skin.heights(x)[0])
     shells = (skin, under, bone)
     inside = (surface.volume(surface.half(shell, shapes.FINE)) for shell in shells)

@@ -8,26 +8,32 @@ from typing import Any
 
 from fefinger.checks import InputError
 from fefinger.mesh import files
-from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 
 
-def ready(finger: Any, *, half: bool, progress: Callable[[str], None] | None = None) -> FingerMesh:
-    """Return the mesh for a scene's finger (or a Recipe), half or whole.
+def ready(
+    finger: Any,
+    *,
+    half: bool,
+    touch: Touch = None,
+    progress: Callable[[str], None] | None = None,
+) -> FingerMesh:
+    """Return the mesh for a scene's finger (or a Recipe), half or whole; `touch` as in `Recipe`.
 
     Looks among the shipped meshes, then in the user's cache; builds and caches it (about half a
     minute for the standard resolution) if neither has it. `progress` receives short sentences.
     """
-    recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger)
+    recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
     mesh = files.read(path) if path else _cached(recipe) or _built(recipe, progress)
     return mesh if half else whole(mesh)
 
 
-def at_hand(finger: Any) -> bool:
+def at_hand(finger: Any, touch: Touch = None) -> bool:
     """Return whether the mesh for a scene's finger is shipped or cached, and need not be built."""
-    recipe = Recipe.of(finger)
+    recipe = Recipe.of(finger, touch)
     return shipped_path(recipe) is not None or cached_path(recipe).is_file()
 
 

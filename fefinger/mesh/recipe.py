@@ -15,12 +15,20 @@ FORMAT = 1
 """Raised when the builder changes so that meshes cached from the same recipe must be made again."""
 
 
+Touch = float | tuple[float, float] | None
+"""Where a mesh is fine, as in `Recipe`."""
+
+
 @dataclass(frozen=True)
 class Recipe:
     """Dimensions of a fingertip in mm and the resolution of its mesh.
 
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
-    parametric shape, whose width, thickness and pad radius then only scale the inside.
+    parametric shape, whose width, thickness and pad radius then only scale the inside;
+    `bone_surface` is one with the bone, in the same place.
+    `touch` is where the facets are fine: the angle in degrees of the plate that touches there, or
+    a place (x, y) in mm on the pad; None is around the touch of the 30 degree plate, which every
+    mesh resolves.
     """
 
     width: float
@@ -29,6 +37,8 @@ class Recipe:
     skin_thickness: float = 1.0
     resolution: str = "standard"
     surface: str | None = None
+    touch: Touch = None
+    bone_surface: str | None = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -42,7 +52,7 @@ class Recipe:
         choice("resolution", self.resolution, RESOLUTIONS)
 
     @classmethod
-    def of(cls, finger: Any) -> "Recipe":
+    def of(cls, finger: Any, touch: Touch = None) -> "Recipe":
         """Return the recipe of a scene's finger (any record with the same fields)."""
         return cls(
             finger.width,
@@ -51,16 +61,26 @@ class Recipe:
             skin_thickness=finger.skin.thickness,
             resolution=finger.resolution,
             surface=finger.surface,
+            bone_surface=finger.bone_surface,
+            touch=touch,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the recipe as plain values."""
-        return asdict(self)
+        """Return the recipe as plain values, without `touch` and `bone_surface` where None."""
+        values = asdict(self)
+        for name in ("touch", "bone_surface"):
+            if values[name] is None:
+                del values[name]
+        if isinstance(self.touch, tuple):
+            values["touch"] = list(self.touch)
+        return values
 
     def key(self) -> str:
         """Return a hash of all that decides the mesh, the content of a surface file included."""
         parts = {**self.to_dict(), "format": FORMAT}
-        if self.surface is not None:
-            parts["surface"] = hashlib.sha256(Path(self.surface).read_bytes()).hexdigest()
+        for name in ("surface", "bone_surface"):
+            file = getattr(self, name)
+            if file is not None:
+                parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
         text = json.dumps(parts, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()

@@ -5,8 +5,8 @@ Its half y >= middle is meshed, so a scan is made symmetric; how far it is from 
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Array
 from fefinger.mesh.surface import Triangles
+from fefinger.mesh.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 
 
 MIRROR = np.array([1.0, -1.0, 1.0])
@@ -36,9 +37,6 @@ SIZE_ERROR = 0.35
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
-
-LENGTH = 24.0
-"""mm of a longer scan that are used, from the tip."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,8 @@ def scanned(recipe: Recipe) -> Shape:
     Raises InputError for a file that is missing, is no closed surface, has another unit or frame,
     is far from symmetric, or leaves no room for the bone.
     """
-    mesh = _loaded(recipe)
+    file = _read(recipe)
+    mesh = _refined(file.mesh, open_behind=True)
     skin = _cloud(mesh, 0.0)
     origin = _first_touch(skin)
     mesh.apply_translation(-origin)
@@ -103,17 +102,16 @@ def scanned(recipe: Recipe) -> Shape:
     low, high = mesh.bounds
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
-    bone = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-    shapes.check_room(under, bone, recipe)
+    bone = _bone(recipe, origin, cut=cut, tip=tip, top=top)
+    shapes.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
     middle = 0.5 * (float(low[2]) + top)
     nail = shapes.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
     outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
-    inside = surface.volume(surface.half(bone, shapes.FINE))
     around, within = (_volume(part, cut) for part in (outer, inner))
     return Shape(
         skin=skin,
         subcutaneous=under,
-        bone=bone,
+        bone=bone.surface,
         cut=cut,
         radii=fitted_radii(_symmetric_patch(skin)),
         nail=nail,
@@ -121,49 +119,70 @@ def scanned(recipe: Recipe) -> Shape:
             outer,
             *_planes(mesh.bounds, cut),
             _halved(mesh, under, cut - 1.0),
-            surface.without_caps(surface.half(bone, step, overhang=1.0)),
+            bone.triangles(step),
         ],
-        volumes=shapes.region_volumes(around, within, inside),
+        volumes=shapes.region_volumes(around, within, bone.volume),
+        notes=(*file.notes, *bone.notes),
     )
 
 
-def _loaded(recipe: Recipe) -> Any:
-    """Return the refined surface mesh of a file, checked."""
+@dataclass(frozen=True)
+class Bone:
+    """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³."""
+
+    surface: shapes.Surface
+    points: Array
+    triangles: Callable[[float], Triangles]
+    volume: float
+    notes: tuple[str, ...] = ()
+
+
+def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) -> Bone:
+    """Return the bone of a recipe: that of its file, moved with the skin, or a parametric one."""
+    if recipe.bone_surface is None:
+        shell = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
+        points = surface.without_caps(surface.half(shell, 0.5))[0]
+        return Bone(
+            shell,
+            points,
+            lambda step: surface.without_caps(surface.half(shell, step, overhang=1.0)),
+            surface.volume(surface.half(shell, shapes.FINE)),
+        )
+    closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
+    mesh = _refined(closed)
+    mesh.apply_translation(-origin)
+    cloud = _cloud(mesh, 0.0)
+    part = _halved(mesh, cloud, cut - 1.0)
+    volume = _volume(_halved(mesh, cloud, cut), cut)
+    return Bone(cloud, cloud.points, lambda step: part, volume, notes)
+
+
+def _refined(closed: Any, *, open_behind: bool = False) -> Any:
+    """Return the surface with edges of SPACING at most, without what closes it behind if asked.
+
+    What closes a finger behind is no skin: faces of the proximal quarter that look back.
+    """
     import trimesh
 
-    path = Path(str(recipe.surface))
-    if not path.is_file():
-        message = f"surface: expected a surface file, received {str(path)!r}, which does not exist"
-        raise InputError(message)
-    try:
-        mesh = trimesh.load_mesh(path)
-        closed = bool(mesh.is_watertight)
-    except Exception as error:
-        message = (
-            f"surface: expected a triangle surface, {path.name} cannot be read as one: {error}"
-        )
-        raise InputError(message) from error
-    if not closed:
-        message = (
-            f"surface: expected a closed surface, {path.name} has open edges or holes; close it "
-            "(also behind the finger) in the program that made it"
-        )
-        raise InputError(message)
-    width = float(mesh.extents[1])
-    if abs(width / recipe.width - 1.0) > SIZE_ERROR:
+    points, faces = trimesh.remesh.subdivide_to_size(closed.vertices, closed.faces, SPACING)
+    fine = trimesh.Trimesh(points, faces)
+    back = fine.triangles_center[:, 0] < fine.bounds[0, 0] + BACK * fine.extents[0]
+    if open_behind:
+        fine.update_faces(~(back & (fine.face_normals[:, 0] < -0.7)))
+        fine.remove_unreferenced_vertices()
+    return fine
+
+
+def _read(recipe: Recipe) -> SurfaceFile:
+    """Return the surface file of a recipe; its width must be about that of the recipe."""
+    file = read_surface(str(recipe.surface))
+    if abs(file.width / recipe.width - 1.0) > SIZE_ERROR:
         message = (
             f"surface: expected a finger about {recipe.width:g} mm wide along y, received "
-            f"{width:.4g}; the file must be in mm with x distal, y radial and z dorsal"
+            f"{file.width:.4g}; the file must be in mm with x distal, y radial and z dorsal"
         )
         raise InputError(message)
-    mesh.fix_normals()
-    points, faces = trimesh.remesh.subdivide_to_size(mesh.vertices, mesh.faces, SPACING)
-    fine = trimesh.Trimesh(points, faces)
-    # What closes the finger behind is no skin: faces of the proximal quarter that look back.
-    back = fine.triangles_center[:, 0] < fine.bounds[0, 0] + 0.25 * fine.extents[0]
-    fine.update_faces(~(back & (fine.face_normals[:, 0] < -0.7)))
-    fine.remove_unreferenced_vertices()
-    return fine
+    return file
 
 
 def _cloud(mesh: Any, inset: float) -> Cloud:

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from fefinger.checks import InputError
 from fefinger.finger import BONE
-from fefinger.mesh import surface
 from fefinger.mesh.plate import PLATE
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Array, Shell
@@ -97,20 +96,22 @@ class Shape:
     nail : the patch under the nail.
     triangles : step in mm -> surfaces for the mesher that divide half a finger into its regions.
     volumes : volume of half of each region inside the smooth surfaces, by name, mm^3.
+    notes : what was taken from a surface file, and what was repaired.
 
     """
 
     skin: Surface
     subcutaneous: Surface
-    bone: Shell
+    bone: Surface
     cut: float
     radii: tuple[float, float]
     nail: Nail
     triangles: Callable[[float], list[Triangles]]
     volumes: dict[str, float]
+    notes: tuple[str, ...] = ()
 
     @property
-    def shells(self) -> tuple[Surface, Surface, Shell]:
+    def shells(self) -> tuple[Surface, Surface, Surface]:
         """Outer surfaces of the skin (1), the subcutaneous tissue (2) and the bone (3)."""
         return self.skin, self.subcutaneous, self.bone
 
@@ -130,9 +131,9 @@ def region_volumes(skin: float, subcutaneous: float, bone: float) -> dict[str, f
     return {"skin": skin - subcutaneous, "subcutaneous": subcutaneous - bone, "bone": bone}
 
 
-def check_room(under: Surface, bone: Shell, recipe: Recipe) -> None:
-    """Raise InputError unless the bone keeps ROOM from the skin."""
-    left = -float(under.level(surface.without_caps(surface.half(bone, 0.5))[0]).max())
+def check_room(under: Surface, bone: Array, recipe: Recipe) -> None:
+    """Raise InputError unless the points (n, 3) of the bone keep ROOM from the skin."""
+    left = -float(under.level(bone).max())
     if left < ROOM:
         message = (
             f"thickness: expected room for the bone of a finger {recipe.width:g} mm wide and "

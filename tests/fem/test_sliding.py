@@ -59,11 +59,14 @@ def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     assert abs(loads - small.loads).max() < 1e-15
 
 
-def test_areas_follow_the_stretch_of_the_surface():
+def test_the_gaps_at_vertices_are_distances_along_the_normal():
     space, contact, _ = surface(Plane())
     values = np.zeros(space.n_unknowns)
-    values[: space.n_displacements] = (space.node_points * [0.5, -0.2, 3.0]).ravel()
-    assert contact.areas(values) == pytest.approx(1.5 * 0.8 * contact.travel)
+    values[: space.n_displacements] = np.tile(0.3 * AXIS, space.n_nodes)
+    gap, moved = contact.clearance(values, 0.1)
+    rest, _ = contact.clearance(np.zeros(space.n_unknowns), 0.0)
+    assert gap - rest == pytest.approx(0.2)
+    assert moved == pytest.approx(np.tile(0.3 * AXIS, (len(gap), 1)))
 
 
 def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():

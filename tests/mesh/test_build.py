@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.checks import ConvergenceError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.mesh import improve
-from fefinger.mesh.build import build
+from fefinger.mesh.build import SETTINGS, build, sizes, touched
 from fefinger.mesh.mesher import Settings
+from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.record import FACETS, FingerMesh, faces, volumes
@@ -122,3 +123,30 @@ def test_improving_lifts_the_worst_angle_and_leaves_planes_alone() -> None:
     better = improve.improve(points, cells, supports, wanted=0.7, pinned=np.arange(8), sweeps=12)
     assert np.array_equal(better[:8], points[:8])
     assert improve.sines(better[cells]).min() > 10 * improve.sines(points[cells]).min()
+
+
+def test_the_facets_are_fine_where_the_indenter_touches() -> None:
+    shape = parametric(Recipe(14, 10, 14))
+    settings = SETTINGS["coarse"]
+    standard, below = touched(shape, 30.0), touched(shape, 0.0)
+    assert standard == pytest.approx(np.zeros(3), abs=0.05)
+    assert shape.skin.level(below[None]) == pytest.approx(0.0, abs=1e-6)
+    assert below[2] == pytest.approx(-2.7, abs=0.5)
+    assert below[0] < -5
+    plain = sizes(shape, settings)(np.array([standard, below]))
+    moved = sizes(shape, settings, 0.0)(np.array([standard, below]))
+    assert moved[0] == pytest.approx(settings.pad)  # the reference press stays resolved
+    assert moved[1] == pytest.approx(settings.pad)
+    assert plain[1] > 1.5 * settings.pad
+    aside = touched(shape, (-2.0, -4.0))
+    assert aside[:2] == pytest.approx([-2.0, 4.0])
+    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+        touched(shape, (30.0, 0.0))
+
+
+def test_a_recipe_without_a_touch_is_that_of_the_shipped_meshes() -> None:
+    plain = Recipe(14, 10, 14)
+    assert "touch" not in plain.to_dict()
+    assert Recipe(14, 10, 14, touch=0.0).to_dict()["touch"] == 0.0
+    assert Recipe(14, 10, 14, touch=(2.0, 0.0)).to_dict()["touch"] == [2.0, 0.0]
+    assert Recipe(14, 10, 14, touch=0.0).key() != plain.key()

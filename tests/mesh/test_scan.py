@@ -12,15 +12,16 @@ from fefinger.mesh.plate import PLATE_NORMAL
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
+from fefinger.mesh.shell import Shell
 
 
 trimesh = pytest.importorskip("trimesh")
 AWAY = np.array([100.0, 3.0, -7.0])  # a scan's origin is anywhere
 
 
-def exported(shape: Shape, path: Path) -> Path:
-    """Write the whole closed skin of a shape, moved away, to a file."""
-    points, faces = surface.half(shape.skin, 0.5)
+def exported(shell: Shell, path: Path) -> Path:
+    """Write the whole of a closed shell, moved away, to a file."""
+    points, faces = surface.half(shell, 0.5)
     faces = faces[~np.all(points[faces][:, :, 1] == 0.0, axis=1)]
     both = np.concatenate([faces, faces[:, ::-1] + len(points)])
     whole = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
@@ -39,7 +40,7 @@ def shape() -> Shape:
 @pytest.fixture(scope="module")
 def stl(shape: Shape, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an STL file of the parametric fingertip."""
-    return exported(shape, tmp_path_factory.mktemp("scan") / "finger.stl")
+    return exported(shape.skin, tmp_path_factory.mktemp("scan") / "finger.stl")
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +80,19 @@ def test_projection_lands_on_the_surface(scan: Shape) -> None:
     assert np.abs(scan.skin.level(scan.skin.project(points))).max() < 1e-6
 
 
+def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Path) -> None:
+    file = exported(shape.bone, tmp_path / "bone.stl")
+    found = scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(file)))
+    assert found.volumes["bone"] == pytest.approx(shape.volumes["bone"], rel=0.06)
+    points = np.random.default_rng(5).uniform([-18, 0, -3], [4, 7, 8], (4000, 3))
+    assert np.mean(found.region(points) == shape.region(points)) > 0.97
+    outside = trimesh.load_mesh(file)
+    outside.vertices[:, 2] -= 3.0
+    outside.export(tmp_path / "low.stl")
+    with pytest.raises(InputError, match="expected room for the bone"):
+        scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "low.stl")))
+
+
 def test_missing_file_is_named() -> None:
     with pytest.raises(InputError, match=r"received 'nowhere\.stl', which does not exist"):
         scanned(Recipe(14, 10, 14, surface="nowhere.stl"))
@@ -86,15 +100,15 @@ def test_missing_file_is_named() -> None:
 
 def test_text_is_no_surface(tmp_path: Path) -> None:
     (tmp_path / "finger.stl").write_text("hello")
-    with pytest.raises(InputError, match=r"finger\.stl (cannot be read|has open edges)"):
+    with pytest.raises(InputError, match=r"finger\.stl (cannot be read|has no triangles)"):
         scanned(Recipe(14, 10, 14, surface=str(tmp_path / "finger.stl")))
 
 
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("open", "has open edges or holes"),
-        ("meters", "expected a finger about 14 mm wide along y, received 0.014"),
+        ("open", "has a hole"),
+        ("meters", "seems to be in m: scale it by 1000"),
         ("lopsided", "about symmetric in y"),
         ("flat", "expected room for the bone"),
     ],
@@ -104,7 +118,7 @@ def test_unusable_surfaces_get_a_sentence(
 ) -> None:
     mesh = trimesh.load_mesh(stl)
     if fault == "open":
-        mesh.update_faces(np.arange(len(mesh.faces)) > 3)
+        mesh.update_faces(mesh.triangles_center[:, 2] < -1.0)
     if fault == "meters":
         mesh.apply_scale(0.001)
     if fault == "lopsided":

@@ -1,0 +1,152 @@
+"""Contact area to a fraction of an element, from the gap outside the contact.
+
+Outside the rim of a smooth contact the gap grows as the distance to the power 3/2, so that
+phi = gap^(2/3) is linear in the distance (Johnson, Contact Mechanics, 1985, section 5.1). Around
+each vertex by the rim phi is fitted to what lies outside, as c0 + c1 s + c2 t + c3 t² along and
+across its gradient, and its zero level is the rim. Pressures are no help there: those of the
+vertices next to the rim alternate about the exact ones.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fefinger.fem.spaces import Array, Integers
+
+
+Flags = NDArray[np.bool_]
+
+NEIGHBORS = 40  # nearest vertices that a fit chooses from
+REACH = 2.0  # radius of a fit in edges
+LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
+SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The triangles (n_tri, 3) that may touch, on points (n, 3), seen along `axis` (3,)."""
+
+    points: Array
+    triangles: Integers
+    axis: Array
+
+    def area(self, pressed: Flags, gap: Array) -> Array:
+        """Return the contact area (n_t,) mm² through time.
+
+        pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
+        vertex from the obstacle, along its normal.
+        """
+        rims = _Rims.of(self)
+        areas = np.zeros(len(gap))
+        last = -1
+        for k in np.flatnonzero(pressed.any(axis=1)).tolist():
+            if last >= 0 and np.array_equal(pressed[k], pressed[last]):
+                change = np.abs(gap[k] - gap[last]).max()
+                if change <= SAME * np.abs(gap[k]).max():
+                    areas[k] = areas[last]
+                    continue
+            areas[k], last = rims.area(pressed[k], gap[k]), k
+        return areas
+
+
+@dataclass(frozen=True)
+class _Rims:
+    """What the fits need at every time; `near` are the neighbors of a point, nearest first."""
+
+    triangles: Integers
+    areas: Array
+    across: Array
+    near: Integers
+    edge: Array
+
+    @classmethod
+    def of(cls, surface: Surface) -> "_Rims":
+        corners = surface.points[surface.triangles]
+        sides = corners[:, 1:] - corners[:, :1]
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+        frame = np.linalg.svd(surface.axis[None])[2][1:]
+        across = surface.points @ frame.T
+        count = min(NEIGHBORS, len(across))
+        _, near = cKDTree(across).query(across, k=np.arange(1, count + 1))
+        around = np.bincount(surface.triangles.ravel(), minlength=len(across))
+        total = np.bincount(surface.triangles.ravel(), np.repeat(areas, 3), minlength=len(across))
+        edge = np.sqrt(2 * total / np.maximum(around, 1))
+        return cls(surface.triangles, areas, across, near, edge)
+
+    def area(self, pressed: Flags, gap: Array) -> float:
+        """Return the area at one time."""
+        count = pressed[self.triangles].sum(axis=1)
+        edge = np.zeros(len(gap), dtype=bool)
+        edge[self.triangles[(count > 0) & (count < 3)]] = True
+        crossed = edge[self.triangles].any(axis=1)  # the rim may lie one triangle farther out or in
+        inner = float(self.areas[~crossed & (count == 3)].sum())
+        rim = np.unique(self.triangles[crossed])
+        if not len(rim):
+            return inner
+        phi, bend, fitted = self._fits(rim, pressed, gap)
+        place = np.zeros(len(gap), dtype=np.int64)
+        place[rim] = np.arange(len(rim))
+        corner = place[self.triangles[crossed]]
+        share, chord = _below_zero(phi[corner], self.across[self.triangles[crossed]])
+        curved = np.clip(bend[corner].mean(axis=1) * chord, -1.0, 1.0) * chord**2 / 12
+        known = fitted[corner].all(axis=1)
+        cut = np.where(known, share * self.areas[crossed] + curved, 0.0)
+        whole = np.where(known, 0.0, count[crossed] / 3 * self.areas[crossed])
+        return inner + float((cut + whole).sum())
+
+    def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
+        """Return phi, the curvature of its zero level, and whether they are known, at `rim`."""
+        near = self.near[rim]
+        offset = (self.across[near] - self.across[rim][:, None]) / self.edge[rim, None, None]
+        within = np.linalg.norm(offset, axis=2) < REACH
+        # A gap counts if it is wider than what is left of it inside the contact nearby.
+        left = np.where(within & pressed[near], np.abs(gap[near]), 0.0).max(axis=1, keepdims=True)
+        outside = ~pressed[near] & (gap[near] > left)
+        close = outside & within
+        first = outside & (np.cumsum(outside, axis=1) <= FIRST)
+        used = np.where(close.sum(axis=1, keepdims=True) >= LEAST, close, first)
+        values = np.maximum(gap[near], 0.0) ** (2 / 3)
+        weights = np.where(used, values**2, 0.0)
+        weights /= np.maximum(weights.max(axis=1, keepdims=True), 1e-300)
+        one = np.ones_like(values)
+        plane = _fitted(np.stack([one, offset[..., 0], offset[..., 1]], axis=2), values, weights)
+        steep = np.linalg.norm(plane[:, 1:], axis=1, keepdims=True)
+        outward = plane[:, 1:] / np.maximum(steep, 1e-300)
+        s = np.einsum("rkd,rd->rk", offset, outward)
+        t = offset[..., 1] * outward[:, None, 0] - offset[..., 0] * outward[:, None, 1]
+        fit = _fitted(np.stack([one, s, t, t**2], axis=2), values, weights)
+        fitted = (used.sum(axis=1) >= LEAST) & (fit[:, 1] > 0)
+        bend = 2 * fit[:, 3] / np.where(fitted, fit[:, 1], 1.0) / self.edge[rim]
+        return fit[:, 0], np.where(fitted, bend, 0.0), fitted
+
+
+def _fitted(basis: Array, values: Array, weights: Array) -> Array:
+    """Return the coefficients (n, m) of weighted least squares, from basis (n, k, m)."""
+    matrix = np.einsum("rki,rk,rkj->rij", basis, weights, basis)
+    right = np.einsum("rki,rk,rk->ri", basis, weights, values)
+    ridge = 1e-9 * np.trace(matrix, axis1=1, axis2=2)[:, None, None] + 1e-300
+    return np.linalg.solve(matrix + ridge * np.eye(basis.shape[2]), right[..., None])[..., 0]
+
+
+def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:
+    """Return the share of triangles where phi (n, 3) < 0, and the length (n,) of its zero line."""
+    order = np.argsort(phi, axis=1)
+    low, middle, high = np.take_along_axis(phi, order, axis=1).T
+    a, b, c = np.moveaxis(np.take_along_axis(corners, order[:, :, None], axis=1), 1, 0)
+    alone = middle > 0  # the lowest corner alone is below zero, else the highest alone above
+    tip, ends = (
+        np.where(alone, low, high),
+        (np.where(alone, middle, low), np.where(alone, high, middle)),
+    )
+    cut = (low < 0) & (high > 0)
+    parts = [np.where(cut, tip / np.where(cut & (tip != end), tip - end, 1.0), 0.0) for end in ends]
+    small = parts[0] * parts[1]
+    share = np.where(cut, np.where(alone, small, 1 - small), low < 0)
+    origin = np.where(alone[:, None], a, c)
+    tips = (np.where(alone[:, None], b, a), np.where(alone[:, None], c, b))
+    first, second = (
+        part[:, None] * (tip_ - origin) for part, tip_ in zip(parts, tips, strict=True)
+    )
+    return share, np.where(cut, np.linalg.norm(first - second, axis=1), 0.0)

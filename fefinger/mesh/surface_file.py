@@ -1,0 +1,322 @@
+"""Reading the surface of a fingertip from a file: repaired where that is safe, checked, described.
+
+The file is in mm with x distal, y radial and z dorsal, wherever its origin.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+
+
+Array = NDArray[np.float64]
+
+WIDTHS = (6.0, 40.0)
+"""mm between which the smaller sides of a fingertip's box may be: others are in another unit."""
+
+UNITS = {"m": 1e3, "cm": 10.0, "inches": 25.4, "micrometers": 1e-3}
+"""mm per unit, for the guess which unit a file is in."""
+
+HOLE = 0.2
+"""Diameter of a hole over the finger's width up to which it is filled."""
+
+BACK = 0.25
+"""Part of the length at the proximal end where a finger may be open: the mesh is cut before it."""
+
+LENGTH = 24.0
+"""mm from the tip that the size of a finger is taken from, and that are meshed."""
+
+UPRIGHT = 0.3
+"""Least height of the tip above the pad over the thickness; below, the nail points down."""
+
+COARSE = 1.0
+"""mm of the triangles among which intersections are looked for."""
+
+LEGACY = (".vtk", ".vtp", ".vtu")
+
+
+@dataclass(frozen=True)
+class SurfaceFile:
+    """A closed surface: `mesh` (trimesh), width and thickness in mm, what was done and found."""
+
+    mesh: Any
+    width: float
+    thickness: float
+    notes: tuple[str, ...]
+
+
+def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
+    """Return the surface of a finger from an STL, OBJ, PLY or VTK file, closed and checked.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no surface, empty, open, crossing itself, or not in mm and the frame.
+    """
+    file = Path(path)
+    mesh, notes = read_closed(file, field)
+    name = f"{field}: {file.name}"
+    size = _check_size(mesh.extents, name)
+    _check_frame(mesh, name)
+    crossing = crossings(mesh)
+    if crossing is not None:
+        x, y, z = crossing
+        message = (
+            f"{name} crosses itself near ({x:.3g}, {y:.3g}, {z:.3g}) mm; expected a simple closed "
+            "surface: remesh it or remove the overlap in the program that made it"
+        )
+        raise InputError(message)
+    tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
+    width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
+    stated = (
+        f"Surface {file.name}: {len(mesh.faces)} triangles in a box of {size} mm, taken as mm with "
+        f"x distal, y radial and z dorsal; {width:.3g} mm wide and {thickness:.3g} mm thick."
+    )
+    return SurfaceFile(mesh, width, thickness, (stated, *notes))
+
+
+def _loaded(file: Path, field: str) -> Any:
+    """Return the triangles of a file, unchecked."""
+    import trimesh
+
+    if not file.is_file():
+        message = f"{field}: expected a surface file, received {str(file)!r}, which does not exist"
+        raise InputError(message)
+    try:
+        if file.suffix.lower() in LEGACY:
+            mesh = trimesh.Trimesh(*_vtk(file))
+        else:
+            mesh = trimesh.load_mesh(file)
+        count = len(mesh.faces)
+    except Exception as error:
+        message = (
+            f"{field}: expected a triangle surface (STL, OBJ, PLY or VTK), {file.name} cannot be "
+            f"read as one: {error}"
+        )
+        raise InputError(message) from error
+    if count == 0:
+        message = f"{field}: expected a surface, {file.name} has no triangles"
+        raise InputError(message)
+    if not np.isfinite(mesh.vertices).all():
+        message = f"{field}: expected finite coordinates, {file.name} has some that are not"
+        raise InputError(message)
+    return mesh
+
+
+def _vtk(file: Path) -> tuple[Array, NDArray[np.int64]]:
+    """Return points and triangles of a VTK file: the outer surface of whatever it holds."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+    from vtkmodules.vtkIOLegacy import vtkGenericDataObjectReader
+    from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
+
+    legacy = file.suffix.lower() == ".vtk"
+    reader: Any = vtkGenericDataObjectReader() if legacy else vtkXMLGenericDataObjectReader()
+    reader.SetFileName(str(file))
+    outer: Any = vtkDataSetSurfaceFilter()
+    outer.SetInputConnection(reader.GetOutputPort())
+    triangles: Any = vtkTriangleFilter()
+    triangles.SetInputConnection(outer.GetOutputPort())
+    triangles.SetPassLines(False)
+    triangles.SetPassVerts(False)
+    triangles.Update()
+    found = triangles.GetOutput()
+    if not found.GetNumberOfPolys():
+        return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
+    cells = vtk_to_numpy(found.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return np.array(vtk_to_numpy(found.GetPoints().GetData()), dtype=float), cells.astype(np.int64)
+
+
+def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
+    """Return a surface in one piece, closed and oriented outward, and what was repaired.
+
+    Raises InputError for a file that is no such surface and cannot safely be made one.
+    """
+    file, notes = Path(path), []
+    mesh = _loaded(file, field)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    faces = len(mesh.faces)
+    mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
+    mesh.remove_unreferenced_vertices()
+    if len(mesh.faces) < faces:
+        dropped = faces - len(mesh.faces)
+        notes.append(f"{dropped} flat or double triangles of {file.name} were dropped.")
+    if len(mesh.faces) == 0:
+        message = f"{field}: expected a surface, {file.name} has only flat triangles"
+        raise InputError(message)
+    parts = mesh.body_count
+    if parts > 1:
+        message = (
+            f"{field}: expected one surface, {file.name} has {parts} that do not hang together; "
+            "keep the skin alone"
+        )
+        raise InputError(message)
+    for loop in _holes(mesh, file, field):
+        notes.append(_filled(mesh, loop))
+    _orient(mesh)
+    if not mesh.is_watertight or mesh.volume <= 0:
+        message = (
+            f"{field}: expected a closed surface, {file.name} has edges that do not join two "
+            "triangles; close it in the program that made it"
+        )
+        raise InputError(message)
+    return mesh, tuple(notes)
+
+
+def _orient(mesh: Any) -> None:
+    """Turn triangles over until neighbors agree and the volume is positive."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    pairs, edges = mesh.face_adjacency, mesh.face_adjacency_edges
+    count = len(mesh.faces)
+
+    def forward(side: int) -> NDArray[np.bool_]:
+        """Whether a face runs along the shared edge in the edge's own direction."""
+        corners = mesh.faces[pairs[:, side]]
+        first = np.argmax(corners == edges[:, :1], axis=1)
+        after = np.take_along_axis(corners, ((first + 1) % 3)[:, None], axis=1)[:, 0]
+        return np.asarray(after == edges[:, 1])
+
+    agree = np.where(forward(0) != forward(1), 1, -1)
+    links = coo_array((agree, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
+    links = (links + links.T).tocsr()
+    order, before = breadth_first_order(abs(links), 0, directed=False)
+    sign = np.ones(count, dtype=np.int64)
+    steps = np.asarray(links[before[order[1:]], order[1:]]).ravel()
+    for face, parent, step in zip(order[1:], before[order[1:]], steps, strict=True):
+        sign[face] = sign[parent] * step
+    faces = np.where(sign[:, None] > 0, mesh.faces, mesh.faces[:, ::-1])
+    corners = mesh.vertices[faces]
+    mesh.faces = faces if np.linalg.det(corners).sum() > 0 else faces[:, ::-1]
+
+
+def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
+    """Return the rims of the holes that may be filled: small ones, and the open proximal end."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    edges = mesh.edges_sorted
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    rim = unique[count == 1]
+    if not len(rim):
+        return []
+    size = len(mesh.vertices)
+    links = coo_array((np.ones(len(rim)), (rim[:, 0], rim[:, 1])), shape=(size, size))
+    _, label = connected_components(links, directed=False)
+    low, high = mesh.bounds
+    loops = [rim[label[rim[:, 0]] == one] for one in np.unique(label[rim[:, 0]])]
+    for loop in loops:
+        points = mesh.vertices[np.unique(loop)]
+        across = float(np.ptp(points, axis=0).max())
+        behind = bool((points[:, 0] < low[0] + BACK * (high[0] - low[0])).all())
+        if not behind and across > HOLE * float(np.sort(high - low)[1]):
+            x, y, z = points.mean(axis=0)
+            message = (
+                f"{field}: expected a closed surface, {file.name} has a hole {across:.3g} mm wide "
+                f"near ({x:.3g}, {y:.3g}, {z:.3g}) mm; close it in the program that made it"
+            )
+            raise InputError(message)
+    return loops
+
+
+def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
+    """Close a hole with a fan about its middle, and return what was done."""
+    middle = mesh.vertices[np.unique(loop)].mean(axis=0)
+    number = len(mesh.vertices)
+    fan = np.column_stack([loop, np.full(len(loop), number)])
+    mesh.vertices = np.vstack([mesh.vertices, middle])
+    mesh.faces = np.vstack([mesh.faces, fan])
+    x, y, z = middle
+    return f"A hole of {len(loop)} edges near ({x:.3g}, {y:.3g}, {z:.3g}) mm was filled."
+
+
+def _check_size(extents: Array, name: str) -> str:
+    """Return the box as text, or raise InputError with the unit that the file seems to be in."""
+    size = " x ".join(f"{value:.4g}" for value in extents)
+    smaller = float(np.sort(extents)[1])
+    if WIDTHS[0] <= smaller <= WIDTHS[1]:
+        return size
+    fits = [unit for unit, scale in UNITS.items() if WIDTHS[0] <= smaller * scale <= WIDTHS[1]]
+    guess = f"; it seems to be in {fits[0]}: scale it by {UNITS[fits[0]]:g}" if fits else ""
+    message = (
+        f"{name} has a box of {size}; expected a fingertip in mm, {WIDTHS[0]:g} to "
+        f"{WIDTHS[1]:g} mm wide{guess}"
+    )
+    raise InputError(message)
+
+
+def _check_frame(mesh: Any, name: str) -> None:
+    """Raise InputError unless the finger lies along x with its tip ahead and its pad down."""
+    low, high = mesh.bounds
+    length, width, thickness = high - low
+    points = mesh.vertices
+    advice = "expected x distal, y radial and z dorsal: turn it about"
+    if length < 0.9 * max(width, thickness):
+        message = f"{name} is longest across x; {advice} y or z until the finger lies along x"
+        raise InputError(message)
+    ends = [points[np.abs(points[:, 0] - x) < 0.08 * length] for x in (low[0], high[0])]
+    behind, ahead = (float(np.ptp(end[:, 1])) for end in ends)
+    if ahead > 1.1 * behind:
+        message = f"{name} is wider at its distal end; {advice} z by 180 degrees"
+        raise InputError(message)
+    rise = float(points[np.argmax(points[:, 0]), 2] - low[2]) / thickness
+    if rise < UPRIGHT:
+        message = (
+            f"{name} has its tip at {rise:.0%} of its thickness above its lowest point; {advice} x "
+            "by 180 degrees, until the pad faces down"
+        )
+        raise InputError(message)
+
+
+def crossings(mesh: Any) -> Array | None:
+    """Return a point (3,) where an edge passes through a triangle that it does not touch, or None.
+
+    Near-coplanar pairs count as touching, not as crossing.
+    """
+    from scipy.spatial import cKDTree
+    from trimesh.remesh import subdivide_to_size
+
+    points, faces = subdivide_to_size(mesh.vertices, mesh.faces, COARSE)
+    points, inverse = np.unique(np.round(points, 9), axis=0, return_inverse=True)
+    faces = inverse.ravel()[faces]
+    corners = points[faces]
+    centers = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - centers[:, None], axis=2).max()
+    pairs = cKDTree(centers).query_pairs(2 * float(radius), output_type="ndarray")
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    overlap = (low[pairs[:, 0]] <= high[pairs[:, 1]]) & (low[pairs[:, 1]] <= high[pairs[:, 0]])
+    pairs = pairs[overlap.all(axis=1)]
+    shared = (faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None, :]).any(axis=(1, 2))
+    pairs = pairs[~shared]
+    for one, other in ((0, 1), (1, 0)):
+        edge, plane = corners[pairs[:, one]], corners[pairs[:, other]]
+        for k in range(3):
+            hit = _pierced(edge[:, k], edge[:, (k + 1) % 3], plane)
+            if hit.any():
+                return np.asarray(plane[int(np.argmax(hit))].mean(axis=0))
+    return None
+
+
+def _pierced(start: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
+    """Return which segments pass through the inside of their triangles (Möller and Trumbore)."""
+    a, b, c = triangle.transpose(1, 0, 2)
+    along, u, v = end - start, b - a, c - a
+    normal = np.cross(along, v)
+    scale = np.einsum("ij,ij->i", u, normal)
+    size = np.linalg.norm(along, axis=1) * np.linalg.norm(np.cross(u, v), axis=1)
+    steep = np.abs(scale) > 1e-6 * size
+    inverse = 1.0 / np.where(steep, scale, 1.0)
+    away = start - a
+    turned = np.cross(away, u)
+    first = np.einsum("ij,ij->i", away, normal) * inverse
+    second = np.einsum("ij,ij->i", along, turned) * inverse
+    place = np.einsum("ij,ij->i", v, turned) * inverse
+    small = 1e-9
+    inside = (first > small) & (second > small) & (first + second < 1 - small)
+    return np.asarray(steep & inside & (place > small) & (place < 1 - small))

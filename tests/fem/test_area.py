@@ -1,0 +1,89 @@
+"""The contact area to a fraction of an element, from gaps that are known exactly."""
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+from fefinger.fem.area import Surface
+
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def scattered(spacing: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return points (n, 3) of an uneven triangulation of a square of 4 by 4, and its triangles."""
+    count = round(4 / spacing)
+    line = np.linspace(-2, 2, count + 1)
+    grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    grid += np.random.default_rng(seed).uniform(-0.25, 0.25, grid.shape) * spacing
+    return np.column_stack([grid, np.zeros(len(grid))]), Delaunay(grid).simplices.astype(np.int64)
+
+
+def hertz_gap(r: np.ndarray, a: float) -> np.ndarray:
+    """Return the gap outside the Hertz contact of radius a, for R = 1."""
+    x = np.maximum(r / a, 1.0)
+    u = ((2 - x**2) * np.arcsin(1 / x) + np.sqrt(x**2 - 1)) / np.pi
+    return a**2 * (x**2 / 2 - 1 + u)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("a", [0.9, 1.03, 1.17])
+def test_the_area_of_a_circular_contact_is_that_of_its_circle(a: float, seed: int) -> None:
+    points, triangles = scattered(0.25, seed)
+    r = np.hypot(*points.T[:2])
+    surface = Surface(points, triangles, UP)
+    area = surface.area((r < 0.97 * a)[None], hertz_gap(r, a)[None])[0]
+    assert area == pytest.approx(np.pi * a**2, rel=0.025)
+
+
+def test_the_error_falls_with_the_mesh() -> None:
+    worst = []
+    for spacing in (0.25, 0.1):
+        errors = []
+        for seed in range(6):
+            points, triangles = scattered(spacing, seed)
+            r = np.hypot(*points.T[:2])
+            area = Surface(points, triangles, UP).area((r < 1)[None], hertz_gap(r, 1.0)[None])
+            errors.append(abs(area[0] / np.pi - 1))
+        worst.append(max(errors))
+    assert worst[0] < 0.025
+    assert worst[1] < 0.004
+
+
+def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:
+    points, triangles = scattered(0.1, 1)
+    left, right = (np.hypot((points[:, 0] - x) / 0.6, points[:, 1]) for x in (-1.0, 1.0))
+    inside = np.minimum(left, right)
+    gap = np.where(inside > 1, np.abs(inside - 1) ** 1.5, 0.0)
+    area = Surface(points, triangles, UP).area((inside < 0.95)[None], gap[None])[0]
+    assert area == pytest.approx(2 * np.pi * 0.6, rel=0.04)
+
+
+def test_no_contact_has_no_area_and_a_single_vertex_some() -> None:
+    points, triangles = scattered(0.25, 0)
+    r = np.hypot(*points.T[:2])
+    pressed = np.zeros((3, len(points)), dtype=bool)
+    pressed[1, int(np.argmin(r))] = True
+    pressed[2] = pressed[1]
+    gap = np.tile(hertz_gap(r, 0.15), (3, 1))
+    area = Surface(points, triangles, UP).area(pressed, gap)
+    assert area[0] == 0
+    assert area[1] == area[2] == pytest.approx(np.pi * 0.15**2, abs=0.08)
+
+
+def test_the_area_is_the_same_in_any_position_and_unit() -> None:
+    points, triangles = scattered(0.25, 3)
+    r = np.hypot(*points.T[:2])
+    pressed, gap = (r < 1)[None], hertz_gap(r, 1.0)[None]
+    plain = Surface(points, triangles, UP).area(pressed, gap)[0]
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    turned = Surface(1e-3 * points @ turn.T + 5.0, triangles, turn @ UP)
+    assert turned.area(pressed, 1e-3 * gap)[0] == pytest.approx(1e-6 * plain, rel=1e-6)
+
+
+def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    surface = Surface(points, np.array([[0, 1, 2]]), UP)
+    area = surface.area(np.array([[True, False, False]]), np.array([[0.0, 0.1, 0.1]]))
+    assert area == pytest.approx([0.5 / 3])
+    assert surface.area(np.ones((1, 3), dtype=bool), np.zeros((1, 3))) == pytest.approx([0.5])

@@ -1,0 +1,173 @@
+"""Bad meshes and extreme tissues: refused in a sentence or survived, never silently wrong."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.body import Body, body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.forms import Elastic
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import strain_at
+from fefinger.mechanics import _placing, _press, linear
+from fefinger.mechanics._touch import meshed_at
+from fefinger.mesh.ready import ready
+from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.symmetric import whole
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+HELD = _press.held(FINGER)
+DEPTH = 0.6
+
+
+@pytest.fixture(scope="module")
+def mesh() -> FingerMesh:
+    return ready(FINGER, half=True)
+
+
+def solid(mesh: FingerMesh, skin: float, pulp: float, poisson: float = 0.48) -> Body:
+    return body(mesh, {1: Elastic(skin, poisson), 2: Elastic(pulp, poisson)}, HELD)
+
+
+def pressed(finger: Body, touch: Obstacle, depth: float) -> tuple[float, float, float]:
+    """Return the force, and how far forces and moments are from balance, relative to it."""
+    on_pad = patch(finger.space, finger.pad, finger.normals, touch, 1.0)
+    small = reduce(finger, on_pad, strain_at(finger.space, np.empty((0, 3))))
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)
+    loads = on_pad.loads @ pressure
+    reactions = np.zeros(finger.space.n_unknowns)
+    held = finger.system.fixed
+    reactions[held] = finger.system.reactions(finger.system.solve(loads), loads)
+    nodes = reactions[: finger.space.n_displacements].reshape(-1, 3)
+    force = float(on_pad.travel @ pressure)
+    moment = np.cross(finger.space.node_points, nodes).sum(axis=0) + pressure @ on_pad.moment
+    if finger.half:
+        moment = moment[1:2]  # the other half balances the rest
+    off = abs(float(-nodes.sum(axis=0) @ touch.axis / force) - 1)
+    return force, off, float(np.abs(moment).max() / (force * FINGER.width))
+
+
+@pytest.mark.parametrize(
+    ("skin", "pulp", "poisson"),
+    [(136.0, 80.0, 0.48), (136.0, 80.0, 0.5), (80e9, 80.0, 0.48), (80e9, 80.0, 0.5)],
+)
+def test_force_and_moment_balance_to_1e8_at_any_moduli(
+    mesh: FingerMesh, skin: float, pulp: float, poisson: float
+) -> None:
+    finger = solid(mesh, skin, pulp, poisson)
+    force, off, turning = pressed(finger, _placing.obstacle(ff.Flat(30), finger), DEPTH)
+    assert force > 0
+    assert off < 1e-8
+    assert turning < 1e-8
+
+
+def test_the_moment_of_a_whole_finger_balances_about_every_axis(mesh: FingerMesh) -> None:
+    finger = solid(whole(mesh), 136, 80)
+    _, off, turning = pressed(finger, _placing.obstacle(ff.Flat(30, 10), finger), DEPTH)
+    assert off < 1e-8
+    assert turning < 1e-8
+
+
+def test_a_pulp_a_billion_times_stiffer_than_the_skin_is_refused(mesh: FingerMesh) -> None:
+    finger = solid(mesh, 80, 80e9)
+    with pytest.raises(ConvergenceError, match=r"relative residual of 1e-10, reached .*moduli"):
+        pressed(finger, _placing.obstacle(ff.Flat(30), finger), DEPTH)
+
+
+def test_an_indenter_that_starts_inside_the_body_is_a_press_to_that_depth(mesh: FingerMesh) -> None:
+    finger = solid(mesh, 136, 80)
+    touch = _placing.obstacle(ff.Flat(30), finger)
+    inside = replace(touch, origin=touch.origin + 0.4 * touch.axis)
+    assert pressed(finger, inside, DEPTH - 0.4)[0] == pytest.approx(
+        pressed(finger, touch, DEPTH)[0], rel=1e-9
+    )
+
+
+def test_a_motion_that_starts_at_a_depth_answers_with_the_instantaneous_force() -> None:
+    asked = ff.Ask(fields=False, pressure=False, strain=False)
+    at_once = ff.Scene(finger=FINGER, motion=ff.Sampled((0, 1), (DEPTH, DEPTH)), ask=asked)
+    response = linear.respond(at_once)
+    prony = FINGER.prony
+    expected = response.force[0] * prony.relaxation(response.time)
+    assert response.force == pytest.approx(expected, rel=1e-9)
+
+
+def inverted(mesh: FingerMesh) -> FingerMesh:
+    cells = mesh.cells.copy()
+    cells[7] = cells[7][[1, 0, 2, 3]]
+    return replace(mesh, cells=cells)
+
+
+def flat(mesh: FingerMesh) -> FingerMesh:
+    points = mesh.points.copy()
+    corner = mesh.cells[7]
+    points[corner[3]] = points[corner[:3]].mean(axis=0)
+    return replace(mesh, points=points)
+
+
+def lost(mesh: FingerMesh) -> FingerMesh:
+    points = mesh.points.copy()
+    points[mesh.cells[7, 0]] = np.nan
+    return replace(mesh, points=points)
+
+
+def without_skin(mesh: FingerMesh) -> FingerMesh:
+    kept = mesh.region != 1
+    return replace(mesh, cells=mesh.cells[kept], region=mesh.region[kept])
+
+
+def without_hold(mesh: FingerMesh) -> FingerMesh:
+    nothing = np.empty((0, 3), dtype=np.int64)
+    return replace(mesh, facets=mesh.facets | dict.fromkeys(HELD, nothing) | {"medial": nothing})
+
+
+BAD = [
+    (inverted, r"1 inverted or flat ones, the first of them number 7"),
+    (flat, r"inverted or flat ones"),
+    (lost, r"inverted or flat ones"),
+    (without_skin, r"expected cells of region 1, received regions 2, 3 alone"),
+    (without_hold, r"held facets: expected at least one"),
+]
+
+
+@pytest.mark.parametrize(("fault", "message"), BAD)
+def test_a_mesh_that_cannot_be_solved_on_is_refused(
+    mesh: FingerMesh, fault: object, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        solid(fault(mesh), 136, 80)
+
+
+def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
+    asked = ff.Ask(fields=False)
+    deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
+    with pytest.raises(InputError, match="reaches the nail or the proximal cut; press less"):
+        linear.respond(deep)
+
+
+def test_gap_and_moment_are_those_of_the_contact() -> None:
+    scene = ff.Scene(finger=FINGER, motion=ff.Ramp(60, 1.0), ask=ff.Ask(fields=False))
+    response = linear.respond(scene)
+    assert response.gap.shape == response.pressure.shape
+    touching = response.pressure[-1] > 0
+    assert np.abs(response.gap[-1][touching]).max() < 0.05
+    assert response.gap[-1][~touching].min() > -0.05
+    assert response.moment[:, [0, 2]] == pytest.approx(0.0)
+    axis = np.array([-0.5, 0.0, np.sqrt(0.75)])
+    weights = response.pressure[-1] * response.pad.areas
+    expected = weights @ np.cross(response.pad.points, axis)[:, 1] / 1e3
+    assert response.moment[-1, 1] == pytest.approx(expected, abs=0.02 * response.force[-1])
+
+
+def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:
+    assert meshed_at(ff.Flat(30)) is None
+    assert meshed_at(ff.Flat(36, 10)) is None
+    assert meshed_at(ff.Flat(10)) == 15.0
+    assert meshed_at(ff.Grating(4, 2, 0.6, angle=0)) == 0.0
+    assert meshed_at(ff.Sphere(5)) is None
+    assert meshed_at(ff.Sphere(5, at=(-2.0, 1.0))) is None
+    assert meshed_at(ff.Cylinder(5, at=(-6.7, -3.2))) == (-6.0, 4.0)

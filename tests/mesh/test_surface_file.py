@@ -1,0 +1,191 @@
+"""Surface files of a finger: every format, repaired where that is safe, refused with what to do."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.mesh.surface_file import crossings, read_surface
+
+
+trimesh = pytest.importorskip("trimesh")
+
+
+def egg(**half_axes: float) -> Any:
+    """Return a closed surface the size of a fingertip, tip ahead."""
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    size = {"x": 11.0, "y": 7.0, "z": 5.0} | half_axes
+    mesh.vertices *= [size["x"], size["y"], size["z"]]
+    mesh.vertices += [90.0, 3.0, -4.0]
+    return mesh
+
+
+def behind(mesh: Any) -> Any:
+    """Return the surface without its proximal end, as a scanner leaves it."""
+    mesh.update_faces(mesh.triangles_center[:, 0] > mesh.bounds[0, 0] + 2.0)
+    mesh.remove_unreferenced_vertices()
+    return mesh
+
+
+def written(mesh: Any, path: Path) -> Path:
+    if path.suffix in (".vtk", ".vtp"):
+        pv = pytest.importorskip("pyvista")
+        pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces).save(path)
+    else:
+        mesh.export(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".vtk", ".vtp"])
+def test_every_format_gives_the_same_surface(tmp_path: Path, suffix: str) -> None:
+    found = read_surface(written(egg(), tmp_path / f"scan{suffix}"))
+    assert found.mesh.is_watertight
+    assert found.mesh.volume == pytest.approx(egg().volume, rel=1e-5)
+    assert (found.width, found.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
+    assert "taken as mm with x distal, y radial and z dorsal" in found.notes[0]
+    assert len(found.notes) == 1
+
+
+def test_an_open_proximal_end_is_closed_and_said(tmp_path: Path) -> None:
+    found = read_surface(written(behind(egg()), tmp_path / "scan.stl"))
+    assert found.mesh.is_watertight
+    assert "edges near (81" in found.notes[1]
+
+
+def doubled(mesh: Any) -> Any:
+    faces = np.vstack([mesh.faces, mesh.faces[:7], [[0, 1, 1]]])
+    return trimesh.Trimesh(mesh.vertices, faces, process=False)
+
+
+def turned(mesh: Any) -> Any:
+    mesh.faces[::2] = mesh.faces[::2, ::-1]
+    return mesh
+
+
+def holed(mesh: Any) -> Any:
+    mesh.update_faces(np.arange(len(mesh.faces)) != 100)
+    return mesh
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [(doubled, "8 flat or double triangles"), (turned, None), (holed, "A hole of 3 edges")],
+)
+def test_what_can_be_repaired_is_repaired_and_said(
+    tmp_path: Path, fault: Callable[[Any], Any], said: str | None
+) -> None:
+    found = read_surface(written(fault(egg()), tmp_path / "scan.ply"))
+    assert found.mesh.is_watertight
+    assert found.mesh.volume == pytest.approx(egg().volume, rel=0.01)
+    assert (said is None) == (len(found.notes) == 1)
+    assert said is None or said in found.notes[1]
+
+
+def cut_open(mesh: Any) -> Any:
+    mesh.update_faces(mesh.triangles_center[:, 2] < mesh.bounds[1, 2] - 1.0)
+    return mesh
+
+
+def two(mesh: Any) -> Any:
+    other = egg()
+    other.apply_translation([0.0, 30.0, 0.0])
+    return trimesh.util.concatenate([mesh, other])
+
+
+def pinched(mesh: Any) -> Any:
+    low = mesh.vertices[:, 2] < mesh.vertices[:, 2].min() + 0.5
+    mesh.vertices[low, 2] += 12.0
+    return mesh
+
+
+def moved(scale: float = 1.0, turn: tuple[int, ...] = (0, 1, 2)) -> Callable[[Any], Any]:
+    def change(mesh: Any) -> Any:
+        mesh.vertices = scale * mesh.vertices[:, list(turn)]
+        return mesh
+
+    return change
+
+
+def nail_down(mesh: Any) -> Any:
+    x, low = mesh.vertices[:, 0], mesh.vertices[:, 2].min()
+    middle = mesh.vertices[:, 0].mean()
+    bend = 2.5 * np.clip((x - middle) / 11.0, 0, 1) ** 2
+    mesh.vertices[:, 2] = np.maximum(mesh.vertices[:, 2] - bend, low)
+    return mesh
+
+
+REFUSED = [
+    (cut_open, r"has a hole 1\d\.?\d* mm wide near \(90"),
+    (two, "has 2 that do not hang together"),
+    (pinched, "crosses itself near"),
+    (moved(1e-3), "seems to be in m: scale it by 1000"),
+    (moved(0.1), "seems to be in cm: scale it by 10"),
+    (moved(1e-6), "expected a fingertip in mm, 6 to 40 mm wide"),
+    (moved(turn=(1, 0, 2)), "longest across x; .*turn it about y or z"),
+    (nail_down, "turn it about x by 180 degrees"),
+]
+
+
+@pytest.mark.parametrize(("fault", "message"), REFUSED)
+def test_what_is_no_finger_is_refused_with_what_to_do(
+    tmp_path: Path, fault: Callable[[Any], Any], message: str
+) -> None:
+    path = written(fault(egg()), tmp_path / "scan.ply")
+    with pytest.raises(InputError, match=message):
+        read_surface(path)
+
+
+def test_a_finger_that_points_back_is_refused(tmp_path: Path) -> None:
+    mesh = trimesh.creation.cone(radius=6.0, height=22.0, sections=24)
+    mesh.vertices = mesh.vertices[:, [2, 0, 1]] * [-1, 1, 1]
+    mesh.vertices[:, 0] += 1e-3 * mesh.vertices[:, 2]  # the foremost point of the base is on top
+    with pytest.raises(InputError, match=r"wider at its distal end; .*turn it about z by 180"):
+        read_surface(written(mesh, tmp_path / "scan.ply"))
+
+
+@pytest.mark.parametrize("text", ["", "hello", "solid x\nendsolid x\n"])
+def test_an_empty_file_or_text_is_refused(tmp_path: Path, text: str) -> None:
+    for name in ("scan.stl", "scan.obj", "scan.ply"):
+        (tmp_path / name).write_text(text)
+        with pytest.raises(InputError, match=r"scan\.\w+ (cannot be read|has no triangles)"):
+            read_surface(tmp_path / name)
+
+
+def test_a_vtk_file_without_a_surface_is_refused(tmp_path: Path) -> None:
+    pv = pytest.importorskip("pyvista")
+    pv.PolyData(np.zeros((3, 3))).save(tmp_path / "points.vtk")
+    with pytest.raises(InputError, match="has no triangles"):
+        read_surface(tmp_path / "points.vtk")
+
+
+def test_a_simple_surface_does_not_cross_itself_and_a_folded_one_does() -> None:
+    assert crossings(egg()) is None
+    found = crossings(pinched(egg()))
+    assert found is not None
+    assert found[2] > 0
+
+
+def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
+    path = written(egg(), tmp_path / "scan.stl")
+    finger = ff.Finger.from_surface(path, pad_radius=12.0)
+    assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
+    assert finger.surface == str(path)
+    toml = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n[motion]\nkind = "ramp"\n'
+    (tmp_path / "mine.toml").write_text(f"{toml}speed = 10\ndepth = 1\n")
+    scene = ff.Scene.from_toml(tmp_path / "mine.toml")
+    assert scene.finger == finger
+    assert ff.Scene.from_toml(scene.to_toml()) == scene
+
+
+def test_missing_files_are_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"finger\.surface: .*'none\.stl', which does not exist"):
+        ff.Finger.from_surface("none.stl")
+    path = written(egg(), tmp_path / "scan.stl")
+    with pytest.raises(InputError, match=r"finger\.bone_surface: .*found none at 'none\.stl'"):
+        ff.Finger.from_surface(path, bone_surface="none.stl")
+    with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
+        ff.Finger(14, 10, bone_surface=str(path))
