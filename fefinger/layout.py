@@ -7,10 +7,8 @@ from typing import Any, ClassVar
 from fefinger.checks import InputError, choice, flag, number, reject_unknown
 from fefinger.lists import numbers
 from fefinger.neural.endorgans import TYPES
+from fefinger.neural.units import RULES
 
-
-RULES = ("mean", "max", "first")
-"""How the end organs of a unit meet: `neural.units.RULES` says what each does."""
 
 LARGEST_RADIUS = 10.0
 """mm: no pad is wider."""

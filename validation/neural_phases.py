@@ -17,6 +17,7 @@ from fefinger.validation.neural_sweep import (
     claim,
     impulses,
     retracting,
+    swing,
 )
 
 from fefinger.neural.endorgans import END_ORGANS
@@ -29,8 +30,31 @@ def spread(name: str, frequency: float) -> float:
     return float(row.max() - row.min())
 
 
+TRACE = {"impulses per cycle": 12.0, "phi1": 34.988, "phi2": 97.991}
+"""Spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz, by order 8 at rtol 1e-10."""
+
+
+def trace(what: str) -> float:
+    """Return impulses per cycle, or the phase in degrees of the first or last of a cycle."""
+    found = swing(SPRING, STANDARD, 2.0, 100.0)
+    phases = found.phases[0]
+    values = found.impulses[0], phases.min(), phases.max()
+    return float(dict(zip(TRACE, values, strict=True))[what])
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the claims."""
+    for what, expected in TRACE.items():
+        yield Case(
+            "neural",
+            f"4.2.2, Fig. 4-3: spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz: {what}",
+            partial(trace, what),
+            expected,
+            0.0 if what == "impulses per cycle" else 0.02,
+            "1" if what == "impulses per cycle" else "degrees",
+            "order 8, rtol 1e-10",
+            reason="a count, and straight lines between 400 samples of the cycle",
+        )
     yield from _phases()
     yield from _locking(quick=quick)
 
