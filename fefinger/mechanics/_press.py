@@ -190,9 +190,20 @@ def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -
         return None
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)
-    reduced = contact.reduced
     here = np.array_equal(central.points, contact.sites.points) and scene.indenter == STANDARD
-    if not here or contact.history.depth.max() < REFERENCE_DEPTH:
+    deep = contact.history.depth.max() >= REFERENCE_DEPTH
+    return reference_press(finger, central, method, contact.reduced if here and deep else None)
+
+
+def reference_press(
+    finger: Solid, central: Sites, method: Method, reduced: Reduced | None = None
+) -> Reference:
+    """Press the standard plate a little and return the strain at the sites under it.
+
+    `reduced` is the finger under that plate, with its strain there, where that is at hand.
+    """
+    if reduced is None:
+        touch = _placing.obstacle(STANDARD, finger)
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)
