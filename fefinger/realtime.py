@@ -10,7 +10,7 @@ indenter is placed in about a second, and then no array is made from one step to
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,10 @@ from fefinger.fem.obstacle import Rigid
 from fefinger.fem.probe import ODD, VOIGT, strain_at
 from fefinger.mechanics import _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._touch import STANDARD
 from fefinger.mechanics._touch import sites as central_sites
 from fefinger.motion import Motion
+from fefinger.neural.streaming import Afferents
 from fefinger.records import Response, Sites
 from fefinger.scene import Ask, Finger, Flat, Indenter, Ramp, Scene
 from fefinger.stages import Stages
@@ -145,6 +147,26 @@ class Condensed:
             held = float(term @ flexibility @ term / weight)
             stored, lost = stored + held / 2, lost + rate * held
         return float(stored), lost
+
+    def afferents(self, **options: Any) -> Afferents:
+        """Return one unit per site, to be stepped with the strain of every step of this finger.
+
+        `options` as for `neural.streaming.Afferents`.
+        """
+        kinds = tuple(dict.fromkeys(self.sites.types))
+        touch = _placing.obstacle(STANDARD, self.solid)
+        scene = _scene(self.finger, STANDARD, types=kinds)
+        central = central_sites(scene, touch.origin, touch.axis)
+        reference = _press.reference_press(self.solid, central, _operator.METHOD)
+        return Afferents.of(
+            self.sites.types,
+            self.sites.normals,
+            reference_depth=reference.depth,
+            reference_types=reference.types,
+            reference_strain=reference.strain,
+            reference_normals=reference.normals,
+            **options,
+        )
 
     def reset(self) -> None:
         """Lift the indenter off, and let the tissue forget."""

@@ -54,6 +54,7 @@ def figures(progress: Progress) -> list[Figure]:
     found += [*_stepping("strains in double precision", double), *_contact(double)]
     progress("condensed", 0.7)
     found += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
+    found += _spiking(single)
     found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger, sites)]
     return found
 
@@ -130,6 +131,25 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
         Figure(f"{name}: step, 99th percentile, processor", _ms(processor, 0.99), "ms"),
         Figure(f"{name}: step, median, wall", _ms(wall, 0.5), "ms"),
         Figure(f"{name}: step, 99th percentile, wall", _ms(wall, 0.99), "ms"),
+    ]
+
+
+def _spiking(finger: Condensed) -> list[Figure]:
+    """Time the steps with an integrate-and-fire unit behind every end organ."""
+    units, fired = finger.afferents(), 0
+    seconds = np.empty(STEPS)
+    _warm(finger)
+    units.step(finger.now.strain, 0.0)
+    units.reset()
+    for k, depth in enumerate(motion().tolist()):
+        begun = time.thread_time()
+        fired += units.step(finger.step(depth, DT).strain, DT)
+        seconds[k] = time.thread_time() - begun
+    name = f"with {len(units.types)} integrate-and-fire units"
+    return [
+        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+        Figure(f"{name}: spikes", fired, "1"),
     ]
 
 

@@ -207,10 +207,20 @@ def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) 
 def reference(
     scene: Scene, finger: Solid, reduced: Reduced | None = None, *, method: Method = WHOLE_MESH
 ) -> Reference:
-    """Press the standard plate a little, on a patch `reduced` for it if there is one."""
+    """Return the reference press of the sites that a scene asks for."""
     touch = _placing.obstacle(STANDARD, finger)
-    central = sites(scene, touch.origin, touch.axis)
+    return reference_press(finger, sites(scene, touch.origin, touch.axis), method, reduced)
+
+
+def reference_press(
+    finger: Solid, central: Sites, method: Method, reduced: Reduced | None = None
+) -> Reference:
+    """Press the standard plate a little and return the strain at the sites under it.
+
+    `reduced` is the finger under that plate, with its strain there, where that is at hand.
+    """
     if reduced is None:
+        touch = _placing.obstacle(STANDARD, finger)
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         probe = strain_at(finger.space, central.points, medial=finger.half)

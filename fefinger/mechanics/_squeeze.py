@@ -266,9 +266,7 @@ def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     sign[len(passage.contact) :, 1] = -1.0  # the mirror images follow the candidates
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
-        surface = Surface(
-            pad.points + sign * moved[column], pad.triangles, passage.contact.obstacle.axis
-        )
+        surface = Surface(pad.points + sign * moved[column], pad.triangles, axis)
         pressed, gap = passage.pressure[step] > 0, passage.gap[step]
         areas[step] = surface.area(pressed[column][None], gap[column][None])[0]
     return areas

@@ -1,0 +1,193 @@
+"""Afferent units that are stepped with the skin: strain in, spikes out, one step at a time.
+
+The same drives, end organs and generators as `afferents`, behind integrate-and-fire membranes, in
+compiled steps that make no array.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError, choice
+from fefinger.neural.afferents import displacements
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
+from fefinger.neural.endorgans import END_ORGANS, TYPES
+from fefinger.neural.gains import GAINS
+from fefinger.neural.membranes import IntegrateAndFire
+
+
+Array = NDArray[np.float64]
+
+STREAMED = ("compressive", "tangent")
+"""The drives that have a compiled form, which are the default ones."""
+
+ROOM = 8  # spikes of one unit in one step
+SUBSTEPS = 4
+
+
+class State(NamedTuple):
+    """The units between two steps.
+
+    drive (n,) a place in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
+    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, rad/s; modes (n, 2)
+    and x (n,) mm, the last x_in; current (n,) uA/cm²; membrane (n, 3): potential, highest
+    potential, ms when free; spikes (n, ROOM) ms and counts (n,) of the last step; clock (1,) ms.
+    """
+
+    drive: NDArray[np.int64]
+    across: Array
+    length: Array
+    gain: Array
+    at_rest: Array
+    share: Array
+    pole: Array
+    modes: Array
+    x: Array
+    current: Array
+    membrane: Array
+    spikes: Array
+    counts: NDArray[np.int64]
+    clock: Array
+
+
+class Afferents:
+    """Units behind end organs, stepped.
+
+    Parameters
+    ----------
+    types, normals
+        Afferent type of each unit, and unit normals (n, 3) of the skin above it.
+    lengths
+        mm of skin displacement that a unit of drive stands for, per type.
+    membrane
+        An IntegrateAndFire, by default that of thesis 4.3.1 as `membranes` has it.
+    drives
+        Drive per type, where it is not the default; "compressive" or "tangent".
+    substeps
+        Samples of the generator current in each step; it is linear between them.
+
+    Raises
+    ------
+    InputError
+        Unknown types, a drive that has no compiled form, or normals that do not fit.
+    """
+
+    def __init__(
+        self,
+        types: Sequence[str],
+        normals: ArrayLike,
+        lengths: Mapping[str, float],
+        *,
+        membrane: IntegrateAndFire | None = None,
+        drives: Mapping[str, str] | None = None,
+        substeps: int = SUBSTEPS,
+    ) -> None:
+        self.types = tuple(choice("types", kind, TYPES) for kind in types)
+        self.membrane, self.substeps = membrane or IntegrateAndFire(), substeps
+        chosen = {**DEFAULT_DRIVE, **(drives or {})}
+        n = len(self.types)
+        normals = np.asarray(normals, float)
+        if normals.shape != (n, 3):
+            message = f"normals: expected ({n}, 3) for {n} units, received {normals.shape}"
+            raise InputError(message)
+        organs = {kind: END_ORGANS[kind].partial_fractions() for kind in set(self.types)}
+        share, pole = np.zeros((n, 2)), np.ones((n, 2))
+        for i, kind in enumerate(self.types):
+            _, c, p = organs[kind]
+            share[i, : len(c)], pole[i, : len(p)] = c, p
+        self.state = State(
+            drive=np.array([_code(kind, chosen[kind]) for kind in self.types]),
+            across=_across(normals),
+            length=np.array([lengths[kind] for kind in self.types]),
+            gain=np.array([GAINS[kind] for kind in self.types]),
+            at_rest=np.array([organs[kind][0] for kind in self.types]),
+            share=share,
+            pole=pole,
+            modes=np.zeros((n, 2)),
+            x=np.zeros(n),
+            current=np.zeros(n),
+            membrane=np.zeros((n, 3)),
+            spikes=np.zeros((n, ROOM)),
+            counts=np.zeros(n, dtype=np.int64),
+            clock=np.zeros(1),
+        )
+
+    @classmethod
+    def of(
+        cls,
+        types: Sequence[str],
+        normals: ArrayLike,
+        *,
+        reference_depth: float,
+        reference_types: Sequence[str],
+        reference_strain: ArrayLike,
+        reference_normals: ArrayLike,
+        **options: object,
+    ) -> Self:
+        """Return units whose lengths follow from a small flat press, as `afferents.from_strain`."""
+        drives = options.get("drives")
+        named = drives if isinstance(drives, Mapping) else {}
+        lengths = {}
+        strain, outward = np.asarray(reference_strain, float), np.asarray(reference_normals, float)
+        for kind in dict.fromkeys(types):
+            i = tuple(reference_types).index(kind)
+            one, direction = strain[i : i + 1], outward[i : i + 1]
+            moved = displacements(
+                one[None],
+                direction,
+                (kind,),
+                reference_depth=reference_depth,
+                reference_types=reference_types,
+                reference_strain=strain,
+                reference_normals=outward,
+                drives=named,
+            )
+            drive = DRIVES[{**DEFAULT_DRIVE, **named}[kind]](one, direction)
+            lengths[kind] = float(moved[0, 0] / drive[0])
+        return cls(types, normals, lengths, **options)  # type: ignore[arg-type]
+
+    def reset(self) -> None:
+        """Go back to rest, at time 0."""
+        for name in ("modes", "x", "current", "membrane", "counts", "clock"):
+            getattr(self.state, name)[...] = 0
+
+    def step(self, strain: NDArray[np.floating], dt: float) -> int:
+        """Take the strain (n, 6), xx yy zz xy yz xz, reached after `dt` s; return the spikes fired.
+
+        The first step of `dt` 0 is a jump. Raises InputError for more than ROOM spikes of a unit.
+        """
+        from fefinger.neural import _streaming as compiled
+
+        membrane = self.membrane
+        numbers = membrane.threshold, 1e3 * membrane.time_constant, 1e3 * membrane.refractory
+        fired = compiled.step(self.state, strain, 1e3 * dt, self.substeps, numbers)
+        if fired < 0:
+            message = f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
+            raise InputError(message)
+        return int(fired)
+
+    def fired(self) -> list[tuple[int, float]]:
+        """Return the number of the unit and the time in s of every spike of the last step."""
+        state = self.state
+        units = np.flatnonzero(state.counts).tolist()
+        return [(i, 1e-3 * t) for i in units for t in state.spikes[i, : state.counts[i]].tolist()]
+
+
+def _code(kind: str, drive: str) -> int:
+    if drive not in STREAMED:
+        message = (
+            f"drives.{kind}: expected one of {', '.join(STREAMED)} for units that are stepped, "
+            f"received {drive!r}; use neural.afferents on the whole strain"
+        )
+        raise InputError(message)
+    return STREAMED.index(drive)
+
+
+def _across(normals: Array) -> Array:
+    """Return two unit vectors (n, 2, 3) across each unit normal."""
+    axis = np.eye(3)[np.argmin(np.abs(normals), axis=-1)]
+    first = np.cross(normals, axis)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(normals, first)], axis=1)

@@ -1,0 +1,101 @@
+"""Units that are stepped, against the same units solved at once."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.neural.afferents import displacements
+from fefinger.neural.endorgans import TYPES
+from fefinger.neural.gains import GAINS
+from fefinger.neural.generators import transduce
+from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.streaming import Afferents
+
+
+TIME = np.arange(801) * 1e-3
+NORMALS = np.array([[0.0, 0.6, -0.8], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.6, 0.8, 0.0]])
+SQUEEZE = np.array([[0.10, 0.02, 0.01], [0.02, 0.08, -0.03], [0.01, -0.03, -0.17]])
+REFERENCE = {
+    "reference_depth": 0.5,
+    "reference_types": TYPES,
+    "reference_strain": np.tile(SQUEEZE, (4, 1, 1)),
+    "reference_normals": np.tile([0.0, 0.0, -1.0], (4, 1)),
+}
+
+
+def strain() -> np.ndarray:
+    """Return tensors (n_t, 4, 3, 3) of a press that begins with a jump, shakes and turns."""
+    rng = np.random.default_rng(1)
+    other = rng.normal(scale=0.05, size=(3, 3))
+    press = np.minimum(0.2 + TIME / 0.05, 1.0) + 0.3 * np.sin(2 * np.pi * 20 * TIME) * (TIME > 0.4)
+    turn = np.sin(5 * TIME)[:, None, None] * (other + other.T)
+    return np.repeat((press[:, None, None] * SQUEEZE + turn)[:, None], 4, axis=1)
+
+
+def voigt(tensors: np.ndarray) -> np.ndarray:
+    return tensors[..., [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+
+
+def streamed(units: Afferents, rows: np.ndarray) -> list[np.ndarray]:
+    """Return the spike times of every unit."""
+    fired: list[list[float]] = [[] for _ in units.types]
+    for k, row in enumerate(rows):
+        count = units.step(row, 1e-3 if k else 0.0)
+        assert count == len(units.fired())
+        for unit, time in units.fired():
+            fired[unit].append(time)
+    return [np.array(each) for each in fired]
+
+
+@pytest.mark.parametrize(
+    ("substeps", "precision", "close"),
+    [(20, np.float64, 1e-9), (4, np.float64, 1e-4), (20, np.float32, 1e-5)],
+)
+def test_units_fire_as_those_that_are_solved_at_once(
+    substeps: int, precision: type, close: float
+) -> None:
+    tensors, membrane = strain(), IntegrateAndFire()
+    x_in = displacements(tensors, NORMALS, TYPES, **REFERENCE)
+    fine = np.linspace(0, TIME[-1], 20 * (len(TIME) - 1) + 1)
+    currents = [
+        transduce(kind, TIME, x_in[:, i], gain=GAINS[kind], at=fine) for i, kind in enumerate(TYPES)
+    ]
+    expected = membrane.fire(fine, np.transpose(currents)).times
+    units = Afferents.of(TYPES, NORMALS, substeps=substeps, **REFERENCE)
+    found = streamed(units, voigt(tensors).astype(precision))
+    assert sum(map(len, found)) > 20
+    for a, b in zip(found, expected, strict=True):
+        assert a == pytest.approx(b, abs=close)
+    units.reset()
+    again = streamed(units, voigt(tensors).astype(precision))
+    assert all(np.array_equal(a, b) for a, b in zip(found, again, strict=True))
+
+
+def test_equal_principal_strains_are_no_trouble() -> None:
+    units = Afferents(("SAI",), [[0.0, 0.0, 1.0]], {"SAI": 1.0})
+    units.step(np.array([[-0.2, -0.2, -0.2, 0.0, 0.0, 0.0]]), 1e-3)
+    assert units.state.x[0] == pytest.approx(0.2)
+    units.step(np.zeros((1, 6)), 1e-3)
+    assert units.state.x[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"drives": {"SAI": "energy"}}, "drives.SAI: expected one of compressive, tangent"),
+        ({"types": ("SAX",)}, "types: expected one of"),
+        ({"normals": np.zeros((2, 3))}, r"normals: expected \(1, 3\)"),
+    ],
+)
+def test_what_cannot_be_streamed_gets_a_sentence(options: dict, words: str) -> None:
+    given = {"types": ("SAI",), "normals": [[0.0, 0.0, 1.0]], "lengths": {"SAI": 1.0}} | options
+    with pytest.raises(InputError, match=words):
+        Afferents(**given)
+
+
+def test_more_spikes_than_there_is_room_for_get_a_sentence() -> None:
+    units = Afferents(("SAI",), [[0.0, 0.0, 1.0]], {"SAI": 5.0})
+    squeezed = np.array([[0.0, 0.0, -0.5, 0.0, 0.0, 0.0]])
+    units.step(squeezed, 0.0)
+    with pytest.raises(InputError, match="expected steps with at most 8 spikes"):
+        units.step(squeezed, 2.0)
