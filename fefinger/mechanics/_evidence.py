@@ -38,6 +38,11 @@ LINEAR_REPORT = "linear-mesh.json"
 
 LAYERED_REPORT = "layered-force.json"
 
+SOLID_REPORT = "solid-force.json"
+
+SOLID_SUBJECT = "a.h."
+"""The subject on whose finger the errors of `solid` and `linear` are measured."""
+
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
 
