@@ -51,6 +51,7 @@ def row(name: str) -> dict[str, Any]:
             cost = _cost(response)
     record: dict[str, Any] = {
         "thickness_mm": pressed.finger.thickness,
+        "subcutaneous_kPa": pressed.finger.subcutaneous.modulus,
         "depth_mm": _listed(depth),
         "force_N": forces,
         "seconds": seconds,
