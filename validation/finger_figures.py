@@ -4,17 +4,17 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fefinger.validation.chain import CHAIN, DEPTHS, SUBJECTS, models
+from fefinger.validation.chain import CHAIN, DEPTHS, PRESSES, SUBJECTS, models
 from fefinger.validation.finger_split import (
     AT,
     factors,
     force,
-    measured,
     other_order,
     part,
     printed,
     said,
     steepness,
+    subjects,
     unexplained,
 )
 
@@ -50,9 +50,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the finding, force ratios, factors, stiffening."""
     with style():
         yield said(), _ratios("flat-30")
-        for press in measured():
-            if press != "flat-30":
-                yield _over(press), _ratios(press)
+        yield _over("sphere-5"), _ratios("sphere-5")
         yield _split(), _factors()
         yield _table_caption(), _table()
         yield _rates_caption(), _rates()
@@ -67,8 +65,8 @@ def _over(press: str) -> str:
 
 def _ratios(press: str) -> Any:
     drawn = figure(WIDE, 2.9)
-    axes = drawn.subplots(1, len(SUBJECTS), sharey=True)
-    for axis, subject in zip(axes, SUBJECTS, strict=True):
+    axes = drawn.subplots(1, len(subjects(press)), sharey=True)
+    for axis, subject in zip(axes, subjects(press), strict=True):
         below = force(subject, press, "hertz")
         for model in models(press):
             ratio = force(subject, press, model) / below
@@ -95,7 +93,7 @@ def _split() -> str:
 
 
 def _factors() -> Any:
-    presses = measured()
+    presses = tuple(PRESSES)
     drawn = figure(WIDE, 3.0)
     axes = drawn.subplots(1, len(presses), sharey=True, squeeze=False)[0]
     for axis, press in zip(axes, presses, strict=True):
@@ -133,10 +131,9 @@ def _table_caption() -> str:
 
 
 def _table() -> Any:
-    presses = measured()
     header = ["", *(f"{subject}" for subject in SUBJECTS)]
     cells = []
-    for press in presses:
+    for press in PRESSES:
         cells.append([NAMES[press], *("" for _ in SUBJECTS)])
         split = {subject: factors(subject, press) for subject in SUBJECTS}
         for cause in models(press)[1:]:

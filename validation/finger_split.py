@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from fefinger.validation.chain import DEPTHS, PRESSES, SUBJECTS, Array, models, scene
+from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
 
 from fefinger.data import report
 from fefinger.library import pawluk_bulk, pawluk_quasistatic
@@ -36,13 +36,15 @@ def row(subject: str, press: str) -> dict[str, Any]:
 
 
 def part(subject: str, press: str) -> Array:
-    """Return depth over thickness (DEPTHS,)."""
+    """Return depth over thickness (DEPTHS,) of a press in the report."""
     found = row(subject, press)
     return np.array(found["depth_mm"]) / found["thickness_mm"]
 
 
 def force(subject: str, press: str, model: str) -> Array:
-    """Return the relaxed force (DEPTHS,) in N, nan where a model has none."""
+    """Return the relaxed force (DEPTHS,) in N, nan where a model or the report has none."""
+    if subject not in subjects(press):
+        return np.full(DEPTHS, np.nan)
     return np.array(row(subject, press)["force_N"][model], dtype=np.float64)
 
 
@@ -98,17 +100,9 @@ def unexplained(subject: str, press: str, model: str) -> float:
     return float(row(subject, press)["relaxing_N"][model][-1] / whole)
 
 
-def measured() -> tuple[str, ...]:
-    """Return the presses that the report has for every subject."""
-    return tuple(
-        press for press in PRESSES if all(f"{subject}/{press}" in rows() for subject in SUBJECTS)
-    )
-
-
-def violations(model: str, *, sign: float, press: str) -> int:
-    """Return for how many subjects a step of the chain does not go the way of `sign`."""
-    wrong = [sign * np.log(factors(subject, press)[model]) <= 0 for subject in SUBJECTS]
-    return int(sum(wrong))
+def subjects(press: str) -> tuple[str, ...]:
+    """Return the subjects that the report has under an object."""
+    return tuple(subject for subject in SUBJECTS if f"{subject}/{press}" in rows())
 
 
 def said() -> str:

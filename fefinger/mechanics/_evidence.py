@@ -210,12 +210,14 @@ def small_strain_part(scene: Scene) -> float:
 def small_strain_error(scene: Scene) -> float:
     """Return the measured difference of the forces of `linear` and `solid` at the scene's depth.
 
-    It is linear between the measured depths and constant beyond them, and none at first touch.
+    It is linear between the measured depths and constant beyond them, and none at first touch; of
+    tissue that relaxes, where that was measured.
     """
     press = solid_press(scene)
     row = solid()[press]
     parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
-    small, finite = (np.array(row["relaxing_N"][name]) for name in ("linear", "solid"))
+    forces = row["relaxing_N"] or row["force_N"]
+    small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
     return float(np.interp(_part(scene, press), parts, np.abs([0.0, *(small / finite - 1)])))
 
 
