@@ -1,10 +1,12 @@
-"""Suite `finger`: a real finger under a plate balances, converges, and fires the same again."""
+"""Suite `finger`: a real finger balances, converges, fires the same again, and is not Hertz's."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
+from fefinger.validation import finger_causes, finger_figures, finger_solid
 from fefinger.validation.case import Case
 
 from fefinger import scenes
@@ -107,7 +109,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
         "1",
         "mirror image",
     )
+    yield from finger_causes.cases(quick=quick)
     if not quick:
+        yield from finger_solid.cases()
         for kind in ("SAI", "SAII", "FAI", "FAII"):
             yield Case(
                 "finger",
@@ -118,3 +122,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 "spikes",
                 "the full step",
             )
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield captions and matplotlib Figures of what Hertz leaves out on a finger."""
+    yield from finger_figures.figures()

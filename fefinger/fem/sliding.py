@@ -63,7 +63,7 @@ class Sliding:
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
-        """Return the gaps (n,) along the obstacle's normal and the moves (n, 3) of the vertices, mm."""
+        """Return gaps (n,) mm along the normal, and displacements (n, 3) mm, of the vertices."""
         moved = values[3 * self.on.vertices[:, None] + np.arange(3)]
         distance, gradient, _ = self.obstacle.implicit(self.at_rest + moved, depth)
         return np.asarray(distance / np.linalg.norm(gradient, axis=1)), moved

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fefinger.data import report
 from fefinger.mechanics._kept import at_hand
+from fefinger.mechanics._stride import stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.scene import (
@@ -24,11 +25,6 @@ from fefinger.scene import (
 )
 
 
-LINEAR_STRAIN = 0.5
-"""Depth over half the thickness of the finger, beyond which small strain is refused for accuracy.
-A convention of the field's rule of thumb (mean compression of a quarter), until finite strain
-measures it."""
-
 LINEAR_RADIUS = 2.0
 """Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
 
@@ -38,6 +34,11 @@ LINEAR_EDGE = 1.0
 LINEAR_REPORT = "linear-mesh.json"
 
 LAYERED_REPORT = "layered-force.json"
+
+SOLID_REPORT = "solid-force.json"
+
+SOLID_SUBJECT = "a.h."
+"""The subject on whose finger the errors of `solid` and `linear` are measured."""
 
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
@@ -85,16 +86,29 @@ def condensed_seconds(scene: Scene) -> float:
 
 
 def linear_error(scene: Scene) -> tuple[float, str]:
-    """Return the measured error of the force against the extrapolated mesh, and its source.
+    """Return the measured error of the force of `linear`, and its source.
 
-    The error is that of the measured press next to the scene's: by angle for a plate, by the
-    smallest radius for a round indenter.
+    It is the sum of the errors of the mesh and of small strain, which do not know of each other.
+    """
+    mesh, press = linear_mesh_error(scene)
+    strain = small_strain_error(scene)
+    source = (
+        f"reports/{LINEAR_REPORT}, {press}: {mesh:.2g} of the mesh; reports/{SOLID_REPORT}, "
+        f"{solid_press(scene)}: {strain:.2g} of small strain"
+    )
+    return mesh + strain, source
+
+
+def linear_mesh_error(scene: Scene) -> tuple[float, str]:
+    """Return the measured error of the force against the extrapolated mesh, and on which press.
+
+    The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
+    round indenter.
     """
     errors: dict[str, float | None] = linear()[scene.finger.resolution]["force_error"]
     press = linear_press(scene.indenter, tuple(errors))
     error = errors[press]
-    source = f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
-    return float("inf") if error is None else error, source
+    return float("inf") if error is None else error, press
 
 
 def linear_radius(scene: Scene) -> float:
@@ -185,11 +199,97 @@ def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
     return np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
+@cache
+def solid() -> dict[str, Any]:
+    """Return the forces of `solid` and of everything cheaper, by press, of one subject."""
+    rows: dict[str, Any] = json.loads(report(SOLID_REPORT))["rows"]
+    own = f"{SOLID_SUBJECT}/"
+    return {name.removeprefix(own): row for name, row in rows.items() if name.startswith(own)}
+
+
+def solid_press(scene: Scene) -> str:
+    """Return the measured press whose object is next blunter and that was measured so deep.
+
+    Small strain errs more under a blunter object; an edge or ridge is none of these.
+    """
+    if isinstance(scene.indenter, Bar | Grating | Relief):
+        return "flat-30"
+    radius = smallest_radius(scene.indenter)
+    for press in sorted(LAYERED_PRESSES, key=LAYERED_PRESSES.__getitem__):
+        if LAYERED_PRESSES[press] >= radius and _part(scene, press) <= solid_reach(press):
+            return press
+    return "flat-30"
+
+
+def solid_reach(press: str) -> float:
+    """Return the largest depth over the finger's thickness at which a press was measured."""
+    row = solid()[press]
+    return float(row["depth_mm"][-1] / row["thickness_mm"])
+
+
+def small_strain_part(scene: Scene) -> float:
+    """Return the depth of the scene over the finger's thickness, which small strain errs by."""
+    return _part(scene, solid_press(scene))
+
+
+def small_strain_error(scene: Scene) -> float:
+    """Return the measured difference of the forces of `linear` and `solid` at the scene's depth.
+
+    It is linear between the measured depths and constant beyond them, and none at first touch; of
+    tissue that relaxes, where that was measured.
+    """
+    press = solid_press(scene)
+    row = solid()[press]
+    parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
+    forces = row["relaxing_N"] or row["force_N"]
+    small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
+    return float(np.interp(_part(scene, press), parts, np.abs([0.0, *(small / finite - 1)])))
+
+
+def _part(scene: Scene, press: str) -> float:
+    """Return depth over thickness, of a motion under force control when the finger has crept.
+
+    Forces scale with the modulus and the square of the size.
+    """
+    thickness = scene.finger.thickness
+    if scene.motion.control == "depth":
+        return scene.motion.peak / thickness
+    row = solid()[press]
+    stiffer = scene.finger.subcutaneous.modulus / row["subcutaneous_kPa"]
+    larger = (thickness / row["thickness_mm"]) ** 2
+    force = [0.0, *row["force_N"]["solid"]]
+    part = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
+    wanted = scene.motion.peak / stiffer / larger
+    return float(np.interp(wanted, force, part, right=np.inf))
+
+
 def solid_seconds(scene: Scene) -> float:
-    """Return the expected wall time of `solid` in s."""
-    return 10 * linear_seconds(scene)
+    """Return the expected wall time of `solid` in s, from the times in the report.
+
+    That of the fine mesh, which is not measured, grows as between the other two.
+    """
+    flat = solid()["flat-30"]
+    costs = {"coarse": flat["coarse"]["cost"], "standard": flat["cost"]}
+    unknowns = linear()[scene.finger.resolution]["unknowns"]
+    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs.values()])
+    sizes = np.log([cost["unknowns"] for cost in costs.values()])
+    growth = np.diff(np.log(times), axis=0)[0] / np.diff(sizes)
+    setup, step = times[-1] * np.exp(growth * (np.log(unknowns) - sizes[-1]))
+    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    whole = setup + step * len(stride(scene.motion, time).chosen)
+    return float(whole * (1.0 if symmetric(scene) else WHOLE))
 
 
 def solid_error(scene: Scene) -> tuple[float, str]:
-    """Return the measured error of the force against the extrapolated mesh, and its source."""
-    return linear_error(scene)
+    """Return the measured error of the force against the extrapolated mesh, and its source.
+
+    It is that of `linear` under objects that the coarse mesh is too coarse for, and that of the
+    standard mesh on the fine one.
+    """
+    press = linear_press(scene.indenter, tuple(solid()))
+    errors, resolution = solid()[press]["mesh_error"], scene.finger.resolution
+    if errors is None:
+        error, press = linear_mesh_error(scene)
+        return error, f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
+    error = errors["standard" if resolution == "fine" else resolution]
+    return error, f"reports/{SOLID_REPORT}, {press}: of the mesh, not of the model"

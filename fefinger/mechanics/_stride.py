@@ -15,7 +15,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Curve = Callable[[Array], Array]
 
-STRIDES = 24  # steps to the peak of the motion
+STRIDES = 18  # steps to the peak of the motion
+PACES = 6  # more of them, even in time: tissue relaxes in slow corners
 REST = 0.5  # a step of a rest, against the time that it has lasted
 STILL = 1e-9  # path against the peak that counts as none
 
@@ -81,8 +82,10 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
         else:
             gone = way[inside] - way[first]
             clock[inside] = clock[first] + gone
-            count = int(np.ceil(STRIDES * refine * gone[-1] / motion.peak))
-            marks = np.searchsorted(gone, np.linspace(0, gone[-1], max(count, 3) + 1)[1:])
+            passed = time[inside] - time[first]
+            due = STRIDES * gone + PACES * gone[-1] * passed / passed[-1]
+            count = max(int(np.ceil(refine * due[-1] / motion.peak)), 3)
+            marks = np.searchsorted(due, np.linspace(0, due[-1], count + 1)[1:])
         chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))
     picked = np.unique(np.concatenate(chosen))
     return Stride(time, path, picked, clock, np.searchsorted(picked, seams))

@@ -22,6 +22,10 @@ NOTES = (
 )
 
 
+LAW = "neo-hookean"
+"""The law of finite strain against which the error of small strain is measured."""
+
+
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
     found = []
@@ -29,10 +33,16 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         found.append(Refusal(name, "accuracy", reason))
-    strain, limit = scene.motion.peak / (scene.finger.thickness / 2), _evidence.LINEAR_STRAIN
-    if scene.motion.control == "depth" and strain > limit:
-        reason = f"depth / half thickness = {strain:.2g} > {limit:g}: small strain no longer holds"
+    press = _evidence.solid_press(scene)
+    part, limit = _evidence.small_strain_part(scene), _evidence.solid_reach(press)
+    if part > limit:
+        reason = f"depth / thickness = {part:.2g} > {limit:.2g}: small strain is not measured there"
         found.append(Refusal(name, "accuracy", reason))
+    for layer in ("skin", "subcutaneous"):
+        law = getattr(scene.finger, layer).law
+        if law != LAW:
+            reason = f"finger.{layer}.law = {law!r}: small strain is measured for {LAW!r} only"
+            found.append(Refusal(name, "accuracy", reason))
     return tuple(found)
 
 
@@ -42,7 +52,7 @@ def cost(scene: Scene) -> float:
 
 
 def error(scene: Scene) -> tuple[float, str]:
-    """Return the expected relative error of the force against a converged mesh, and its source."""
+    """Return the expected relative error of the force, of mesh and small strain, and its source."""
     return _evidence.linear_error(scene)
 
 

@@ -1,0 +1,96 @@
+"""What the planner reads of `solid`: small strain is as wrong as the report says at that depth."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from fefinger import scenes
+from fefinger.mechanics import _evidence, linear, solid
+from fefinger.scene import Scene
+from fefinger.tissue import Tissue
+
+
+def scene(**changes: Any) -> Scene:
+    return scenes.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
+
+
+def at(depth: float) -> Scene:
+    return scene(motion__depth=depth)
+
+
+def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
+    row = _evidence.solid()["flat-30"]
+    last = row["depth_mm"][-1]
+    error, source = linear.error(at(last))
+    small, finite = (row["relaxing_N"][name][-1] for name in ("linear", "solid"))
+    mesh, _ = _evidence.linear_mesh_error(at(last))
+    assert error == pytest.approx(mesh + 1 - small / finite, rel=1e-12)
+    assert "of the mesh" in source
+    assert "flat-30: 0.3" in source
+
+
+def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> None:
+    assert _evidence.small_strain_error(at(1e-9)) == pytest.approx(0.0, abs=1e-8)
+    errors = [_evidence.small_strain_error(at(depth)) for depth in (0.8, 1.2, 1.6, 2.0)]
+    assert errors == sorted(errors)
+    larger = replace(at(2.4), finger=replace(at(1.0).finger, thickness=20.0))
+    assert _evidence.small_strain_error(larger) == pytest.approx(errors[1], rel=1e-12)
+
+
+def test_a_force_is_turned_into_the_depth_of_the_finger_that_has_crept() -> None:
+    row = _evidence.solid()["flat-30"]
+    force, depth = row["force_N"]["solid"][7], row["depth_mm"][7]
+    motion = {"kind": "force-ramp-hold", "loading_rate": 1.0, "force": force, "hold": 1.0}
+    pressed = scene(motion=motion)
+    assert _evidence.small_strain_part(pressed) == pytest.approx(depth / row["thickness_mm"])
+    motion["force"] = 4 * force
+    twice = replace(pressed.finger, width=28.0, thickness=2 * row["thickness_mm"])
+    larger = replace(scene(motion=motion), finger=twice)
+    assert _evidence.small_strain_part(larger) == pytest.approx(depth / row["thickness_mm"])
+
+
+def test_linear_refuses_what_small_strain_was_not_measured_at() -> None:
+    assert not [r for r in linear.refuse(at(2.0)) if "small strain" in r.reason]
+    (refusal,) = linear.refuse(at(2.1))
+    assert refusal.about == "accuracy"
+    assert refusal.reason == "depth / thickness = 0.21 > 0.2: small strain is not measured there"
+    (forced,) = linear.refuse(
+        scene(motion={"kind": "force-ramp", "loading_rate": 9.0, "force": 9.0})
+    )
+    assert "depth / thickness = inf > 0.2" in forced.reason
+    stiffening = Tissue(34.0, 0.48, law="demiray", exponent=3.0)
+    (lawful,) = linear.refuse(
+        replace(at(1.0), finger=replace(at(1.0).finger, subcutaneous=stiffening))
+    )
+    assert "finger.subcutaneous.law = 'demiray'" in lawful.reason
+
+
+def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
+    ball = {"kind": "sphere", "radius": 1.5}
+    assert _evidence.solid_press(scene(indenter=ball, motion__depth=0.5)) == "sphere-2"
+    assert _evidence.solid_press(scene(indenter=ball, motion__depth=1.0)) == "sphere-5"
+    assert _evidence.solid_press(scene(indenter=ball, motion__depth=2.5)) == "flat-30"
+    assert _evidence.solid_press(scenes.load("edge-press")) == "flat-30"
+
+
+def test_the_cost_of_solid_grows_with_the_mesh_and_is_that_of_the_report() -> None:
+    cost = _evidence.solid()["flat-30"]["cost"]
+    ramp = scene(motion={"kind": "ramp", "speed": 60.0, "depth": 2.0, "corner": 0.0})
+    seconds = [
+        solid.cost(replace(ramp, finger=replace(ramp.finger, resolution=resolution)))
+        for resolution in ("coarse", "standard", "fine")
+    ]
+    assert seconds == sorted(seconds)
+    steps = cost["steps"]
+    assert seconds[1] == pytest.approx(
+        cost["setup_seconds"] + steps * cost["step_seconds"], rel=1e-9
+    )
+
+
+def test_the_error_of_solid_is_that_of_its_mesh() -> None:
+    errors = _evidence.solid()["flat-30"]["mesh_error"]
+    assert solid.error(at(1.5))[0] == errors["standard"]
+    assert "of the mesh" in solid.error(at(1.5))[1]
+    fine = replace(at(1.5), finger=replace(at(1.5).finger, resolution="fine"))
+    assert solid.error(fine)[0] == errors["standard"]

@@ -1,0 +1,115 @@
+"""Cases of suite `finger` on what Hertz leaves out: a fresh report, and the sign of each cause."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from fefinger.validation.case import Case
+from fefinger.validation.chain import ASIDE, PRESSES, SUBJECTS, reaching, scene
+from fefinger.validation.finger_split import (
+    AT,
+    factors,
+    force,
+    row,
+    steepness,
+    subjects,
+    unexplained,
+)
+
+
+FRESH = "recomputed: reports/solid-force.json is of this code"
+
+SIGNS = {
+    "bone": (1, "a rigid base under the layer stiffens it"),
+    "layered": (1, "the skin is stiffer than the mean of the compliances"),
+    "shape": (-1, "the finger ends at its sides and tip"),
+    "solid": (1, "compressed tissue stiffens more than the contact loses"),
+}
+"""Which way each cause goes under a plate at a tenth of the thickness, and why."""
+
+
+def stale(model: str, subject: str, press: str) -> float:
+    """Return the largest relative change of a curve of the report when it is computed again."""
+    _, again, _ = reaching(model, scene(subject, press))
+    kept = force(subject, press, model)
+    return float(np.nanmax(np.abs(again / kept - 1)))
+
+
+def stale_coarse(model: str) -> float:
+    """Return the same on the coarse mesh, under the plate on the first subject."""
+    found = row(SUBJECTS[0], "flat-30")["coarse"]
+    _, again, _ = reaching(model, scene(SUBJECTS[0], "flat-30", "coarse"))
+    return float(np.abs(again / np.array(found[model]) - 1).max())
+
+
+def against(cause: str, sign: int) -> int:
+    """Return for how many subjects a cause under the plate does not go the way of `sign`."""
+    found = [_factor(subject, cause) for subject in SUBJECTS]
+    return int(sum(not sign * np.log(value) > 0 for value in found))
+
+
+def _factor(subject: str, cause: str) -> float:
+    if cause != "shape":
+        return factors(subject, "flat-30")[cause]
+    k = AT["flat-30"] - 1
+    finger, flat = (force(subject, "flat-30", model)[k] for model in ("linear", "layered"))
+    return float(finger / flat)
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield freshness, the signs of the causes, mesh error and what one G leaves unexplained."""
+
+    def case(name: str, measure: object, expected: float, tolerance: float, source: str) -> Case:
+        return Case("finger", name, measure, expected, tolerance, "1", source)
+
+    for model in ("hertz", "bone", "layered"):
+        yield case(
+            f"{model}: report against recomputation, all subjects and presses",
+            lambda m=model: max(stale(m, s, p) for p in PRESSES for s in subjects(p)),
+            0.0,
+            1e-4,
+            FRESH,
+        )
+    yield case("linear, coarse: the same", lambda: stale_coarse("linear"), 0.0, 1e-4, FRESH)
+    if not quick:
+        yield case("solid, coarse: the same", lambda: stale_coarse("solid"), 0.0, 1e-4, FRESH)
+        for model in ("linear", *ASIDE):
+            yield case(
+                f"{model}: the same on the standard mesh, a.h. under the plate",
+                lambda m=model: stale(m, SUBJECTS[0], "flat-30"),
+                0.0,
+                1e-4,
+                FRESH,
+            )
+    for cause, (sign, why) in SIGNS.items():
+        way = "stiffens" if sign > 0 else "softens"
+        yield case(
+            f"subjects on whom the cause {cause!r} {way} not",
+            lambda c=cause, s=sign: against(c, s),
+            0.0,
+            0.0,
+            why,
+        )
+    yield case(
+        "subjects on whom finite strain does not raise m",
+        lambda: sum(steepness(s, "solid") <= steepness(s, "linear") for s in SUBJECTS),
+        0.0,
+        0.0,
+        "geometric stiffening",
+    )
+    yield case(
+        "force of linear with relaxation over the integral of G",
+        lambda: unexplained("a.h.", "flat-30", "linear"),
+        1.0,
+        5e-3,
+        "one G in a linear body: separable",
+    )
+    for press in PRESSES:
+        error = row("a.h.", press)["mesh_error"]
+        if error is not None:
+            yield case(
+                f"solid, {press}: force on the standard mesh against the extrapolated one",
+                lambda e=error: e["standard"],
+                0.0,
+                0.02,
+                "order 2 in the cell length",
+            )

@@ -1,0 +1,130 @@
+"""Cases of suite `finger` on finite strain: balance, symmetry, the limit of small depth."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from fefinger.validation.case import Case
+from fefinger.validation.chain import Array, scene
+
+from fefinger.fem.body import Body, body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.equilibrium import Asked, Equilibrium, State
+from fefinger.fem.finite import Continuum, continuum
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import strain_at
+from fefinger.fem.sliding import Sliding, sliding
+from fefinger.mechanics import _placing, solid
+from fefinger.mechanics._press import held, tissues
+from fefinger.mechanics._squeeze import laws
+from fefinger.mesh.ready import ready
+from fefinger.records import Response
+from fefinger.scene import Ask, Flat, Ramp
+
+
+DEPTH, REACH = 0.4, 0.5  # mm
+SHALLOW = 0.01  # mm
+PRESSURE = Ask(force=True, pressure=True, strain=False, spikes=(), fields=False)
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """The relaxed coarse finger, its candidates for contact within REACH, and the plate."""
+
+    finger: Body
+    elements: Continuum
+    touch: Obstacle
+    contact: Sliding
+
+    def at(self, depths: Array) -> list[State]:
+        """Return the states of finite strain at growing depths in mm."""
+        state = State(np.zeros(self.finger.space.n_unknowns), np.zeros(len(self.contact)), 0.0)
+        equilibrium = Equilibrium(self.elements, self.contact, self.finger.system)
+        states = []
+        for depth in depths:
+            asked = Asked("depth", float(depth), self.elements.at_rest)
+            state = equilibrium.find(state, asked)
+            states.append(state)
+        return states
+
+
+@cache
+def plate() -> Pressed:
+    """Return the finger of flat-press under its plate."""
+    finger = scene("a.h.", "flat-30", "coarse").finger
+    rigid = body(ready(finger, half=True), tissues(finger), held(finger))
+    touch = _placing.obstacle(Flat(30), rigid)
+    contact = sliding(rigid.space, rigid.pad, rigid.normals, touch, REACH)
+    return Pressed(rigid, continuum(rigid.space, laws(finger)), touch, contact)
+
+
+@cache
+def balance() -> tuple[float, float]:
+    """Return the relative differences of contact force and reactions, along and across the axis."""
+    on = plate()
+    state = on.at(np.linspace(0, DEPTH, 5)[1:])[-1]
+    inner, _ = on.elements.residual(state.values, on.elements.at_rest)
+    _, loads = on.contact.gaps(state.values, state.depth)
+    reactions, fixed = np.zeros_like(inner), on.finger.system.fixed
+    reactions[fixed] = (inner - loads @ state.pressure)[fixed]
+    total = reactions[: on.finger.space.n_displacements].reshape(-1, 3).sum(axis=0)
+    force = float(on.contact.travel @ state.pressure)
+    across = np.cross([0.0, 1.0, 0.0], on.touch.axis)
+    return float(-total @ on.touch.axis / force - 1), float(total @ across / force)
+
+
+def approach() -> float:
+    """Return the order in the force with which the force becomes that of small strain.
+
+    So shallow that one vertex of the coarse mesh touches, and the contact does not grow.
+    """
+    on, depths = plate(), SHALLOW * np.array([1.0, 2.0])
+    space, pad, normals = on.finger.space, on.finger.pad, on.finger.normals
+    small = reduce(
+        on.finger,
+        patch(space, pad, normals, on.touch, REACH),
+        strain_at(space, np.empty((0, 3))),
+    )
+    contact = Complementarity(small.flexibility)
+    pressures = [contact.solve(small.patch.gap - d * small.patch.travel) for d in depths]
+    expected = np.array([small.patch.travel @ pressure for pressure in pressures])
+    found = np.array([on.contact.travel @ state.pressure for state in on.at(depths)])
+    apart = np.abs(found / expected - 1)
+    return float(np.log(apart[1] / apart[0]) / np.log(expected[1] / expected[0]))
+
+
+@cache
+def tilted(tilt: float) -> Response:
+    """Return the response to a plate rolled about the finger."""
+    pressed = scene("a.h.", "flat-30", "coarse")
+    motion = Ramp(60, DEPTH, corner=0.0)
+    return solid.respond(replace(pressed, indenter=Flat(30, tilt), motion=motion, ask=PRESSURE))
+
+
+def mirror() -> float:
+    """Return the largest difference of the forces at opposite tilts, over the largest force."""
+    left, right = tilted(10.0), tilted(-10.0)
+    return float(np.abs(left.force - right.force).max() / left.force.max())
+
+
+def pull() -> float:
+    """Return the lowest pressure in kPa."""
+    pressure = tilted(10.0).pressure
+    assert pressure is not None
+    return float(pressure.min())
+
+
+def cases() -> Iterator[Case]:
+    """Yield balance, order, symmetry and the lowest pressure, on the coarse mesh."""
+    statics, image = "equilibrium of the body", "mirror image"
+    limit = "first order of the strain"
+
+    def case(name: str, measure: object, expected: float, tolerance: float, source: str) -> Case:
+        return Case("finger", f"finite strain: {name}", measure, expected, tolerance, "1", source)
+
+    yield case("contact force against reactions", lambda: balance()[0], 0.0, 1e-6, statics)
+    yield case("tangential reaction over the force", lambda: balance()[1], 0.0, 1e-6, statics)
+    yield case("order in the force of the limit of linear", approach, 1.0, 0.05, limit)
+    yield case("forces at tilts of 10 and -10 degrees", mirror, 0.0, 1e-5, image)
+    yield Case("finger", "finite strain: lowest pressure", pull, 0.0, 0.0, "kPa", "no adhesion")

@@ -1,0 +1,143 @@
+"""What Hertz leaves out on a real finger, cause by cause: read from `reports/solid-force.json`.
+
+The chain of models and its order are in `chain.CHAIN`. Two of its causes are also taken the other
+way round, because a split depends on its order.
+"""
+
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
+
+from fefinger.data import report
+from fefinger.library import pawluk_bulk, pawluk_quasistatic
+from fefinger.mechanics._evidence import SOLID_REPORT
+from fefinger.theory.relaxation import hereditary_integral
+
+
+AT = {"flat-30": 6, "sphere-5": 6, "sphere-2": DEPTHS}
+"""Which of the DEPTHS the split is given at: a tenth of the thickness, and 0.6 mm."""
+
+
+@cache
+def rows() -> dict[str, Any]:
+    """Return the rows of the report by subject and press."""
+    found: dict[str, Any] = json.loads(report(SOLID_REPORT))["rows"]
+    return found
+
+
+def row(subject: str, press: str) -> dict[str, Any]:
+    """Return a row of the report."""
+    found: dict[str, Any] = rows()[f"{subject}/{press}"]
+    return found
+
+
+def part(subject: str, press: str) -> Array:
+    """Return depth over thickness (DEPTHS,) of a press in the report."""
+    found = row(subject, press)
+    return np.array(found["depth_mm"]) / found["thickness_mm"]
+
+
+def force(subject: str, press: str, model: str) -> Array:
+    """Return the relaxed force (DEPTHS,) in N, nan where a model or the report has none."""
+    if subject not in subjects(press):
+        return np.full(DEPTHS, np.nan)
+    return np.array(row(subject, press)["force_N"][model], dtype=np.float64)
+
+
+def factors(subject: str, press: str, number: int | None = None) -> dict[str, float]:
+    """Return by what each model of the chain multiplies the force of the one before it.
+
+    `number` counts the DEPTHS from 1; that of AT by default. nan where a model has no force.
+    """
+    k = (number or AT[press]) - 1
+    chain = [float(force(subject, press, model)[k]) for model in models(press)]
+    return {
+        model: after / before
+        for model, before, after in zip(models(press)[1:], chain[:-1], chain[1:], strict=True)
+    }
+
+
+def other_order(subject: str, press: str) -> dict[str, float]:
+    """Return the factors of the shape without layers, and of the layers on the finger."""
+    k = AT[press] - 1
+    bone, whole, finger = (float(force(subject, press, m)[k]) for m in ("bone", "whole", "linear"))
+    return {"whole": whole / bone, "layered": finger / whole}
+
+
+def steepness(subject: str, model: str, number: int = DEPTHS, press: str = "flat-30") -> float:
+    """Return m in 1/mm of the spring (b / m) (exp(m x) - 1) through the forces at x and x / 2.
+
+    F(x) / F(x / 2) = exp(m x / 2) + 1 (Pawluk 1997, Eq. 2.3). `number` is even.
+    """
+    deep, half = (force(subject, press, model)[k - 1] for k in (number, number // 2))
+    depth = row(subject, press)["depth_mm"][number - 1]
+    return float(np.log(deep / half - 1) / (depth / 2))
+
+
+def printed(subject: str) -> tuple[float, float]:
+    """Return m in 1/mm of Tables 2.1 and 3.2 of the thesis."""
+    return pawluk_bulk()[subject].m, pawluk_quasistatic()[subject].m
+
+
+def unexplained(subject: str, press: str, model: str) -> float:
+    """Return the force with relaxation at the end over the integral of G over the relaxed force.
+
+    With one G, small strain gives 1 (the force is separable in depth and time).
+    """
+    from scipy.interpolate import CubicSpline
+
+    pressed = scene(subject, press, relaxed=False)
+    depth = row(subject, press)["depth_mm"]
+    relaxed = CubicSpline([0.0, *depth], [0.0, *force(subject, press, model)])
+    time = np.linspace(0.0, pressed.motion.duration, 2001)
+    elastic = relaxed(pressed.motion.value(time))
+    prony = pressed.finger.prony
+    whole = hereditary_integral(prony, time, elastic)[-1] / prony.long_time
+    return float(row(subject, press)["relaxing_N"][model][-1] / whole)
+
+
+def subjects(press: str) -> tuple[str, ...]:
+    """Return the subjects that the report has under an object."""
+    return tuple(subject for subject in SUBJECTS if f"{subject}/{press}" in rows())
+
+
+def said() -> str:
+    """Return the finding in one paragraph, with its numbers."""
+    at = AT["flat-30"]
+    whole = _range(lambda s: _over_hertz(s, "solid", at), "{:.1f}")
+    flat = _range(lambda s: _over_hertz(s, "layered", at), "{:.1f}")
+    finite = _range(lambda s: factors(s, "flat-30")["solid"], "{:.2f}")
+    deep = _range(lambda s: factors(s, "flat-30", DEPTHS)["solid"], "{:.2f}")
+    rates = {model: _rate(model) for model in models("flat-30") if model != "level"}
+    theirs = _range(lambda s: printed(s)[0], "{:.1f}")
+    return (
+        f"At a depth of a tenth of the finger's thickness a plate at 30 degrees meets {whole} "
+        "times the force of Hertz's half-space of the same tissue. A flat layer over bone would "
+        f"make it {flat} times: the finger is narrow and gives way at its sides and tip, which "
+        f"takes back most of what the bone adds. Finite strain is a factor of {finite} there and "
+        f"of {deep} at a fifth of the thickness. Stiffening: m of the exponential spring "
+        "(b / m) (exp(m x) - 1) through the forces at a tenth and a fifth of the thickness is "
+        f"{rates['hertz']} per mm for Hertz (the growing contact alone), {rates['layered']} for "
+        f"the flat stack, {rates['linear']} on the finger and {rates['solid']} at finite strain; "
+        f"the thesis fitted {theirs} (Table 2.1). So contact, bone and finite strain give part of "
+        "the exponential stiffening with tissue that itself does not stiffen (neo-Hookean); the "
+        "rest has to come from tissue that does."
+    )
+
+
+def _rate(model: str) -> str:
+    return _range(lambda subject: steepness(subject, model), "{:.2f}")
+
+
+def _over_hertz(subject: str, model: str, number: int) -> float:
+    mine, hertz = (force(subject, "flat-30", name)[number - 1] for name in (model, "hertz"))
+    return float(mine / hertz)
+
+
+def _range(value: Callable[[str], float], digits: str) -> str:
+    values = [value(subject) for subject in SUBJECTS]
+    return f"{digits.format(min(values))} to {digits.format(max(values))}"
