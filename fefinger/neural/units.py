@@ -271,6 +271,9 @@ def simulate_units(
         method=method,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
+    by_type = sorted(range(len(types)), key=types.__getitem__)
+    current = np.empty((len(time), len(types)))
+    current[:, by_type] = setup.met(by_type, time, x_in)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
     notes = remarks(time, mean_in, types, names, firing)
     if check:
@@ -284,7 +287,7 @@ def simulate_units(
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=mean_in,
-        current=setup.met(range(len(types)), time, x_in),
+        current=current,
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
