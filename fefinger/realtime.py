@@ -153,20 +153,7 @@ class Condensed:
 
         `options` as for `neural.streaming.Afferents`.
         """
-        kinds = tuple(dict.fromkeys(self.sites.types))
-        touch = _placing.obstacle(STANDARD, self.solid)
-        scene = _scene(self.finger, STANDARD, types=kinds)
-        central = central_sites(scene, touch.origin, touch.axis)
-        reference = _press.reference_press(self.solid, central, _operator.METHOD)
-        return Afferents.of(
-            self.sites.types,
-            self.sites.normals,
-            reference_depth=reference.depth,
-            reference_types=reference.types,
-            reference_strain=reference.strain,
-            reference_normals=reference.normals,
-            **options,
-        )
+        return afferents(self.finger, self.solid, self.sites, **options)
 
     def reset(self) -> None:
         """Lift the indenter off, and let the tissue forget."""
@@ -291,6 +278,23 @@ class Condensed:
             depth[k] = take(value, dt).depth
             pressure[k], elastic[k] = self.now.pressure, self._output.elastic
         return History(depth, pressure, elastic, int(self._state.counts[active.SOLVED]))
+
+
+def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
+    """Return one unit per site; `options` as for `neural.streaming.Afferents`."""
+    touch = _placing.obstacle(STANDARD, solid)
+    scene = _scene(finger, STANDARD, types=sites.types)
+    central = central_sites(scene, touch.origin, touch.axis)
+    reference = _press.reference_press(solid, central, _operator.METHOD)
+    return Afferents.of(
+        sites.types,
+        sites.normals,
+        reference_depth=reference.depth,
+        reference_types=reference.types,
+        reference_strain=reference.strain,
+        reference_normals=reference.normals,
+        **options,
+    )
 
 
 def _scene(

@@ -71,6 +71,15 @@ def test_a_motion_gives_the_response_of_the_mechanics(
     assert (now.x, now.y) == pytest.approx(tuple(found.centroid[-1]), abs=1e-9, nan_ok=True)
 
 
+def test_a_place_that_was_made_once_is_read_again(operators: Path) -> None:
+    made = trace(Condensed(FINGER, ff.Flat(24), deepest=0.8))
+    kept = set((operators.parent / "patches").iterdir())
+    assert np.array_equal(made, trace(Condensed(FINGER, ff.Flat(24), deepest=0.8)), equal_nan=True)
+    assert set((operators.parent / "patches").iterdir()) == kept
+    stiffer = replace(FINGER, skin=replace(FINGER.skin, modulus=200.0))
+    assert Condensed(stiffer, ff.Flat(24), deepest=0.8).step(0.5, 0).force > made[:, 0].max()
+
+
 def test_it_repeats_itself_bit_for_bit(finger: Condensed) -> None:
     first = trace(finger)
     assert np.array_equal(first, trace(finger), equal_nan=True)
