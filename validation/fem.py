@@ -1,4 +1,4 @@
-"""Suite `fem`: the finite elements and their contact against exact solutions, in small strain.
+"""Suite `fem`: the finite elements and their contact against exact solutions.
 
 Everything is solved by the code that answers scenes (`fefinger.fem`), on meshes that are made here.
 """
@@ -12,11 +12,12 @@ from fefinger.validation import (
     fem_exact,
     fem_hertz,
     fem_history,
+    fem_solid,
 )
 from fefinger.validation.case import Case
 
 
-PARTS = (fem_hertz, fem_elements, fem_exact, fem_history)
+PARTS = (fem_hertz, fem_elements, fem_exact, fem_history, fem_solid)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

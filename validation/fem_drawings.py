@@ -6,7 +6,7 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from fefinger.validation import element_kinds, fem_exact, fem_hertz, fem_history
+from fefinger.validation import element_kinds, fem_exact, fem_hertz, fem_history, fem_solid
 from fefinger.validation.peers import PEERS, Peer
 
 from fefinger.figures import INK, STEEL, figure, style
@@ -50,6 +50,12 @@ def figures() -> Iterator[tuple[str, Any]]:
             "A bonded viscoelastic layer: force of the finite elements (line) and of Ting's theory "
             "on the exact layer (dots). Where the line is at zero, the indenter has left the pad.",
             _histories(),
+        )
+        yield (
+            "Finite strain. Left: unit cubes of 100 kPa squeezed to half between frictionless "
+            "plates, nu = 0.49, finite elements (dots) on the closed form (lines). Right: the "
+            "relaxing hemisphere (radius 14 mm, 60 mm/s to 1.5 mm); squares: FEBio 4.11.",
+            _finite_strain(),
         )
 
 
@@ -182,3 +188,17 @@ def _histories() -> Any:
     handles, labels = axes[0].get_legend_handles_labels()
     drawn.legend(handles, labels, loc="outside upper right", ncols=2)
     return drawn
+
+
+def _finite_strain() -> Any:
+    drawn = fem_solid.drawn()
+    fig, (left, right) = figure(1, 2, size=(2 * WIDE, 3.2))
+    for color, (name, (depth, found, exact)) in zip(COLORS, drawn["cubes"].items(), strict=False):
+        left.plot(100 * depth, exact, color=color, label=name)
+        left.plot(100 * depth, found, "o", color=color, markersize=3)
+    left.set(xlabel="squeezed by (%)", ylabel="nominal pressure (kPa)")
+    left.legend()
+    right.semilogx(np.maximum(drawn["time"], 1e-3), drawn["force"], color=INK)
+    right.plot([0.025, 5.025], [1.11, 0.432], "s", color=STEEL)
+    right.set(xlabel="time (s)", ylabel="force (N)")
+    return fig

@@ -19,7 +19,7 @@ from typing import Any
 from fefinger.checks import choice
 
 
-SUITES = ("fem", "condensed", "neural")
+SUITES = ("fem", "solid", "condensed", "neural")
 
 Progress = Callable[[str, float], None]
 
