@@ -66,6 +66,14 @@ def scene(subject: str, press: str, resolution: str = "standard", *, relaxed: bo
     return Scene(finger=finger, indenter=PRESSES[press], motion=motion, ask=ask)
 
 
+def stiffening(pressed: Scene, exponent: float) -> Scene:
+    """Return the scene with tissue that stiffens as exp(b (I1 - 3)), Demiray's law."""
+    finger = pressed.finger
+    skin = replace(finger.skin, law="demiray", exponent=exponent)
+    rest = replace(finger.subcutaneous, law="demiray", exponent=exponent)
+    return replace(pressed, finger=replace(finger, skin=skin, subcutaneous=rest))
+
+
 def one_tissue(pressed: Scene) -> Scene:
     """Return the scene with one tissue for both layers, the one that `hertz` has."""
     finger = pressed.finger

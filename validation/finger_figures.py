@@ -166,7 +166,8 @@ def _rates_caption() -> str:
     return (
         "Stiffening under the plate: m of the spring (b / m) (exp(m x) - 1) through the forces at "
         "a tenth and a fifth of the thickness, model after model, and m of the thesis (lines: "
-        "Tables 2.1 and 3.2). The step to the finger is shape and angle together."
+        "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
+        "the last is tissue that itself stiffens, by Demiray's law with the exponent 3."
     )
 
 
@@ -176,14 +177,18 @@ def _rates() -> Any:
     axes = drawn.subplots(1, len(SUBJECTS), sharey=True)
     for axis, subject in zip(axes, SUBJECTS, strict=True):
         rates = [steepness(subject, model, DEPTHS) for model in chain]
+        rates.append(steepness(subject, "solid", DEPTHS, "demiray"))
+        colors = [*(COLORS[model] for model in chain), "#AA4499"]
         bottoms = [0.0, *rates[:-1]]
-        for place, (model, low, high) in enumerate(zip(chain, bottoms, rates, strict=True)):
-            axis.bar(place, high - low, 0.8, bottom=low, color=COLORS[model])
-            axis.annotate(f"{high:.2f}", (place, max(low, high)), ha="center", va="bottom")
+        for place, (color, low, high) in enumerate(zip(colors, bottoms, rates, strict=True)):
+            axis.bar(place, high - low, 0.8, bottom=low, color=color)
+            box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.5}
+            top = (place, max(low, high) + 0.06)
+            axis.annotate(f"{high:.2f}", top, ha="center", va="bottom", fontsize=8, bbox=box)
         for value, line in zip(printed(subject), ("-", "--"), strict=True):
             axis.axhline(value, color=INK, lw=1, ls=line)
-        names = ["Hertz", "bone", "layers", "shape, angle", "finite strain"]
-        axis.set_xticks(range(len(chain)), names, rotation=40, ha="right")
+        names = ["Hertz", "bone", "layers", "shape, angle", "finite strain", "tissue"]
+        axis.set_xticks(range(len(names)), names, rotation=40, ha="right")
         axis.set(title=subject, ylim=(0, 3.4))
     axes[0].set_ylabel("m / 1/mm")
     return drawn

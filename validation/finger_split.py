@@ -114,6 +114,8 @@ def said() -> str:
     deep = _range(lambda s: factors(s, "flat-30", DEPTHS)["solid"], "{:.2f}")
     rates = {model: _rate(model) for model in models("flat-30") if model != "level"}
     theirs = _range(lambda s: printed(s)[0], "{:.1f}")
+    tissue = row(SUBJECTS[0], "demiray")["exponent"]
+    own = _range(lambda s: steepness(s, "solid", press="demiray"), "{:.2f}")
     return (
         f"At a depth of a tenth of the finger's thickness a plate at 30 degrees meets {whole} "
         "times the force of Hertz's half-space of the same tissue. A flat layer over bone would "
@@ -125,7 +127,8 @@ def said() -> str:
         f"the flat stack, {rates['linear']} on the finger and {rates['solid']} at finite strain; "
         f"the thesis fitted {theirs} (Table 2.1). So contact, bone and finite strain give part of "
         "the exponential stiffening with tissue that itself does not stiffen (neo-Hookean); the "
-        "rest has to come from tissue that does."
+        f"rest has to come from tissue that does: with exp({tissue:g} (I1 - 3)) (Demiray) it is "
+        f"{own} per mm."
     )
 
 

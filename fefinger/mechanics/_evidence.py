@@ -178,8 +178,8 @@ def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
 def solid() -> dict[str, Any]:
     """Return the forces of `solid` and of everything cheaper, by press, of one subject."""
     rows: dict[str, Any] = json.loads(report(SOLID_REPORT))["rows"]
-    own = f"{SOLID_SUBJECT}/"
-    return {name.removeprefix(own): row for name, row in rows.items() if name.startswith(own)}
+    own = {press: f"{SOLID_SUBJECT}/{press}" for press in LAYERED_PRESSES}
+    return {press: rows[name] for press, name in own.items() if name in rows}
 
 
 def solid_press(scene: Scene) -> str:
@@ -190,7 +190,7 @@ def solid_press(scene: Scene) -> str:
     if isinstance(scene.indenter, Bar | Grating | Relief):
         return "flat-30"
     radius = smallest_radius(scene.indenter)
-    for press in sorted(LAYERED_PRESSES, key=LAYERED_PRESSES.__getitem__):
+    for press in sorted(solid(), key=LAYERED_PRESSES.__getitem__):
         if LAYERED_PRESSES[press] >= radius and _part(scene, press) <= solid_reach(press):
             return press
     return "flat-30"

@@ -7,7 +7,7 @@ import pytest
 
 from fefinger import scenes
 from fefinger.mechanics import _evidence, linear, solid
-from fefinger.scene import Scene
+from fefinger.scene import Ramp, Scene
 from fefinger.tissue import Tissue
 
 
@@ -31,7 +31,9 @@ def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
 
 
 def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> None:
-    assert _evidence.small_strain_error(at(1e-9)) == pytest.approx(0.0, abs=1e-8)
+    assert _evidence.small_strain_error(
+        replace(at(1.0), motion=Ramp(60.0, 1e-9, corner=0.0))
+    ) == pytest.approx(0.0, abs=1e-8)
     errors = [_evidence.small_strain_error(at(depth)) for depth in (0.8, 1.2, 1.6, 2.0)]
     assert errors == sorted(errors)
     larger = replace(at(2.4), finger=replace(at(1.0).finger, thickness=20.0))
