@@ -39,10 +39,10 @@ BALL = 0.6
 PRESSES: dict[str, Indenter] = {"flat-30": Flat(30), "sphere-5": Sphere(5), "sphere-2": Sphere(2)}
 
 CHAIN = {
-    "hertz": "half-space of one tissue (Hertz)",
-    "bone": "the bone: a flat layer, as thick as the pulp",
-    "layered": "the layers: skin over subcutaneous tissue",
-    "level": "the shape of finger and bone, plate parallel to the bone",
+    "hertz": "Hertz's half-space of one tissue",
+    "bone": "the bone, under a flat layer as thick as the pulp",
+    "layered": "the layers, skin over subcutaneous tissue",
+    "level": "the shape of finger and bone, with the plate along the bone",
     "linear": "the angle of 30 degrees",
     "solid": "finite strain",
 }
