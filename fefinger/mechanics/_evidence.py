@@ -216,7 +216,8 @@ def small_strain_error(scene: Scene) -> float:
     press = solid_press(scene)
     row = solid()[press]
     parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
-    forces = row["relaxing_N"] or row["force_N"]
+    told = (row["relaxing_N"], row["force_N"])
+    forces = next(each for each in told if each and None not in each["solid"])
     small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
     return float(np.interp(_part(scene, press), parts, np.abs([0.0, *(small / finite - 1)])))
 
@@ -243,11 +244,11 @@ def solid_seconds(scene: Scene) -> float:
 
     That of the fine mesh, which is not measured, grows as between the other two.
     """
-    flat = solid()["flat-30"]
-    costs = {"coarse": flat["coarse"]["cost"], "standard": flat["cost"]}
+    timed = solid()["sphere-5"]
+    costs = (timed["coarse"]["cost"], timed["cost"])
     unknowns = linear()[scene.finger.resolution]["unknowns"]
-    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs.values()])
-    sizes = np.log([cost["unknowns"] for cost in costs.values()])
+    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs])
+    sizes = np.log([cost["unknowns"] for cost in costs])
     growth = np.diff(np.log(times), axis=0)[0] / np.diff(sizes)
     setup, step = times[-1] * np.exp(growth * (np.log(unknowns) - sizes[-1]))
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
