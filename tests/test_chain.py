@@ -48,10 +48,11 @@ def test_the_factors_multiply_to_finite_strain_over_hertz() -> None:
 def test_steepness_finds_m_of_an_exponential_spring(monkeypatch: pytest.MonkeyPatch) -> None:
     depth = 2.0 * np.arange(1, 13) / 12
     force = Spring(m=2.1, b=0.18).force(depth)
-    made = {"depth_mm": depth.tolist(), "thickness_mm": 10.0, "force_N": {"solid": force.tolist()}}
+    springs = {"solid": force.tolist()}
+    made = {"depth_mm": depth.tolist(), "thickness_mm": 10.0, "force_N": springs}
     monkeypatch.setattr(finger_split, "rows", lambda: {"a.h./flat-30": made})
     assert finger_split.steepness("a.h.", "solid") == pytest.approx(2.1, rel=1e-9)
-    made["force_N"]["solid"] = (depth**1.5).tolist()
+    springs["solid"] = (depth**1.5).tolist()
     assert finger_split.steepness("a.h.", "solid") == pytest.approx(np.log(2**1.5 - 1), rel=1e-9)
 
 

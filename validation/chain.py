@@ -39,10 +39,10 @@ BALL = 0.6
 PRESSES: dict[str, Indenter] = {"flat-30": Flat(30), "sphere-5": Sphere(5), "sphere-2": Sphere(2)}
 
 CHAIN = {
-    "hertz": "half-space of one tissue (Hertz)",
-    "bone": "the bone: a flat layer, as thick as the pulp",
-    "layered": "the layers: skin over subcutaneous tissue",
-    "level": "the shape of finger and bone, plate parallel to the bone",
+    "hertz": "Hertz's half-space of one tissue",
+    "bone": "the bone, under a flat layer as thick as the pulp",
+    "layered": "the layers, skin over subcutaneous tissue",
+    "level": "the shape of finger and bone, with the plate along the bone",
     "linear": "the angle of 30 degrees",
     "solid": "finite strain",
 }
@@ -64,6 +64,14 @@ def scene(subject: str, press: str, resolution: str = "standard", *, relaxed: bo
     motion = Ramp(SPEED, deepest(finger, press), corner=0.0)
     ask = Ask(force=True, pressure=False, strain=False, spikes=(), fields=False)
     return Scene(finger=finger, indenter=PRESSES[press], motion=motion, ask=ask)
+
+
+def stiffening(pressed: Scene, exponent: float) -> Scene:
+    """Return the scene with tissue that stiffens as exp(b (I1 - 3)), Demiray's law."""
+    finger = pressed.finger
+    skin = replace(finger.skin, law="demiray", exponent=exponent)
+    rest = replace(finger.subcutaneous, law="demiray", exponent=exponent)
+    return replace(pressed, finger=replace(finger, skin=skin, subcutaneous=rest))
 
 
 def one_tissue(pressed: Scene) -> Scene:

@@ -20,6 +20,7 @@ from fefinger.validation.chain import (
     models,
     reaching,
     scene,
+    stiffening,
 )
 from fefinger.validation.evidence import ORDER
 from fefinger.validation.provenance import provenance
@@ -33,12 +34,27 @@ from fefinger.records import Response
 MESHES = {SOLID_SUBJECT: "standard"}
 """The mesh of a subject; the coarse one for the others, whose error is known from the first."""
 
-ROWS = tuple(
-    f"{subject}/{press}"
-    for subject in SUBJECTS
-    for press in PRESSES
-    if subject == SOLID_SUBJECT or press != "sphere-2"  # a coarse mesh is too coarse for it
+EXPONENT = 3.0
+"""b of Demiray's law in the rows of tissue that itself stiffens, a round number."""
+
+ROWS = (
+    *(f"{SOLID_SUBJECT}/{press}" for press in PRESSES),
+    *(f"{other}/{press}" for other in SUBJECTS[1:] for press in ("flat-30", "sphere-5")),
+    *(f"{subject}/demiray" for subject in SUBJECTS),
 )
+
+
+def demiray(subject: str) -> dict[str, Any]:
+    """Return depths and the force of `solid` under the plate on tissue that itself stiffens."""
+    pressed = scene(subject, "flat-30", "coarse")
+    depth, force, _ = reaching("solid", stiffening(pressed, EXPONENT))
+    return {
+        "resolution": "coarse",
+        "exponent": EXPONENT,
+        "thickness_mm": pressed.finger.thickness,
+        "depth_mm": _listed(depth),
+        "force_N": {"solid": _listed(force)},
+    }
 
 
 def row(name: str) -> dict[str, Any]:
@@ -47,6 +63,8 @@ def row(name: str) -> dict[str, Any]:
     The subject that the planner goes by also has both meshes and the ramp with relaxation.
     """
     subject, press = name.split("/")
+    if press == "demiray":
+        return demiray(subject)
     resolution = MESHES.get(subject, "coarse")
     pressed = scene(subject, press, resolution)
     forces: dict[str, list[float | None]] = {}

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from fefinger import scenes
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
-from fefinger.mechanics import _placing, linear
+from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._press import held, press, tissues
+from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.run import fire
@@ -23,21 +25,22 @@ from fefinger.scene import Flat, Ramp, Scene
 
 DEPTH = 1.0  # mm
 QUICK, STANDARD = "coarse", "standard"
+KINDS = ("SAI", "SAII", "FAI", "FAII")
 
 
 @cache
 def balance(resolution: str) -> tuple[float, float]:
     """Return the relative differences of contact force and reactions, along and across the axis."""
     finger = replace(scenes.load("flat-press").finger, resolution=resolution)
-    solid = body(ready(finger, half=True), tissues(finger), held(finger))
-    touch = _placing.obstacle(Flat(30), solid)
-    on_pad = patch(solid.space, solid.pad, solid.normals, touch, 1.25 * DEPTH)
-    small = reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
+    rigid = body(ready(finger, half=True), tissues(finger), held(finger))
+    touch = _placing.obstacle(Flat(30), rigid)
+    on_pad = patch(rigid.space, rigid.pad, rigid.normals, touch, 1.25 * DEPTH)
+    small = reduce(rigid, on_pad, strain_at(rigid.space, np.empty((0, 3))))
     pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.travel)
     loads = on_pad.loads @ pressure
-    reactions = np.zeros(solid.space.n_unknowns)
-    reactions[solid.system.fixed] = solid.system.reactions(solid.system.solve(loads), loads)
-    total = reactions[: solid.space.n_displacements].reshape(-1, 3).sum(axis=0)
+    reactions = np.zeros(rigid.space.n_unknowns)
+    reactions[rigid.system.fixed] = rigid.system.reactions(rigid.system.solve(loads), loads)
+    total = reactions[: rigid.space.n_displacements].reshape(-1, 3).sum(axis=0)
     force = float(on_pad.travel @ pressure)
     across = np.cross([0.0, 1.0, 0.0], touch.axis)
     return float(-total @ touch.axis / force - 1), float(total @ across / force)
@@ -67,11 +70,16 @@ def pull(resolution: str) -> float:
 
 
 @cache
-def spikes(refine: int) -> dict[str, int]:
-    """Return the spike counts of flat-press with every time step divided by `refine`."""
-    scene = scenes.load("flat-press")
-    response = press(scene, mechanics=linear.name, notes=(), refine=refine)
-    fired = fire(scene, response)
+def spikes(mechanics: str, refine: int) -> dict[str, int]:
+    """Return the spike counts of flat-press with every time step divided by `refine`.
+
+    `solid` answers on the coarse mesh.
+    """
+    scene = scenes.load("flat-press", {"ask.fields": False})
+    if mechanics == solid.name:
+        scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
+    answer = {linear.name: press, solid.name: squeeze}[mechanics]
+    fired = fire(scene, answer(scene, mechanics=mechanics, notes=(), refine=refine))
     return dict(zip(fired.types, fired.count().tolist(), strict=True))
 
 
@@ -112,12 +120,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from finger_causes.cases(quick=quick)
     if not quick:
         yield from finger_solid.cases()
-        for kind in ("SAI", "SAII", "FAI", "FAII"):
+        for mechanics, kind in product((linear.name, solid.name), KINDS):
             yield Case(
                 "finger",
-                f"spikes of {kind} in flat-press, half the time step",
-                lambda k=kind: spikes(2)[k],
-                spikes(1)[kind],
+                f"{mechanics}: spikes of {kind} in flat-press, half the time step",
+                lambda m=mechanics, k=kind: spikes(m, 2)[k],
+                spikes(mechanics, 1)[kind],
                 0.0,
                 "spikes",
                 "the full step",

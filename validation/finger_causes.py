@@ -6,12 +6,12 @@ import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.chain import ASIDE, PRESSES, SUBJECTS, reaching, scene
 from fefinger.validation.finger_split import (
-    AT,
     factors,
     force,
     row,
     steepness,
     subjects,
+    together,
     unexplained,
 )
 
@@ -43,16 +43,11 @@ def stale_coarse(model: str) -> float:
 
 def against(cause: str, sign: int) -> int:
     """Return for how many subjects a cause under the plate does not go the way of `sign`."""
-    found = [_factor(subject, cause) for subject in SUBJECTS]
+    found = [
+        together(subject) if cause == "shape" else factors(subject, "flat-30")[cause]
+        for subject in SUBJECTS
+    ]
     return int(sum(not sign * np.log(value) > 0 for value in found))
-
-
-def _factor(subject: str, cause: str) -> float:
-    if cause != "shape":
-        return factors(subject, "flat-30")[cause]
-    k = AT["flat-30"] - 1
-    finger, flat = (force(subject, "flat-30", model)[k] for model in ("linear", "layered"))
-    return float(finger / flat)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
@@ -95,6 +90,20 @@ def cases(*, quick: bool) -> Iterator[Case]:
         0.0,
         0.0,
         "geometric stiffening",
+    )
+    yield case(
+        "subjects on whom m of the flat stack is not above that of the finger",
+        lambda: sum(steepness(s, "layered") <= steepness(s, "linear") for s in SUBJECTS),
+        0.0,
+        0.0,
+        "the finger ends at its sides and tip",
+    )
+    yield case(
+        "subjects on whom Demiray's tissue does not raise m above neo-Hookean tissue",
+        lambda: sum(steepness(s, "solid", "demiray") <= steepness(s, "solid") for s in SUBJECTS),
+        0.0,
+        0.0,
+        "tissue that itself stiffens",
     )
     yield case(
         "force of linear with relaxation over the integral of G",

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fefinger.validation.chain import CHAIN, DEPTHS, PRESSES, SUBJECTS, models
+from fefinger.validation.chain import CHAIN, PRESSES, SUBJECTS, models
 from fefinger.validation.finger_split import (
     AT,
     factors,
@@ -15,6 +15,7 @@ from fefinger.validation.finger_split import (
     said,
     steepness,
     subjects,
+    together,
     unexplained,
 )
 
@@ -43,7 +44,8 @@ NAMES = {
     "sphere-5": "ball of 5 mm",
     "sphere-2": "ball of 2 mm",
 }
-ORDER = "; ".join(f"{LEGEND[model]}: {words}" for model, words in CHAIN.items())
+ORDER = "; then ".join(CHAIN.values())
+MESHES = "a.h. on the standard mesh, the others on the coarse one (1 % apart on a.h.)"
 
 
 def figures() -> Iterator[tuple[str, Any]]:
@@ -88,7 +90,8 @@ def _label(press: str, model: str) -> str:
 def _split() -> str:
     return (
         "Factor of the force that each cause adds to the model before it, at a depth of a tenth of "
-        f"the thickness (0.6 mm under the ball of 2 mm). The order of the split: {ORDER}."
+        f"the thickness (0.6 mm under the ball of 2 mm). The order of the split: {ORDER}. "
+        f"{MESHES}. On d.p. and p.w. a plate along the bone reaches the cut of the finger sooner."
     )
 
 
@@ -139,6 +142,9 @@ def _table() -> Any:
         for cause in models(press)[1:]:
             values = [split[subject][cause] for subject in SUBJECTS]
             cells.append([f"  {_label(press, cause)}", *(_two(value) for value in values)])
+        if press == "flat-30":
+            both = [together(subject) for subject in SUBJECTS]
+            cells.append(["  shape and angle together", *(_two(value) for value in both)])
         ends = [
             force(subject, press, "solid")[AT[press] - 1]
             / force(subject, press, "hertz")[AT[press] - 1]
@@ -165,8 +171,9 @@ def _two(value: float) -> str:
 def _rates_caption() -> str:
     return (
         "Stiffening under the plate: m of the spring (b / m) (exp(m x) - 1) through the forces at "
-        "a tenth and a fifth of the thickness, model after model, and m of the thesis (lines: "
-        "Tables 2.1 and 3.2). The step to the finger is shape and angle together."
+        "the deepest press and at half its depth, model after model, and m of the thesis (lines: "
+        "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
+        "the last is tissue that itself stiffens, by Demiray's law with the exponent 3."
     )
 
 
@@ -175,15 +182,19 @@ def _rates() -> Any:
     drawn = figure(WIDE, 2.7)
     axes = drawn.subplots(1, len(SUBJECTS), sharey=True)
     for axis, subject in zip(axes, SUBJECTS, strict=True):
-        rates = [steepness(subject, model, DEPTHS) for model in chain]
+        rates = [steepness(subject, model) for model in chain]
+        rates.append(steepness(subject, "solid", "demiray"))
+        colors = [*(COLORS[model] for model in chain), "#AA4499"]
         bottoms = [0.0, *rates[:-1]]
-        for place, (model, low, high) in enumerate(zip(chain, bottoms, rates, strict=True)):
-            axis.bar(place, high - low, 0.8, bottom=low, color=COLORS[model])
-            axis.annotate(f"{high:.2f}", (place, max(low, high)), ha="center", va="bottom")
+        for place, (color, low, high) in enumerate(zip(colors, bottoms, rates, strict=True)):
+            axis.bar(place, high - low, 0.8, bottom=low, color=color)
+            box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.5}
+            top = (place, max(low, high) + 0.06)
+            axis.annotate(f"{high:.2f}", top, ha="center", va="bottom", fontsize=8, bbox=box)
         for value, line in zip(printed(subject), ("-", "--"), strict=True):
             axis.axhline(value, color=INK, lw=1, ls=line)
-        names = ["Hertz", "bone", "layers", "shape, angle", "finite strain"]
-        axis.set_xticks(range(len(chain)), names, rotation=40, ha="right")
+        names = ["Hertz", "bone", "layers", "shape, angle", "finite strain", "tissue"]
+        axis.set_xticks(range(len(names)), names, rotation=40, ha="right")
         axis.set(title=subject, ylim=(0, 3.4))
     axes[0].set_ylabel("m / 1/mm")
     return drawn

@@ -68,11 +68,25 @@ def other_order(subject: str, press: str) -> dict[str, float]:
     return {"whole": whole / bone, "layered": finger / whole}
 
 
-def steepness(subject: str, model: str, number: int = DEPTHS, press: str = "flat-30") -> float:
+def together(subject: str) -> float:
+    """Return the factor of shape and angle under the plate: the finger over the flat stack."""
+    k = AT["flat-30"] - 1
+    finger, flat = (force(subject, "flat-30", model)[k] for model in ("linear", "layered"))
+    return float(finger / flat)
+
+
+def last(subject: str) -> int:
+    """Return the largest even number of DEPTHS at which finite strain has a force under a plate."""
+    found = np.flatnonzero(np.isfinite(force(subject, "flat-30", "solid"))) + 1
+    return int(found[found % 2 == 0].max())
+
+
+def steepness(subject: str, model: str, press: str = "flat-30") -> float:
     """Return m in 1/mm of the spring (b / m) (exp(m x) - 1) through the forces at x and x / 2.
 
-    F(x) / F(x / 2) = exp(m x / 2) + 1 (Pawluk 1997, Eq. 2.3). `number` is even.
+    F(x) / F(x / 2) = exp(m x / 2) + 1 (Pawluk 1997, Eq. 2.3); x is the `last` depth.
     """
+    number = last(subject)
     deep, half = (force(subject, press, model)[k - 1] for k in (number, number // 2))
     depth = row(subject, press)["depth_mm"][number - 1]
     return float(np.log(deep / half - 1) / (depth / 2))
@@ -111,21 +125,25 @@ def said() -> str:
     whole = _range(lambda s: _over_hertz(s, "solid", at), "{:.1f}")
     flat = _range(lambda s: _over_hertz(s, "layered", at), "{:.1f}")
     finite = _range(lambda s: factors(s, "flat-30")["solid"], "{:.2f}")
-    deep = _range(lambda s: factors(s, "flat-30", DEPTHS)["solid"], "{:.2f}")
+    deep = _range(lambda s: factors(s, "flat-30", last(s))["solid"], "{:.2f}")
+    ends = _range(lambda s: part(s, "flat-30")[last(s) - 1], "{:.2f}")
     rates = {model: _rate(model) for model in models("flat-30") if model != "level"}
     theirs = _range(lambda s: printed(s)[0], "{:.1f}")
+    tissue = row(SUBJECTS[0], "demiray")["exponent"]
+    own = _range(lambda s: steepness(s, "solid", press="demiray"), "{:.2f}")
     return (
         f"At a depth of a tenth of the finger's thickness a plate at 30 degrees meets {whole} "
         "times the force of Hertz's half-space of the same tissue. A flat layer over bone would "
         f"make it {flat} times: the finger is narrow and gives way at its sides and tip, which "
         f"takes back most of what the bone adds. Finite strain is a factor of {finite} there and "
-        f"of {deep} at a fifth of the thickness. Stiffening: m of the exponential spring "
-        "(b / m) (exp(m x) - 1) through the forces at a tenth and a fifth of the thickness is "
+        f"of {deep} at the deepest, x = {ends} of the thickness. Stiffening: m of the exponential "
+        "spring (b / m) (exp(m x) - 1) through the forces there and at x / 2 is "
         f"{rates['hertz']} per mm for Hertz (the growing contact alone), {rates['layered']} for "
         f"the flat stack, {rates['linear']} on the finger and {rates['solid']} at finite strain; "
         f"the thesis fitted {theirs} (Table 2.1). So contact, bone and finite strain give part of "
         "the exponential stiffening with tissue that itself does not stiffen (neo-Hookean); the "
-        "rest has to come from tissue that does."
+        f"rest has to come from tissue that does: with exp({tissue:g} (I1 - 3)) (Demiray) it is "
+        f"{own} per mm."
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.checks import ConvergenceError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import depth_at
@@ -128,10 +128,21 @@ class Equilibrium:
         return worst if np.isfinite(worst) else np.inf
 
     def _renew(self, state: State, memory: Memory, loads: sparse.csc_matrix) -> None:
-        """Factor the tangent of the state, made definite."""
+        """Factor the tangent of the state, made definite.
+
+        Raises
+        ------
+        ConvergenceError
+            If it is singular.
+        """
         matrix = self.body.tangent(state.values, memory, whole=False)
         system, space = self.system, self.body.space
-        renewed = factor(space, matrix, system.fixed, system.dissection)
+        try:
+            renewed = factor(space, matrix, system.fixed, system.dissection)
+        except InputError as error:
+            # The body at rest was factored, so that it is this iterate that has gone astray.
+            message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
+            raise ConvergenceError(message) from error
         self._factored = _Factored(renewed, loads, float(memory.gains.mean()))
         self.factors, self._excess = self.factors + 1, 0
 

@@ -203,8 +203,8 @@ def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
 def solid() -> dict[str, Any]:
     """Return the forces of `solid` and of everything cheaper, by press, of one subject."""
     rows: dict[str, Any] = json.loads(report(SOLID_REPORT))["rows"]
-    own = f"{SOLID_SUBJECT}/"
-    return {name.removeprefix(own): row for name, row in rows.items() if name.startswith(own)}
+    own = {press: f"{SOLID_SUBJECT}/{press}" for press in LAYERED_PRESSES}
+    return {press: rows[name] for press, name in own.items() if name in rows}
 
 
 def solid_press(scene: Scene) -> str:
@@ -215,7 +215,7 @@ def solid_press(scene: Scene) -> str:
     if isinstance(scene.indenter, Bar | Grating | Relief):
         return "flat-30"
     radius = smallest_radius(scene.indenter)
-    for press in sorted(LAYERED_PRESSES, key=LAYERED_PRESSES.__getitem__):
+    for press in sorted(solid(), key=LAYERED_PRESSES.__getitem__):
         if LAYERED_PRESSES[press] >= radius and _part(scene, press) <= solid_reach(press):
             return press
     return "flat-30"
@@ -241,7 +241,8 @@ def small_strain_error(scene: Scene) -> float:
     press = solid_press(scene)
     row = solid()[press]
     parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
-    forces = row["relaxing_N"] or row["force_N"]
+    told = (row["relaxing_N"], row["force_N"])
+    forces = next(each for each in told if each and None not in each["solid"])
     small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
     return float(np.interp(_part(scene, press), parts, np.abs([0.0, *(small / finite - 1)])))
 
@@ -268,11 +269,11 @@ def solid_seconds(scene: Scene) -> float:
 
     That of the fine mesh, which is not measured, grows as between the other two.
     """
-    flat = solid()["flat-30"]
-    costs = {"coarse": flat["coarse"]["cost"], "standard": flat["cost"]}
+    timed = solid()["sphere-5"]
+    costs = (timed["coarse"]["cost"], timed["cost"])
     unknowns = linear()[scene.finger.resolution]["unknowns"]
-    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs.values()])
-    sizes = np.log([cost["unknowns"] for cost in costs.values()])
+    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs])
+    sizes = np.log([cost["unknowns"] for cost in costs])
     growth = np.diff(np.log(times), axis=0)[0] / np.diff(sizes)
     setup, step = times[-1] * np.exp(growth * (np.log(unknowns) - sizes[-1]))
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)

@@ -7,7 +7,7 @@ import pytest
 
 from fefinger import scenes
 from fefinger.mechanics import _evidence, linear, solid
-from fefinger.scene import Scene
+from fefinger.scene import Ramp, Scene
 from fefinger.tissue import Tissue
 
 
@@ -16,7 +16,7 @@ def scene(**changes: Any) -> Scene:
 
 
 def at(depth: float) -> Scene:
-    return scene(motion__depth=depth)
+    return scene(motion__depth=depth, motion__corner=0.0)
 
 
 def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
@@ -31,7 +31,9 @@ def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
 
 
 def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> None:
-    assert _evidence.small_strain_error(at(1e-9)) == pytest.approx(0.0, abs=1e-8)
+    assert _evidence.small_strain_error(
+        replace(at(1.0), motion=Ramp(60.0, 1e-9, corner=0.0))
+    ) == pytest.approx(0.0, abs=1e-8)
     errors = [_evidence.small_strain_error(at(depth)) for depth in (0.8, 1.2, 1.6, 2.0)]
     assert errors == sorted(errors)
     larger = replace(at(2.4), finger=replace(at(1.0).finger, thickness=20.0))
@@ -68,14 +70,17 @@ def test_linear_refuses_what_small_strain_was_not_measured_at() -> None:
 
 def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
     ball = {"kind": "sphere", "radius": 1.5}
-    assert _evidence.solid_press(scene(indenter=ball, motion__depth=0.5)) == "sphere-2"
+    assert (
+        _evidence.solid_press(scene(indenter=ball, motion__depth=0.5, motion__corner=0.0))
+        == "sphere-2"
+    )
     assert _evidence.solid_press(scene(indenter=ball, motion__depth=1.0)) == "sphere-5"
-    assert _evidence.solid_press(scene(indenter=ball, motion__depth=2.5)) == "flat-30"
+    assert _evidence.solid_press(scene(indenter=ball, motion__depth=2.2)) == "flat-30"
     assert _evidence.solid_press(scenes.load("edge-press")) == "flat-30"
 
 
 def test_the_cost_of_solid_grows_with_the_mesh_and_is_that_of_the_report() -> None:
-    cost = _evidence.solid()["flat-30"]["cost"]
+    cost = _evidence.solid()["sphere-5"]["cost"]
     ramp = scene(motion={"kind": "ramp", "speed": 60.0, "depth": 2.0, "corner": 0.0})
     seconds = [
         solid.cost(replace(ramp, finger=replace(ramp.finger, resolution=resolution)))

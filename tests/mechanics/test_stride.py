@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from fefinger import scenes
 from fefinger.mechanics._stride import STRIDES, stride
 from fefinger.mechanics._timeline import time_grid
 from fefinger.motion import Motion, Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.theory.relaxation import hereditary_integral
 
 
 MOTIONS: list[Motion] = [
@@ -51,3 +53,20 @@ def test_tensors_keep_their_shape():
     steps = stride(motion, time_grid(motion, fast=False))
     values = np.random.default_rng(0).normal(size=(len(steps.times), 2, 3, 3))
     assert steps.smooth(values).shape == (len(steps.time), 2, 3, 3)
+
+
+def stiffening(depth: np.ndarray) -> np.ndarray:
+    return depth**1.5 + 0.35 * depth**3
+
+
+@pytest.mark.parametrize("refine", [1, 2])
+def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> None:
+    peak = 5e-3 / refine**2  # second order
+    scene = scenes.load("flat-press")
+    steps = stride(scene.motion, time_grid(scene.motion, fast=True), refine)
+    fine = np.linspace(0.0, scene.motion.duration, 100_001)
+    prony = scene.finger.prony
+    exact = hereditary_integral(prony, fine, stiffening(scene.motion.value(fine)))
+    few = hereditary_integral(prony, steps.times, stiffening(steps.value))
+    assert few.max() == pytest.approx(exact.max(), rel=peak)
+    assert few == pytest.approx(np.interp(steps.times, fine, exact), abs=peak * exact.max())
