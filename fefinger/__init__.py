@@ -47,7 +47,9 @@ if TYPE_CHECKING:
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
     from fefinger.realtime import Condensed as Condensed
+    from fefinger.rolling import Rolling as Rolling
     from fefinger.scene import Scene as Scene
+    from fefinger.stiffening import Stiffening as Stiffening
     from fefinger.theory.relaxation import Prony as Prony
     from fefinger.tissue import Tissue as Tissue
 
@@ -67,8 +69,10 @@ _HOMES = {
     ),
     "plan": ("choose", "explain"),
     "realtime": ("Condensed",),
+    "rolling": ("Rolling",),
     "scene": ("Scene",),
     "theory.relaxation": ("Prony",),
+    "stiffening": ("Stiffening",),
     "tissue": ("Tissue",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

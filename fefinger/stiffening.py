@@ -1,0 +1,84 @@
+"""The thesis's modulus t(u) as a factor on a linear finger, fitted to that finger.
+
+t depends on the depth of the whole indenter, so it is no material. As a factor on a linear body it
+reads p = integral of G(t - s) d(t q)(s), q the elastic pressure. The values of Table 3.2 are those
+of a half-space and hold the stiffening by the bone already: on a finger with a bone t is fitted
+anew, and little of the stiffening is left for it.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.checks import InputError, number
+from fefinger.realtime import Condensed
+from fefinger.scene import Finger, Flat, Indenter
+from fefinger.theory.relaxation import Prony
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    """t(u) = (b / m) [exp(m u) - 1] (Pawluk 1997, Eq. 3.11) over the finger's own modulus.
+
+    b in 1/mm above 0; m in 1/mm, where 0 is t = b u; misfit: the largest error of the forces that
+    it was fitted to, over the largest of them.
+    """
+
+    b: float
+    m: float
+    misfit: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        number("stiffening.b", self.b, above=0, unit="1/mm")
+        number("stiffening.m", self.m, at_least=0, unit="1/mm")
+
+    def __call__(self, depth: float) -> float:
+        """Return t at a depth in mm; 0 out of contact."""
+        return self.b * float(_growth(self.m, max(depth, 0.0)))
+
+    @classmethod
+    def fitted(
+        cls,
+        finger: Finger,
+        depth: ArrayLike,
+        force: ArrayLike,
+        indenter: Indenter = Flat(30.0),  # noqa: B008 - immutable
+    ) -> Self:
+        """Return the t with which the linear finger has forces nearest to the relaxed ones (n,) N.
+
+        Least squares over the depths (n,) mm. InputError for fewer than two depths above 0.
+        """
+        from scipy.optimize import least_squares
+
+        depth, force = np.asarray(depth, float), np.asarray(force, float)
+        if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
+            message = (
+                "stiffening: expected as many forces as depths, two or more of them above 0, "
+                f"received {depth.shape} depths and {force.shape} forces"
+            )
+            raise InputError(message)
+        elastic = Condensed(
+            replace(finger, prony=Prony((1.0,), ())), indenter, deepest=float(depth.max())
+        )
+        linear = np.array([elastic.step_contact(d, 0.0).force for d in depth.tolist()])
+
+        def missed(numbers: Array) -> Array:
+            return np.exp(numbers[0]) * _growth(numbers[1], np.maximum(depth, 0)) * linear - force
+
+        found = least_squares(
+            missed, [0.0, 1.0], bounds=([-20.0, 0.0], [20.0, 20.0]), xtol=1e-12, ftol=1e-12
+        )
+        misfit = float(np.abs(missed(found.x)).max() / np.abs(force).max())
+        return cls(float(np.exp(found.x[0])), float(found.x[1]), misfit)
+
+
+def _growth(m: float, depth: ArrayLike) -> Array:
+    """Return [exp(m u) - 1] / m, and u for m = 0."""
+    depth = np.asarray(depth, float)
+    return np.asarray(np.expm1(m * depth) / m if m > 0 else depth)

@@ -1,0 +1,57 @@
+"""The thesis's modulus t(u), fitted to a finger."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.checks import InputError
+from fefinger.library import pawluk_bulk
+from fefinger.realtime import Condensed
+from fefinger.stiffening import Stiffening
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+DEPTHS = np.linspace(0.1, 1.4, 14)
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+def test_it_finds_the_t_that_made_the_forces() -> None:
+    given = Stiffening(b=0.8, m=1.3)
+    elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
+    finger = Condensed(elastic, ff.Flat(30), deepest=1.4, stiffening=given)
+    forces = [finger.step(depth, 0.0).force for depth in DEPTHS.tolist()]
+    found = Stiffening.fitted(FINGER, DEPTHS, forces)
+    assert (found.b, found.m) == pytest.approx((given.b, given.m), rel=1e-5)
+    assert found(-1.0) == 0.0
+
+
+def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
+    lumped = pawluk_bulk()["a.h."]
+    forces = lumped.prony.long_time * lumped.b / lumped.m * np.expm1(lumped.m * DEPTHS)
+    fitted = Stiffening.fitted(FINGER, DEPTHS, forces)
+    elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
+    finger = Condensed(elastic, ff.Flat(30), deepest=1.4, stiffening=fitted)
+    found = np.array([finger.step(depth, 0.0).force for depth in DEPTHS.tolist()])
+    error = np.abs(found - forces).max() / forces.max()
+    assert fitted.misfit == pytest.approx(error, rel=1e-6)
+    assert fitted.m < 0.5  # of 2.1 without a bone: the finger stiffens by itself
+    assert 0.01 < error < 0.2
+
+
+@pytest.mark.parametrize(
+    ("depths", "forces", "words"),
+    [
+        ([1.0], [1.0], "two or more"),
+        ([0.5, 1.0], [1.0], "as many forces"),
+    ],
+)
+def test_what_cannot_be_fitted_gets_a_sentence(depths: list, forces: list, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Stiffening.fitted(FINGER, depths, forces)
