@@ -192,7 +192,8 @@ def _histories() -> Any:
 
 def _finite_strain() -> Any:
     drawn = fem_solid.drawn()
-    fig, (left, right) = figure(1, 2, size=(2 * WIDE, 3.2))
+    drawing = figure(WIDE, 2.8)
+    left, right = drawing.subplots(1, 2)
     for color, (name, (depth, found, exact)) in zip(COLORS, drawn["cubes"].items(), strict=False):
         left.plot(100 * depth, exact, color=color, label=name)
         left.plot(100 * depth, found, "o", color=color, markersize=3)
@@ -201,4 +202,4 @@ def _finite_strain() -> Any:
     right.semilogx(np.maximum(drawn["time"], 1e-3), drawn["force"], color=INK)
     right.plot([0.025, 5.025], [1.11, 0.432], "s", color=STEEL)
     right.set(xlabel="time (s)", ylabel="force (N)")
-    return fig
+    return drawing
