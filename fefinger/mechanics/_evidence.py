@@ -288,7 +288,8 @@ def solid_error(scene: Scene) -> tuple[float, str]:
     standard mesh on the fine one.
     """
     press = linear_press(scene.indenter, tuple(solid()))
-    errors, resolution = solid()[press]["mesh_error"], scene.finger.resolution
+    row, resolution = solid().get(press, {"mesh_error": None}), scene.finger.resolution
+    errors = row["mesh_error"]
     if errors is None:
         error, press = linear_mesh_error(scene)
         return error, f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"

@@ -24,7 +24,7 @@ NOTES = (
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: only where the mesh error is not measured."""
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
+    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius >= least:
         return ()
     reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
