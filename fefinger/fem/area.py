@@ -20,6 +20,9 @@ Flags = NDArray[np.bool_]
 
 NEIGHBORS = 40  # nearest vertices that a fit chooses from
 REACH = 2.0  # radius of a fit in edges
+PLAUSIBLE = (
+    1.5  # factor between the area and that of whole vertices beyond which the latter is taken
+)
 LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
 SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
 
@@ -94,7 +97,10 @@ class _Rims:
         known = fitted[corner].all(axis=1)
         cut = np.where(known, share * self.areas[crossed] + curved, 0.0)
         whole = np.where(known, 0.0, count[crossed] / 3 * self.areas[crossed])
-        return inner + float((cut + whole).sum())
+        found = inner + float((cut + whole).sum())
+        vertices = float((count * self.areas).sum()) / 3
+        # Under an edge the gap does not grow smoothly, and its power means nothing.
+        return found if vertices < PLAUSIBLE * found < PLAUSIBLE**2 * vertices else vertices
 
     def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
         """Return phi, the curvature of its zero level, and whether they are known, at `rim`."""

@@ -160,12 +160,7 @@ def _contact(
     for _ in range(ATTEMPTS):
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
         if len(candidates.vertices) == known:
-            message = (
-                f"indenter: expected contact inside its outline, but it reaches the rim, beyond "
-                f"which the indenter turns away, with {known} vertices of the pad under it; press "
-                "less, or take a larger indenter or a finer mesh (finger.resolution)"
-            )
-            raise InputError(message)
+            raise InputError(rim_reached(known))
         known = len(candidates.vertices)
         with stages.stage("unit loads") as report:
             reduced = method.reduce(finger, candidates, probe, report)
@@ -191,6 +186,15 @@ def _contact(
         reach *= GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
+
+
+def rim_reached(count: int) -> str:
+    """Return what to say when contact reaches the rim of an indenter over `count` vertices."""
+    return (
+        f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
+        f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
+        "larger indenter or a finer mesh (finger.resolution)"
+    )
 
 
 def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) -> None:

@@ -174,7 +174,7 @@ def _passage(
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
         if len(contact) == known:
-            break
+            raise InputError(_press.rim_reached(known))
         known = len(contact)
         equilibrium = Equilibrium(elements, contact, finger.system)
         history = StressHistory(elements, series)
