@@ -140,7 +140,7 @@ def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeyp
     monkeypatch.setattr(mechanics, "names", lambda: ("linear", "other"))
     unable = type("Unable", (), {"refuse": staticmethod(lambda scene: (refusal,))})
     monkeypatch.setattr(mechanics, "get", {"linear": unable, "other": linear}.__getitem__)
-    assert main(["explain", "flat-press", "--json"]) == 0
+    assert main(["explain", "flat-press", "--json", "--set", "ask.rel_error=0.5"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["rungs"][0]["seconds"], record["rungs"][0]["error"]) == (None, None)
 
