@@ -269,7 +269,7 @@ def solid_seconds(scene: Scene) -> float:
 
     That of the fine mesh, which is not measured, grows as between the other two.
     """
-    timed = solid()["sphere-5"]
+    timed = solid()["flat-30"]
     costs = (timed["coarse"]["cost"], timed["cost"])
     unknowns = linear()[scene.finger.resolution]["unknowns"]
     times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs])

@@ -80,7 +80,7 @@ def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
 
 
 def test_the_cost_of_solid_grows_with_the_mesh_and_is_that_of_the_report() -> None:
-    cost = _evidence.solid()["sphere-5"]["cost"]
+    cost = _evidence.solid()["flat-30"]["cost"]
     ramp = scene(motion={"kind": "ramp", "speed": 60.0, "depth": 2.0, "corner": 0.0})
     seconds = [
         solid.cost(replace(ramp, finger=replace(ramp.finger, resolution=resolution)))

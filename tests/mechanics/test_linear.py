@@ -169,7 +169,7 @@ def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
     ("parts", "words"),
     [
         ({"indenter": ff.Sphere(radius=1)}, "radius = 1 mm < 2 mm"),
-        ({"motion": ff.Ramp(60, 2.6)}, "depth / half thickness = 0.52 > 0.5"),
+        ({"motion": ff.Ramp(60, 2.6)}, "depth / thickness = 0.26 > 0.2"),
     ],
 )
 def test_accuracy_is_refused_with_the_number_that_broke(parts: dict, words: str) -> None:

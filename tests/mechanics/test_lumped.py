@@ -75,7 +75,7 @@ def test_anything_beyond_force_is_beyond_it(what):
     (refusal,) = lumped.refuse(asked)
     assert refusal.about == "ability"
     assert refusal.reason == f"ask.{what}: asked, but it gives force and depth alone"
-    assert ff.explain(asked).mechanics == "linear"
+    assert ff.explain(asked).mechanics == "solid"
 
 
 def test_spikes_are_beyond_it():
@@ -109,7 +109,7 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
     (refusal,) = lumped.refuse(asked)
     assert refusal.about == "accuracy"
     assert refusal.reason.startswith(reason)
-    assert ff.explain(asked).mechanics == "linear"
+    assert ff.explain(asked).mechanics == "solid"
     named = ff.run(asked, mechanics="lumped")
     assert named.plan.overridden == (refusal,)
     assert named.force.max() > 0
