@@ -184,6 +184,9 @@ def _agreement(finger: Condensed) -> list[Figure]:
     depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
     asked = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
     answers, seconds = [], []
+    memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+    few = Prescribed("depth", asked.time[:2], depth[:2])
+    loop.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
     for method in (loop.march, march):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()

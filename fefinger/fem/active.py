@@ -53,7 +53,7 @@ def active(flexibility: Array) -> Active:
     """Return the state without contact."""
     n = len(flexibility)
     return Active(
-        flexibility=np.ascontiguousarray(flexibility),
+        flexibility=np.array(flexibility, order="C"),  # one that is read-only compiles anew
         inverse=np.zeros((n, n)),
         where=np.zeros(n, dtype=np.int64),
         place=np.full(n, -1, dtype=np.int64),
