@@ -6,8 +6,7 @@ from typing import Any, ClassVar
 
 from fefinger.checks import InputError, choice, flag, number, reject_unknown
 from fefinger.lists import numbers
-from fefinger.neural.endorgans import TYPES
-from fefinger.neural.units import RULES
+from fefinger.neural.endorgans import RULES, TYPES
 
 
 LARGEST_RADIUS = 10.0

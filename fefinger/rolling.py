@@ -75,7 +75,8 @@ class Rolling:
         self._weights = every[0].areas[chosen]
         self._moments = np.array([each.gap[chosen] for each in every])
         loads = sparse.hstack([each.loads[:, chosen] for each in every]).tocsc()
-        both = replace(every[0], vertices=np.tile(self.vertices, 2), loads=loads)
+        places = sparse.hstack([each.places[:, chosen] for each in every]).tocsc()
+        both = replace(every[0], vertices=np.tile(self.vertices, 2), loads=loads, places=places)
         probe = strain_at(solid.space, sites.points, medial=True)
         reduced = reduce(solid, both, probe)
         n = len(self.vertices)

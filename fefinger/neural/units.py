@@ -10,6 +10,7 @@ from fefinger.checks import InputError, choice, number
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
+    RULES,
     TYPES,
     Organ,
     PoleZero,
@@ -32,16 +33,6 @@ from fefinger.neural.trains import SpikeTrains
 
 
 Array = NDArray[np.float64]
-
-RULES = ("mean", "max", "first")
-"""How the generator currents of a unit's end organs meet.
-
-"mean": the mean current on one membrane, the spatial summation of generator current. "max": at
-every time the largest one on one membrane. "first": a membrane for each branch; the first to fire
-fires the unit and its impulse invades the others, which take over its state (that branches of SAI
-units reset each other: Lesniak et al. 2014, doi:10.7554/eLife.01488, and PMC4332704). It costs one
-integration per branch, the others one per unit. With one input to all branches the three agree.
-"""
 
 NOISE_STEP = 1e-3
 """s between the independent values of membrane noise, which is linear in between: a choice, near

@@ -20,7 +20,7 @@ STIFFER = replace(FINGER, skin=replace(FINGER.skin, modulus=3 * FINGER.skin.modu
 WAVE = ff.RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=2)
 PRESSES = {
     "hold": (ff.Flat(30), ff.RampHold(60, 1.2, hold=0.3)),
-    "re-contact": (ff.Flat(10, 20), WAVE),
+    "re-contact": (ff.Flat(25, 20), WAVE),  # on the mesh that `linear` takes too
     "force": (ff.Sphere(5, at=(1, 1)), ff.ForceTrapezoid(2, 0.3, hold=0.3)),
 }
 
