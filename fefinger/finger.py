@@ -11,6 +11,7 @@ from fefinger.tissue import Tissue
 
 
 BONES = ("rigid",)
+RELAXATIONS = ("whole", "deviatoric")
 CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
 PULP = 0.5
@@ -44,6 +45,8 @@ class Finger:
         Name of the set in the library that `skin` and `subcutaneous` are taken from by default.
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
+    relaxation
+        What relaxes: the "whole" stress, or the "deviatoric" part alone (`solid` only).
     bone
         "rigid".
     cut
@@ -69,6 +72,7 @@ class Finger:
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
     prony: Prony = _FROM_LIBRARY
+    relaxation: str = "whole"
     bone: str = "rigid"
     cut: str = "fixed"
     resolution: str = "standard"
@@ -87,6 +91,7 @@ class Finger:
             value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
             object.__setattr__(self, size, value)
         choice("finger.bone", self.bone, BONES)
+        choice("finger.relaxation", self.relaxation, RELAXATIONS)
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, RESOLUTIONS)
         for name in ("surface", "bone_surface"):

@@ -87,7 +87,8 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
 def _finger(table: dict[str, Any], folder: Path) -> Finger:
     names = [field.name for field in fields(Finger) if field.name != "subject_name"]
     reject_unknown("finger", table, (SUBJECT, *names))
-    prony = _prony(table)
+    pronies = _pronies(table)
+    shared = next(iter(pronies.values())) if len(set(pronies.values())) == 1 else None
     subject = table.pop(SUBJECT, None)
     for name in ("surface", "bone_surface"):
         if isinstance(table.get(name), str):
@@ -97,9 +98,10 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
         if layer in table:
             given = _subtable(f"finger.{layer}", table)
             given.pop("prony", None)
-            table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer))
-    if prony is not None:
-        table["prony"] = prony
+            own = None if shared else pronies.get(f"finger.{layer}")
+            table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer), own)
+    if "prony" in table or shared:
+        table["prony"] = shared or pronies["finger"]
     if subject is not None:
         return Finger.subject(subject, **table)
     surface = table.pop("surface", None)
@@ -112,18 +114,18 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     return Finger(**table)
 
 
-def _layer(name: str, given: dict[str, Any], known: Tissue) -> Tissue:
+def _layer(name: str, given: dict[str, Any], known: Tissue, prony: Prony | None) -> Tissue:
     """Return the layer `known` with the values `given` instead of its own."""
-    reject_unknown(name, given, (*(field.name for field in fields(Tissue)), "prony"))
+    reject_unknown(name, given, [field.name for field in fields(Tissue)])
     try:
-        return Tissue(**(_plain(known) | given))
+        return Tissue(**(_plain(known) | given | {"prony": prony}))
     except InputError as error:
         msg = str(error).replace("tissue", name, 1)
         raise InputError(msg) from None
 
 
-def _prony(table: dict[str, Any]) -> Prony | None:
-    """Return the relaxation in [finger] or in its layers, which share one."""
+def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
+    """Return the relaxations in [finger] and in its layers, by the name of their table."""
     found: dict[str, Prony] = {}
     for where in ("finger", "finger.skin", "finger.subcutaneous"):
         inside = table if where == "finger" else _subtable(where, table)
@@ -137,17 +139,11 @@ def _prony(table: dict[str, Any]) -> Prony | None:
                 msg = f"{name}.{key}: missing; expected prony = {{c = [c0, c1, ..], v = [v1, ..]}}"
                 raise InputError(msg)
         try:
-            found[name] = Prony(given["c"], given["v"])
+            found[where] = Prony(given["c"], given["v"])
         except ValueError as error:
             msg = f"{where}.{error}"
             raise InputError(msg) from None
-    if len(set(found.values())) > 1:
-        msg = (
-            f"{', '.join(found)}: expected one relaxation function for all soft tissues, "
-            "received different ones; give it once as finger.prony"
-        )
-        raise InputError(msg)
-    return next(iter(found.values()), None)
+    return found
 
 
 def _ask(table: dict[str, Any]) -> Ask:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from fefinger.checks import InputError, choice, number
+from fefinger.theory.relaxation import Prony
 
 
 LAWS = ("neo-hookean", "mooney-rivlin", "demiray", "veronda-westmann")
@@ -25,6 +26,8 @@ class Tissue:
         Hyperelastic law at finite strain (`solid`); small strain does not tell them apart.
     exponent
         b of the exponential laws, which stiffen as exp(b (I1 - 3)).
+    prony
+        Relaxation of this layer, where it differs from that of the finger (`solid` only).
     share
         Part of the shear modulus that I1 carries in "mooney-rivlin", 0 to 1; by default half.
 
@@ -40,6 +43,7 @@ class Tissue:
     law: str = "neo-hookean"
     exponent: float | None = None
     share: float | None = None
+    prony: Prony | None = None
 
     def __post_init__(self) -> None:
         """Check every field."""

@@ -117,7 +117,7 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
     assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
 
 
-def test_one_relaxation_may_stand_with_a_layer_but_not_differ_between_layers():
+def test_one_relaxation_may_stand_with_a_layer_and_layers_may_differ():
     prony = Prony((0.5, 0.5), (10,))
     table = {"c": [0.5, 0.5], "v": [10]}
     other = {"c": [0.4, 0.6], "v": [10]}
@@ -127,8 +127,11 @@ def test_one_relaxation_may_stand_with_a_layer_but_not_differ_between_layers():
         {"subcutaneous": {"prony": table}},
     ):
         assert scene_of(finger={"subject": "a.h.", **finger}).finger.prony == prony
-    with pytest.raises(InputError, match="one relaxation function for all soft tissues"):
-        scene_of(finger={"subject": "a.h.", "prony": table, "skin": {"prony": other}})
+    scene = scene_of(finger={"subject": "a.h.", "prony": table, "skin": {"prony": other}})
+    assert scene.finger.prony == prony
+    assert scene.finger.skin.prony == Prony((0.4, 0.6), (10,))
+    assert scene.finger.subcutaneous.prony is None
+    assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_single_values_of_a_layer_replace_those_of_the_named_set():

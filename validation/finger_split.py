@@ -142,8 +142,8 @@ def said() -> str:
         f"the flat stack, {rates['linear']} on the finger and {rates['solid']} at finite strain; "
         f"the thesis fitted {theirs} (Table 2.1). So contact, bone and finite strain give part of "
         "the exponential stiffening with tissue that itself does not stiffen (neo-Hookean); the "
-        f"rest has to come from tissue that does: with exp({tissue:g} (I1 - 3)) (Demiray) it is "
-        f"{own} per mm."
+        "rest may come from tissue that does, or from pads thinner or flatter than the shape here: "
+        f"with exp({tissue:g} (I1 - 3)) (Demiray) it is {own} per mm."
     )
 
 

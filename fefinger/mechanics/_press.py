@@ -19,7 +19,7 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
-from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._notes import normalized, relaxing
 from fefinger.mechanics._skin import meshed
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
@@ -363,4 +363,5 @@ def whole_pad(
 def scene_notes(scene: Scene) -> tuple[str, ...]:
     """Return what a reader has to know of this scene's finger."""
     cut = "held" if scene.finger.cut == "fixed" else "free"
-    return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony))
+    own = relaxing(scene.finger)
+    return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony), *own)

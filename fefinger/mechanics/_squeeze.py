@@ -92,6 +92,15 @@ def laws(finger: Finger) -> dict[int, Law]:
     }
 
 
+def relaxations(finger: Finger) -> dict[int, Series]:
+    """Return how the regions that deform relax."""
+    layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
+    own = {region: prony or finger.prony for region, prony in layers.items()}
+    return {
+        region: Series(np.array(prony.weights), np.array(prony.v)) for region, prony in own.items()
+    }
+
+
 @dataclass(frozen=True)
 class _Passage:
     """The solved steps.
@@ -168,8 +177,7 @@ def _passage(
     deepest = motion.peak if depth_control else _press.FORCE_DEPTH * scene.finger.thickness
     path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
     frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    prony = scene.finger.prony
-    series = dict.fromkeys((1, 2), Series(np.array(prony.weights), np.array(prony.v)))
+    deviatoric = scene.finger.relaxation == "deviatoric"
     reach, known = _press.REACH * deepest, 0
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
@@ -177,7 +185,7 @@ def _passage(
             raise InputError(_press.rim_reached(known))
         known = len(contact)
         equilibrium = Equilibrium(elements, contact, finger.system)
-        history = StressHistory(elements, series)
+        history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
         recorder = _Recorder(contact, finger.space.node_points, probe, frames)
         with stages.stage("steps") as report:
             taken = follow(equilibrium, history, path, recorder.keep, report)

@@ -12,7 +12,7 @@ from fefinger.indenter import ANGLES
 from fefinger.mechanics import _axisymmetric
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
-from fefinger.mechanics._notes import normalized
+from fefinger.mechanics._notes import apart, normalized
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
@@ -136,7 +136,7 @@ def half_space(scene: Scene) -> HalfSpace:
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
-    unable = []
+    unable = list(apart(scene))
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):

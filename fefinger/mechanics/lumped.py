@@ -5,6 +5,7 @@ The formula is in `theory/lumped.py`, its proof in the tests of it.
 
 from fefinger import library
 from fefinger.indenter import Ellipsoid, Flat, Sphere
+from fefinger.mechanics._notes import apart
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
@@ -53,6 +54,7 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
     unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
+    unable += apart(scene)
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
     if unable:

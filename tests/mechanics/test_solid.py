@@ -14,6 +14,9 @@ from fefinger.records import Response
 from fefinger.scene import Scene
 
 
+PRONY = {"c": [0.4, 0.6], "v": [50.0]}
+
+
 def press(motion: Motion, *, strain: bool = False, **finger: object) -> Scene:
     """Return a plate on the coarse finger of flat-press."""
     scene = scenes.load("flat-press")
@@ -81,6 +84,37 @@ def test_it_answers_a_held_force():
     response = solid.respond(press(ff.ForceRampHold(10, 0.1, hold=0.02, corner=0)))
     assert response.force.max() == pytest.approx(0.1, rel=1e-4)
     assert response.depth[-1] > response.depth[int(np.argmax(response.force))]
+
+
+@pytest.mark.parametrize(
+    ("settings", "reason", "note"),
+    [
+        (
+            {"finger.relaxation": "deviatoric"},
+            "relaxes the whole stress",
+            "Only the deviatoric stress relaxes; the pressure is elastic.",
+        ),
+        (
+            {"finger.skin.prony": {"c": [0.9, 0.1], "v": [100.0]}, "finger.prony": PRONY},
+            "relaxes all tissue with one function",
+            "The skin relaxes with a series of its own.",
+        ),
+    ],
+)
+def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
+    settings: dict[str, object], reason: str, note: str
+):
+    common = {"finger.resolution": "coarse", "motion.depth": 0.2, "motion.speed": 10}
+    common |= {"motion.hold": 0.0, "ask.spikes": [], "ask.fields": False, "finger.prony": PRONY}
+    usual = scenes.load("flat-press", common)
+    asked = scenes.load("flat-press", common | settings)
+    plan = ff.explain(asked)
+    assert plan.mechanics == "solid"
+    for rung in plan.rungs[:-1]:
+        assert any(reason in refusal.reason for refusal in rung.refusals)
+    found, plain = solid.respond(asked), solid.respond(usual)
+    assert note in found.notes
+    assert 0 < abs(found.force.max() / plain.force.max() - 1) < 0.5
 
 
 def test_a_press_through_the_bone_is_refused():
