@@ -23,7 +23,7 @@ def test_the_scene_of_the_readme_is_the_scene_of_its_python() -> None:
     (toml,) = blocks("toml")
     written = ff.Scene.from_toml(toml)
     names: dict[str, object] = {}
-    (code,) = blocks("python")
+    code = blocks("python")[0]
     exec(code[: code.index("result =")], names)
     shown = names["scene"]
     for part in ("finger", "indenter", "motion", "ask"):
@@ -35,7 +35,7 @@ def test_the_python_of_the_readme_runs_and_its_result_loads(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    (code,) = blocks("python")
+    code = blocks("python")[0]
     exec(code.replace('subject("a.h.")', 'subject("a.h.", resolution="coarse")'), names)
     loaded = ff.load("out")
     assert loaded.force == pytest.approx(names["result"].force)
@@ -46,6 +46,14 @@ def test_the_python_of_the_readme_runs_and_its_result_loads(
         "result.vtkhdf",
         "spikes.csv",
     }
+
+
+def test_the_loop_of_the_readme_steps_a_finger() -> None:
+    names: dict[str, object] = {"ff": ff}
+    code = blocks("python")[1]
+    exec(code.replace('subject("a.h.")', 'subject("a.h.", resolution="coarse")'), names)
+    assert names["step"].force > 0
+    assert names["step"].contact_area > 0
 
 
 def test_every_command_of_the_readme_is_one(capsys: pytest.CaptureFixture[str]) -> None:
