@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from fefinger import console
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.interrupt import INTERRUPTED, MESSAGE, interruptible
 from fefinger.version import VERSION
 
@@ -94,7 +94,12 @@ def run(
 
         output_folder(output)
     with console.progress() as report:
-        result = answer(asked, mechanics=mechanics, progress=report)
+        try:
+            result = answer(asked, mechanics=mechanics, progress=report)
+        except Stopped as stop:
+            if output is not None:
+                click.echo(f"kept: {', '.join(stop.reached.save(output))}", err=True)
+            raise
         seconds, files = dict(result.seconds), []
         if output is not None:
             started = time.perf_counter()

@@ -14,6 +14,14 @@ class ConvergenceError(RuntimeError):
     """An iteration that failed; the message says what was asked, what was reached, what to try."""
 
 
+class Stopped(ConvergenceError):
+    """A run that had to stop; `reached` is the Response or Result of what came before."""
+
+    def __init__(self, message: str, reached: Any) -> None:
+        super().__init__(message)
+        self.reached = reached
+
+
 def number(
     name: str,
     value: Any,

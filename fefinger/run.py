@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.records import Progress, Response, Result
+    from fefinger.records import Plan, Progress, Response, Result
     from fefinger.scene import Scene
 
 PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
@@ -36,11 +36,12 @@ def run(
     InputError
         A scene that cannot be used, or that no mechanics answers.
     ConvergenceError
-        An iteration that failed.
+        An iteration that failed; `Stopped` holds the Result up to there.
     """
     from dataclasses import replace
 
     from fefinger import scenes
+    from fefinger.checks import Stopped
     from fefinger.mechanics import get
     from fefinger.plan import choose
     from fefinger.records import Result
@@ -50,7 +51,10 @@ def run(
         scene = scenes.load(scene)
     plan = choose(scene, mechanics)
     chosen = get(plan.mechanics)
-    response = chosen.respond(scene, progress)
+    try:
+        response = chosen.respond(scene, progress)
+    except Stopped as stop:
+        raise Stopped(str(stop), _kept(scene, plan, stop.reached)) from stop
     stages = Stages(progress)
     with stages.stage("neural"):
         spikes = fire(scene, response) if scene.ask.spikes else None
@@ -66,6 +70,14 @@ def run(
         seconds={**response.seconds, **stages.seconds},
         provenance=_provenance(scene) | response.sources,
     )
+
+
+def _kept(scene: "Scene", plan: "Plan", response: "Response") -> "Result":
+    """Return what a run that had to stop has reached; without spikes, which need the whole."""
+    from fefinger.records import Result
+
+    sources = _provenance(scene) | response.sources
+    return Result(scene, plan, response, None, response.status, response.seconds, sources)
 
 
 def fire(scene: "Scene", response: "Response") -> "SpikeTrains":

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.fem.area import Surface
 from fefinger.fem.body import Body, body
 from fefinger.fem.equilibrium import Equilibrium, State
@@ -33,6 +33,8 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 
 Array = NDArray[np.float64]
 
+WORTH = 4  # steps that are worth keeping when a run has to stop
+
 VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
 
@@ -50,8 +52,10 @@ def squeeze(
     ------
     InputError
         If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    Stopped
+        If an equilibrium is not reached; it holds the Response of the steps before.
     ConvergenceError
-        If an equilibrium is not reached.
+        If that are fewer than WORTH.
     """
     stages = Stages(progress)
     with stages.stage("mesh"):
@@ -64,14 +68,16 @@ def squeeze(
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     steps = stride(scene.motion, time, refine)
     passage = _passage(scene, finger, elements, touch, steps, stages)
+    if passage.halt:
+        steps = steps.until(len(passage.depth))
     with stages.stage("reference"):
         asked = passage.sites is not None
         reference = _press.reference(scene, finger) if asked else None
     with stages.stage("fields"):
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
-    return Response(
+    response = Response(
         mechanics=mechanics,
-        time=time,
+        time=steps.time,
         **_answer(scene, finger, passage, steps),
         sites=passage.sites,
         reference=reference,
@@ -80,6 +86,9 @@ def squeeze(
         notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
         sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
     )
+    if passage.halt:
+        raise Stopped(passage.halt, response)
+    return response
 
 
 def laws(finger: Finger) -> dict[int, Law]:
@@ -119,6 +128,7 @@ class _Passage:
     strain: Array
     times: Array
     frames: dict[int, Array]
+    halt: str
     status: str
     numbers: dict[str, float]
 
@@ -187,8 +197,14 @@ def _passage(
         equilibrium = Equilibrium(elements, contact, finger.system)
         history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
         recorder = _Recorder(contact, finger.space.node_points, probe, frames)
+        halt = ""
         with stages.stage("steps") as report:
-            taken = follow(equilibrium, history, path, recorder.keep, report)
+            try:
+                follow(equilibrium, history, path, recorder.keep, report)
+            except ConvergenceError as error:
+                if len(recorder.depth) < WORTH:
+                    raise
+                halt = str(error)
         pressure = np.array(recorder.pressure)
         pressed = np.asarray((pressure > 0).any(axis=0))
         _check_contact(finger, contact, pressed, recorder.depth)
@@ -206,15 +222,17 @@ def _passage(
             strain=np.array(recorder.strain),
             times=steps.times,
             frames=recorder.frames,
+            halt=halt,
             status=(
-                f"Solved: {taken} steps in {equilibrium.iterations} iterations on "
-                f"{equilibrium.factors + 1} factors, with exact complementarity."
+                f"{'Stopped' if halt else 'Solved'}: {len(pressure)} steps in "
+                f"{equilibrium.iterations} iterations on {equilibrium.factors + 1} factors, with "
+                f"exact complementarity.{f' Then: {halt}' if halt else ''}"
             ),
             numbers={
                 "unknowns": finger.space.n_unknowns,
                 "candidates": len(contact),
                 "half": float(finger.half),
-                "steps": taken,
+                "steps": len(pressure),
                 "iterations": equilibrium.iterations,
             },
         )

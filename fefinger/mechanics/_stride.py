@@ -45,6 +45,13 @@ class Stride:
         """The motion's value (n,) at the steps."""
         return self.path[self.chosen]
 
+    def until(self, count: int) -> "Stride":
+        """Return the first `count` steps alone, and the times up to them."""
+        last = int(self.chosen[count - 1]) + 1
+        seams = np.append(self.seams[self.seams < count - 1], count - 1)
+        chosen = self.chosen[:count]
+        return Stride(self.time[:last], self.path[:last], chosen, self.clock[:last], seams)
+
     def smooth(self, values: Array) -> Array:
         """Interpolate (n, ...) to all times by splines with continuous second derivatives."""
         from scipy.interpolate import CubicSpline

@@ -1,13 +1,16 @@
 """The finite-strain finger: its limits, its balance and its place on the ladder."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fefinger as ff
 from fefinger import scenes
-from fefinger.checks import InputError
+from fefinger.__main__ import main
+from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.equilibrium import Asked, Equilibrium, State
 from fefinger.mechanics import linear, solid
 from fefinger.motion import Motion
 from fefinger.records import Response
@@ -115,6 +118,32 @@ def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
     found, plain = solid.respond(asked), solid.respond(usual)
     assert note in found.notes
     assert 0 < abs(found.force.max() / plain.force.max() - 1) < 0.5
+
+
+def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    find = Equilibrium.find
+
+    def limited(self: Equilibrium, start: State, asked: Asked) -> State:
+        if asked.target > 0.15:
+            message = "take shorter steps"
+            raise ConvergenceError(message)
+        return find(self, start, asked)
+
+    monkeypatch.setattr(Equilibrium, "find", limited)
+    folder = tmp_path / "out"
+    scene = ["flat-press", "--set", "finger.resolution=coarse", "--set", "motion.depth=0.3"]
+    small = ["--set", "ask.fields=false", "--set", "motion.corner=0.001"]
+    assert main(["run", *scene, *small, "--mechanics", "solid", "-o", str(folder)]) == 1
+    said = capsys.readouterr().err
+    assert "kept:" in said
+    assert "failed: at" in said
+    kept = ff.load(str(folder))
+    assert kept.status.startswith("Stopped: ")
+    assert 0.1 < kept.depth[-1] <= 0.15
+    assert kept.force[-1] > 0
+    assert kept.strain.shape[0] == len(kept.time)
 
 
 def test_a_press_through_the_bone_is_refused():
