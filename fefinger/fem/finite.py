@@ -15,7 +15,10 @@ from skfem import Basis, ElementTetP1
 from fefinger.checks import InputError
 from fefinger.fem import kernels
 from fefinger.fem.laws import Law
-from fefinger.fem.spaces import Array, Space
+from fefinger.fem.spaces import Array, Integers, Space
+
+
+Places = tuple[Array, Integers, Array, Array, Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,9 @@ class Continuum:
         cells, points = self.weights.shape
         return Memory(np.ones((cells, 2)), np.zeros((cells, points, 6)))
 
-    def residual(self, values: Array, memory: Memory) -> tuple[Array, float]:
-        """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
-        out = np.zeros(self.space.n_unknowns)
-        least = kernels.residual(
+    def _places(self, values: Array) -> Places:
+        """Return what every loop starts from."""
+        return (
             values,
             self.space.unknowns,
             self.jacobians,
@@ -66,6 +68,13 @@ class Continuum:
             self.reference,
             self.shapes,
             self.laws,
+        )
+
+    def residual(self, values: Array, memory: Memory) -> tuple[Array, float]:
+        """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
+        out = np.zeros(self.space.n_unknowns)
+        least = kernels.residual(
+            *self._places(values),
             memory.gains,
             memory.past,
             out,
@@ -80,13 +89,7 @@ class Continuum:
         """
         data = np.zeros_like(self.pattern.data)
         kernels.tangent(
-            values,
-            self.space.unknowns,
-            self.jacobians,
-            self.weights,
-            self.reference,
-            self.shapes,
-            self.laws,
+            *self._places(values),
             memory.gains,
             memory.past,
             self.slots,
@@ -102,12 +105,7 @@ class Continuum:
         isochoric = np.empty((*self.weights.shape, 6))
         volumetric = np.empty_like(isochoric)
         kernels.stress(
-            values,
-            self.space.unknowns,
-            self.jacobians,
-            self.reference,
-            self.shapes,
-            self.laws,
+            *self._places(values),
             isochoric,
             volumetric,
         )
@@ -115,19 +113,7 @@ class Continuum:
 
     def energy(self, values: Array, memory: Memory) -> float:
         """Return the potential in mN mm."""
-        return float(
-            kernels.energy(
-                values,
-                self.space.unknowns,
-                self.jacobians,
-                self.weights,
-                self.reference,
-                self.shapes,
-                self.laws,
-                memory.gains,
-                memory.past,
-            )
-        )
+        return float(kernels.energy(*self._places(values), memory.gains, memory.past))
 
 
 def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
