@@ -104,8 +104,9 @@ def reduced(
     digest = hashlib.sha256(json.dumps([known, finger.skin.modulus]).encode())
     for array in (patch.loads.indptr, patch.loads.indices, patch.loads.data, points):
         digest.update(np.ascontiguousarray(array).tobytes())
-    place = root().parent / "patches" / digest.hexdigest()[:16]
     names = ("flexibility", "strain", "approach")
+    digest.update(" ".join(names).encode())
+    place = root().parent / "patches" / digest.hexdigest()[:16]
     with suppress(OSError, ValueError):
         found = (np.load(place / f"{name}.npy", mmap_mode="r") for name in names)
         return Reduced(patch, *(array.view(np.ndarray) for array in found))
