@@ -193,13 +193,23 @@ def _protocols() -> Iterator[Case]:
 
     yield Case(
         "neural",
-        "hysteresis: first impulse on a ramp of 2 uA/cm²/s, standard",
-        partial(rising, 2.0),
-        12.287,
-        0.01,
+        "hysteresis: first impulse on a ramp of 200 uA/cm²/s, standard",
+        partial(rising, 200.0),
+        14.05889,
+        1e-4,
         "uA/cm²",
         f"{EXACT}; rest is stable up to 9.775, beside firing from 6.26 on",
-        reason="the interval between two samples of the ramp",
+        reason="time step; slower than 40 uA/cm²/s, rounding decides the moment",
+    )
+    yield Case(
+        "neural",
+        "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
+        lambda: float(9.775 < rising(2.0) < 16),
+        1.0,
+        0.0,
+        "1",
+        "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)",
+        reason="none",
     )
     yield Case(
         "neural",
