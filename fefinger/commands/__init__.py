@@ -1,0 +1,16 @@
+"""The commands of `fefinger`, one file each; what they need is imported when they run."""
+
+from fefinger.commands.bench import bench
+from fefinger.commands.explain import explain
+from fefinger.commands.fit import fit
+from fefinger.commands.live import live
+from fefinger.commands.mesh import mesh
+from fefinger.commands.run import run
+from fefinger.commands.scenes import scenes
+from fefinger.commands.spikes import spikes
+from fefinger.commands.validate import validate
+from fefinger.commands.view import view
+
+
+COMMANDS = (run, explain, scenes, mesh, spikes, view, live, fit, validate, bench)
+"""In the order of the help."""

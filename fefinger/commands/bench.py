@@ -1,0 +1,31 @@
+"""`fefinger bench`: measure speed and accuracy."""
+
+import click
+
+from fefinger import console
+from fefinger.commands.options import json_option, output_option, silent
+
+
+@click.command()
+@click.argument("suites", nargs=-1)
+@output_option("bench-SUITE.json")
+@json_option
+def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
+    """Measure speed and accuracy.
+
+    Runs all suites, or the SUITES named, each against a baseline in the same run.
+    """
+    from fefinger import bench as benchmarks
+    from fefinger.files import output_folder
+
+    folder = None if output is None else output_folder(output)
+    with console.progress() as report:
+        measured = benchmarks.run(suites, progress=report or silent)
+    if folder is not None:
+        for suite, figures in measured.items():
+            benchmarks.write(suite, figures, folder)
+    record = benchmarks.as_json(figure for figures in measured.values() for figure in figures)
+    if as_json:
+        console.print_json(record)
+    else:
+        click.echo(console.bench_summary(record))

@@ -1,0 +1,28 @@
+"""`fefinger fit`: identify the lumped finger from a ramp and hold."""
+
+import click
+
+from fefinger import console
+from fefinger.commands.options import json_option, output_option
+
+
+@click.command()
+@click.argument("data", metavar="DATA.csv")
+@click.option("--terms", default=3, type=click.IntRange(1, 5), help="Exponentials in G, 3.")
+@output_option("fit.json and fit.csv")
+@json_option
+def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
+    """Identify the lumped finger from a ramp and hold.
+
+    DATA.csv has the columns time (s), position (mm) and force (N).
+    """
+    from fefinger import fitting
+    from fefinger.files import output_folder
+
+    folder = None if output is None else output_folder(output)
+    found = fitting.fit(data, terms=terms)
+    files = [] if folder is None else fitting.save(found, folder)
+    if as_json:
+        console.print_json(fitting.record(found) | {"files": files})
+    else:
+        click.echo("\n".join([fitting.summary(found), *(f"file  {file}" for file in files)]))

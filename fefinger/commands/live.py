@@ -1,0 +1,31 @@
+"""`fefinger live`: watch a finger being pressed and rolled."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.option("-o", "output", metavar="FILE", help="Record a .gif or .mp4 instead of a window.")
+@click.option("--subject", default="a.h.", metavar="NAME", help="Whose finger, a.h. by default.")
+@click.option("--resolution", default="standard", metavar="MESH", help="coarse or standard.")
+def live(output: str | None, subject: str, resolution: str) -> None:
+    """Watch a finger being pressed and rolled.
+
+    Pressure, strain in the medial section and spikes as they are computed. The first time, the
+    finger is condensed, which takes about a minute.
+    """
+    from fefinger import live as shows
+    from fefinger.files import output_folder
+    from fefinger.finger import Finger
+
+    finger = Finger.subject(subject, resolution=resolution)
+    if output is None:
+        last = shows.watch(finger)
+    else:
+        output_folder(Path(output).parent)
+        last = shows.record(finger, Path(output))
+    click.echo(
+        f"{last.steps} steps of {1e3 * shows.DT:g} ms at {last.rate:.0f} steps/s, "
+        f"{len(last.spikes)} spikes" + (f": {output}" if output else "")
+    )

@@ -1,0 +1,50 @@
+"""`fefinger mesh`: build, check and draw a finger mesh."""
+
+from pathlib import Path
+
+import click
+
+from fefinger import console
+from fefinger.commands.options import changes_option, json_option
+
+
+@click.command()
+@click.argument("scene", default="flat-press")
+@click.option("--whole", is_flag=True, help="The whole finger, not the half that is enough.")
+@click.option("-o", "--output", metavar="FILE.vtu", help="File to write the mesh to.")
+@click.option("--picture", metavar="PNG", help="Draw the mesh.")
+@changes_option
+@json_option
+def mesh(
+    scene: str,
+    whole: bool,
+    output: str | None,
+    picture: str | None,
+    changes: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Build, check and draw a finger mesh.
+
+    Takes the ready mesh of the finger of SCENE if there is one.
+    """
+    from fefinger import scenes
+    from fefinger.files import output_folder
+    from fefinger.mesh import files, quality
+    from fefinger.mesh.ready import ready
+
+    finger = scenes.load(scene, scenes.settings(changes)).finger
+    for path in (output, picture):
+        if path is not None:
+            output_folder(Path(path).parent)
+    built = ready(finger, half=not whole, progress=lambda line: click.echo(line, err=True))
+    quality.gate(built.quality)
+    if output is not None:
+        files.write(built, output)
+    if picture is not None:
+        from fefinger import view
+
+        view.draw_mesh(built, picture)
+    if as_json:
+        console.print_json(console.mesh_record(built))
+    else:
+        click.echo(console.mesh_summary(built))

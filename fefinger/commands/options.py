@@ -1,0 +1,36 @@
+"""Options that several commands have, and their exit statuses."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+
+DONE, FAILED, UNUSABLE = 0, 1, 2
+
+Command = Callable[..., Any]
+
+
+def changes_option(command: Command) -> Command:
+    """Add `--set FIELD=VALUE`, the changes to a scene."""
+    return click.option(
+        "--set",
+        "changes",
+        multiple=True,
+        metavar="FIELD=VALUE",
+        help="Change a value of the scene, as in --set motion.depth=2 (repeatable).",
+    )(command)
+
+
+def json_option(command: Command) -> Command:
+    """Add `--json`, the answer as JSON on standard output."""
+    return click.option("--json", "as_json", is_flag=True, help="Print JSON.")(command)
+
+
+def output_option(what: str) -> Callable[[Command], Command]:
+    """Add `-o DIR`, the folder that `what` is written to."""
+    return click.option("-o", "--output", metavar="DIR", help=f"Folder to write {what} to.")
+
+
+def silent(stage: str, fraction: float) -> None:
+    """Report no progress."""

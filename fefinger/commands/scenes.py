@@ -1,0 +1,30 @@
+"""`fefinger scenes`: list the built-in scenes, or print one."""
+
+import click
+
+from fefinger import console
+from fefinger.commands.options import json_option
+
+
+@click.command()
+@click.argument("name", required=False)
+@json_option
+def scenes(name: str | None, as_json: bool) -> None:
+    """List the built-in scenes, or print one.
+
+    The scene called NAME is printed as TOML to start from.
+    """
+    from fefinger import scenes as library
+
+    if name is not None:
+        text = library.text(name)
+        if as_json:
+            console.print_json(library.load(name).to_dict())
+        else:
+            click.echo(text, nl=False)
+        return
+    rows = [(known, library.summary(known)) for known in library.names()]
+    if as_json:
+        console.print_json({"scenes": [{"name": n, "summary": summary} for n, summary in rows]})
+    else:
+        click.echo(console.table(rows))
