@@ -59,6 +59,17 @@ def pawluk_bulk() -> dict[str, Lumped]:
     return {name: Lumped(*row[:4], Prony(*row[4:])) for name, row in rows.items()}
 
 
+def pawluk_accounted() -> dict[str, tuple[float, float]]:
+    """Return VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
+    return {
+        "d.p.": (0.98, 0.99),
+        "d.s.": (0.97, 0.85),
+        "a.h.": (0.98, 0.88),
+        "p.w.": (0.96, 0.77),
+        "means": (0.97, 0.87),
+    }
+
+
 def pawluk_relaxation() -> dict[str, Prony]:
     """Return Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
     return {
