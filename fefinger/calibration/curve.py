@@ -62,10 +62,10 @@ class Curve:
 
     def force(self, depth: ArrayLike) -> Array:
         """Return the force in N at depths in mm, 0 out of contact."""
-        depth = np.maximum(np.asarray(depth, float), 0.0)
-        inside = np.where(depth > 0, np.minimum(depth, self.deepest), self.deepest)
-        beyond = np.maximum(depth - self.deepest, 0.0) * self._steepness(self.deepest)
-        return np.asarray(np.where(depth > 0, np.exp(self._logarithm(inside) + beyond), 0.0))
+        x: Array = np.maximum(np.asarray(depth, float), 0.0)
+        inside = np.where(x > 0, np.minimum(x, self.deepest), self.deepest)
+        beyond = np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
+        return np.asarray(np.where(x > 0, np.exp(self._logarithm(inside) + beyond), 0.0))
 
     def stiffness(self, depth: ArrayLike) -> Array:
         """Return dP/dx in N/mm at depths above 0 mm."""
@@ -117,10 +117,10 @@ def curve(press: Press) -> tuple[Curve, float]:
     power, deepest = np.log(force / x**1.5), float(x[-1])
     even = np.linspace(0.0, deepest, NODES)
     if len(x) >= DENSE:
-        q = np.interp(even, x, power)
+        q = np.asarray(np.interp(even, x, power))
     else:
         weights = np.minimum(x / (SHALLOW * deepest), 1.0)
-        q = polynomial.polyval(even, polynomial.polyfit(x, power, DEGREE, w=weights))
+        q = np.asarray(polynomial.polyval(even, polynomial.polyfit(x, power, DEGREE, w=weights)))
     share = press.felt / (1e3 * force[:, None])
     found = Curve(q, deepest, _columns(np.linspace(0.0, deepest, SHARES), x, share))
     deep = x > SHALLOW * deepest
@@ -129,46 +129,45 @@ def curve(press: Press) -> tuple[Curve, float]:
 
 @dataclass(frozen=True)
 class Family:
-    """Curves over two numbers: the shape of the law (rows) and the pad radius in mm (columns).
+    """Curves over the shape of the law, and what pad radius and skin add to them.
 
     What the shape is, is up to the mechanics: the exponent of a law in `solid`, m of t(u) in
-    `condensed`, whose family has one row. `correction` (NODES,) is added to the q of every curve;
-    `by_ratio` is what a factor e of skin over subcutaneous modulus adds to it; `ripple` is the
-    largest relative distance of a solved step from its curve.
+    `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
+    by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
+    first order; shares_by_radius (SHARES, 64) likewise; correction (NODES,) is added to every q;
+    ripple: the largest relative distance of a solved step from its curve.
     """
 
     shapes: tuple[float, ...]
-    radii: tuple[float, ...]
-    curves: tuple[tuple[Curve, ...], ...]
+    curves: tuple[Curve, ...]
+    radius: float
     ripple: float
     correction: Array
     by_ratio: Array
+    by_radius: Array
+    shares_by_radius: Array
 
     @property
     def deepest(self) -> float:
         """Depth in mm that all curves reach."""
-        return min(each.deepest for row in self.curves for each in row)
+        return min(each.deepest for each in self.curves)
 
     def at(self, shape: float, radius: float, ratio: float = 1.0) -> Curve:
-        """Return the curve at a shape and a radius in mm.
+        """Return the curve at a shape, a pad radius in mm and a ratio of the moduli.
 
-        `ratio` is that of the moduli of skin and subcutaneous tissue over that of the presses,
-        whose effect is taken to first order in its logarithm.
+        `ratio` is that of skin to subcutaneous modulus, over that of the presses.
         """
-        rows = _lagrange(self.shapes, shape) if len(self.shapes) > 1 else np.ones(1)
-        columns = _lagrange([np.log(r) for r in self.radii], np.log(radius))
-        deepest = self.deepest
-        q = self.correction + np.log(ratio) * self.by_ratio
-        deepest = self.deepest
-        shares = np.zeros_like(self.curves[0][0].shares)
-        even, few = (np.linspace(0.0, deepest, count) for count in (NODES, SHARES))
-        for row, line in zip(np.outer(rows, columns).tolist(), self.curves, strict=True):
-            for weight, each in zip(row, line, strict=True):
-                q = q + weight * each.power(even)
-                own = np.linspace(0.0, each.deepest, SHARES)
-                shares += weight * _columns(few, own, each.shares)
+        weights = _lagrange(self.shapes, shape) if len(self.shapes) > 1 else np.ones(1)
+        wider = np.log(radius / self.radius)
+        q: Array = self.correction + np.log(ratio) * self.by_ratio + wider * self.by_radius
+        shares = wider * self.shares_by_radius
+        even, few = (np.linspace(0.0, self.deepest, count) for count in (NODES, SHARES))
+        for weight, each in zip(weights.tolist(), self.curves, strict=True):
+            q = q + weight * each.power(even)
+            own = np.linspace(0.0, each.deepest, SHARES)
+            shares = shares + weight * _columns(few, own, each.shares)
         growth = None if len(self.shapes) > 1 else shape
-        return Curve(q, deepest, shares, growth)
+        return Curve(q, self.deepest, shares, growth)
 
     def corrected(self, press: Press, shape: float, radius: float) -> "Family":
         """Return the family shifted so that it meets a better press at a shape and radius."""
@@ -176,13 +175,25 @@ class Family:
         shift = self._apart(self.at(shape, radius), better)
         return replace(self, ripple=ripple, correction=self.correction + shift)
 
-    def with_ratio(self, press: Press, shape: float, radius: float, factor: float) -> "Family":
+    def with_ratio(self, press: Press, shape: float, factor: float) -> "Family":
         """Return the family that knows the effect of the ratio, from a press at `factor` times it.
 
         The other press is at the same subcutaneous modulus.
         """
-        shift = self._apart(self.at(shape, radius), curve(press)[0])
+        shift = self._apart(self.at(shape, self.radius), curve(press)[0])
         return replace(self, by_ratio=shift / np.log(factor))
+
+    def with_radius(self, press: Press, shape: float, radius: float) -> "Family":
+        """Return the family that knows the effect of the radius, from a press at another one."""
+        mine, other = self.at(shape, self.radius), curve(press)[0]
+        wider = np.log(radius / self.radius)
+        even = np.linspace(0.0, self.deepest, SHARES)
+        theirs = _columns(even, np.linspace(0.0, other.deepest, SHARES), other.shares)
+        return replace(
+            self,
+            by_radius=self._apart(mine, other) / wider,
+            shares_by_radius=(theirs - mine.shares) / wider,
+        )
 
     def _apart(self, one: Curve, other: Curve) -> Array:
         """Return by how much log P of `other` is above that of `one`, (NODES,)."""
@@ -193,27 +204,27 @@ class Family:
         return np.asarray(polynomial.polyval(np.minimum(even, reach), apart))
 
 
-def family(
-    shapes: Sequence[float], radii: Sequence[float], press: Callable[[float, float], Press]
-) -> Family:
-    """Return the family of presses on a grid; `press` gives the one at a shape and a radius.
+def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
+    """Return the family of the presses at some shapes; `press` gives the one at a shape.
 
     Raises
     ------
     InputError
-        Shapes or radii that do not rise.
+        Shapes that do not rise.
     """
-    for name, values in (("shapes", shapes), ("radii", radii)):
-        if not len(values) or (np.diff(values) <= 0).any():
-            msg = f"family.{name}: expected numbers that rise, received {list(values)}"
-            raise InputError(msg)
-    rows, ripples = [], [0.0]
-    for shape in shapes:
-        found = [curve(press(shape, radius)) for radius in radii]
-        rows.append(tuple(each for each, _ in found))
-        ripples += [ripple for _, ripple in found]
+    if not len(shapes) or (np.diff(shapes) <= 0).any():
+        msg = f"family.shapes: expected numbers that rise, received {list(shapes)}"
+        raise InputError(msg)
+    found = [curve(press(shape)) for shape in shapes]
     return Family(
-        tuple(shapes), tuple(radii), tuple(rows), max(ripples), *np.zeros((2, NODES))
+        tuple(shapes),
+        tuple(each for each, _ in found),
+        radius,
+        max(ripple for _, ripple in found),
+        np.zeros(NODES),
+        np.zeros(NODES),
+        np.zeros(NODES),
+        np.zeros_like(found[0][0].shares),
     )
 
 

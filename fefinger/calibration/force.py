@@ -129,9 +129,8 @@ class Forces:
         if len(self.family.shapes) == 1:
             shapes: Sequence[float] = (0.3, 1.5)
         else:
-            shapes = np.linspace(*self.family.shapes[:: len(self.family.shapes) - 1], 5)[
-                1:4
-            ].tolist()
+            low, high = self.family.shapes[0], self.family.shapes[-1]
+            shapes = np.linspace(low, high, 5)[1:4].tolist()
         return [self._start(shape) for shape in shapes]
 
     def curve(self, values: Values) -> tuple[Curve, float]:

@@ -28,10 +28,10 @@ standard deviation of its prior, for the prior to decide it more than the data."
 class Unknown:
     """A parameter to be found.
 
-    start and bounds in `unit`; log: searched by its logarithm; prior: center and standard deviation,
-    of the logarithm where log (a factor 2 is 0.69), or None; source: where the prior or the bounds
-    are from; held: kept at its start, as the data cannot find it, and counted among what is
-    uncertain.
+    start and bounds in `unit`; log: searched by its logarithm; prior: center and its standard
+    deviation, which is of the logarithm where log (a factor 2 is 0.69), or None; source: where the
+    prior or the bounds are from; held: kept at its start, as the data cannot find it, and counted
+    among what is uncertain.
     """
 
     name: str
@@ -213,6 +213,11 @@ def _inverse(matrix: Array) -> Array:
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     values = np.maximum(values, 1e-14)
     return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
+
+
+def _even(each: Unknown) -> float:
+    """Return the standard deviation of what may be anywhere between the bounds."""
+    return (each.inside(each.high) - each.inside(each.low)) / math.sqrt(12)
 
 
 def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:

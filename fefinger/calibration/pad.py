@@ -32,6 +32,9 @@ HEAVIEST = 2.3
 LEVELS = 20
 """Frames that are fitted, evenly over the depth."""
 
+RADII = (5.0, 40.0)
+"""Pad radii in mm that a finger may have."""
+
 ROUNDING = 0.5 / np.sqrt(3.0)
 """Standard deviation in mm of an R that is printed to the mm."""
 
@@ -60,7 +63,12 @@ def slow(prony: Prony, depth: Array, relaxed: Array) -> Array:
 
 
 def simulated(
-    curve: Curve, factor: float, prony: Prony, *, seed: int | None = None, heaviest: float = HEAVIEST
+    curve: Curve,
+    factor: float,
+    prony: Prony,
+    *,
+    seed: int | None = None,
+    heaviest: float = HEAVIEST,
 ) -> Frames:
     """Return frames of the array on a slow press; `seed` starts its noise, None leaves it out."""
     sensor = ArraySensor()
@@ -92,7 +100,7 @@ def thesis_fit(frames: Frames) -> PadFit:
 
 
 def radius_for(
-    wanted: float, radii: Sequence[float], found: Sequence[float], bounds: tuple[float, float]
+    wanted: float, radii: Sequence[float], found: Sequence[float]
 ) -> tuple[float, float]:
     """Return the pad radius in mm at which the thesis's fit gives `wanted`, and its slope there.
 
@@ -112,7 +120,7 @@ def radius_for(
             f"{np.round(radii, 2)} mm; the frames do not tell the shape of this pad"
         )
         raise InputError(msg)
-    radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *bounds))
+    radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
     return radius, float(slope * wanted / radius)
 
 

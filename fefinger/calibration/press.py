@@ -71,11 +71,8 @@ def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> P
     scene = pressed(finger)
     place = root() / f"{key(scene, mechanics)}.npz"
     with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
-        return Press(
-            *(kept[name] for name in ("depth", "force", "felt", "area")),
-            float(kept["seconds"]),
-            str(kept["halt"]),
-        )
+        depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
+        return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
     found = _solved(scene, mechanics, progress)
     with suppress(OSError):  # without room for it, it is solved again the next time
         _keep(found, place)

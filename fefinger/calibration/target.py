@@ -78,8 +78,10 @@ class Record:
 
 @dataclass(frozen=True)
 class Frames:
-    """What an array read in a slow press: depth (n_t, n) mm, pressure (n_t, n) kPa of elements at
-    distance (n,) mm from the center of contact.
+    """What an array read in a slow press.
+
+    depth (n_t, n) mm, pressure (n_t, n) kPa of elements at distance (n,) mm from the center of
+    contact.
     """
 
     depth: Array

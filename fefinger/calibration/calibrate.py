@@ -1,0 +1,261 @@
+"""Fit a finger to a subject or a record, by rungs that start one another.
+
+`lumped` is the exact inverse: stiffness, touch and G of the thesis's own model. `condensed` scales
+the linear finger by the thesis's t(u); `solid` finds modulus and exponent of tissue that stiffens,
+on the coarse mesh first and then by corrections on the finer one, and the pad radius by what the
+thesis's fit finds in the frames of its array.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import library
+from fefinger.calibration import pad, target
+from fefinger.calibration.curve import Family, family
+from fefinger.calibration.force import SHAPE, Forces, prony_of
+from fefinger.calibration.inverse import solve
+from fefinger.calibration.outcome import Found, checked, layer, outcome
+from fefinger.calibration.press import Press, press
+from fefinger.calibration.record import Calibration, Stage
+from fefinger.calibration.target import Bulk, Frames, Record
+from fefinger.checks import InputError, choice
+from fefinger.finger import Finger
+from fefinger.records import Progress
+
+
+Array = NDArray[np.float64]
+
+MECHANICS = ("condensed", "solid")
+
+EXPONENTS = (0.02, 1.5, 3.0, 4.5)
+"""Exponents of Demiray's law at which a finger is solved; the first is all but neo-Hookean."""
+
+SMALLER = 0.8
+"""Pad radius of most presses over the R that the frames should give: the thesis's fit of a finger
+with a bone finds about 1.2 times its pad radius."""
+
+AGAINST = 2.0
+"""Factor on the skin's modulus of the press that shows what the ratio of the moduli does."""
+
+MIDDLE = 3.0
+"""Exponent of that press, and of the one at the other pad radius."""
+
+CORRECTIONS = 3
+"""Presses on the finer mesh, at most."""
+
+SETTLED = 0.05
+"""Change of the exponent between two corrections that counts as none."""
+
+
+class Work:
+    """Presses of one finger, with their progress and their cost by stage."""
+
+    def __init__(self, finger: Finger, progress: Progress | None) -> None:
+        self.finger, self.progress = finger, progress
+        self.stages: list[Stage] = []
+        self._presses: list[Press] = []
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[Callable[[float], None]]:
+        """Measure a stage; yields a function that takes its misfit."""
+        started, misfits = time.process_time(), [math.nan]
+        self._presses = []
+        if self.progress is not None:
+            self.progress(name, 0.0)
+        yield misfits.append
+        spent = time.process_time() - started
+        kept = sum(each.seconds for each in self._presses)
+        self.stages.append(Stage(name, spent, len(self._presses), kept, misfits[-1]))
+        if self.progress is not None:
+            self.progress(name, 1.0)
+
+    def press(
+        self,
+        mechanics: str,
+        resolution: str,
+        radius: float,
+        exponent: float | None = None,
+        ratio: float = 1.0,
+    ) -> Press:
+        """Return a press of the finger with another radius, exponent and skin."""
+        finger = replace(
+            self.finger,
+            resolution=resolution,
+            pad_radius=radius,
+            skin=layer(self.finger.skin, exponent, ratio),
+            subcutaneous=layer(self.finger.subcutaneous, exponent),
+        )
+        found = press(finger, mechanics)
+        self._presses.append(found)
+        return found
+
+
+def calibrate(
+    source: str | Path,
+    *,
+    finger: Finger | None = None,
+    mechanics: str = "solid",
+    resolution: str = "standard",
+    frames: str | Path | None = None,
+    check: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Calibration:
+    """Return a finger that was fitted to a subject of the thesis or to the record of a user.
+
+    Parameters
+    ----------
+    source
+        A subject of Table 2.1, as "a.h.", or a CSV file of time (s), position (mm), force (N) with
+        a fast ramp and a hold.
+    finger
+        Size and tissues to start from; by default those of the subject. A record needs it.
+    mechanics
+        "condensed" (small strain, times the t(u) of the thesis) or "solid" (finite strain, tissue
+        that stiffens).
+    resolution
+        Mesh that `solid` ends on: "coarse", "standard" or "fine".
+    frames
+        CSV file of a slow press: time, position (mm from touch), p1 ... p64 (kPa).
+    check
+        CSV file of a motion with unloading, which is predicted and not fitted.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
+
+    Raises
+    ------
+    InputError
+        A source that cannot be used.
+    ConvergenceError
+        A fit or a press that fails.
+    """
+    choice("mechanics", mechanics, MECHANICS)
+    wanted = _target(source, finger)
+    start = finger or Finger.subject(wanted.name)
+    measured = None if frames is None else target.frames(frames)
+    again = None if check is None else target.unloading(check)
+    work = Work(replace(start, resolution=resolution), progress)
+    if isinstance(wanted, Record):
+        with work.stage("lumped") as misfit:
+            misfit(math.sqrt(wanted.lumped.mse))
+    if mechanics == "condensed":
+        found = condensed(work, wanted)
+        done = outcome(wanted, start, found, work.stages, mechanics)
+    else:
+        done = solid(work, wanted, measured)
+    return done if again is None else checked(done, again)
+
+
+def condensed(work: Work, wanted: Bulk | Record) -> Found:
+    """Return the fit of the linear finger times t(u)."""
+    start = work.finger
+    with work.stage("condensed") as misfit:
+        linear = family(
+            (1.0,),
+            start.pad_radius,
+            lambda shape: work.press("condensed", start.resolution, start.pad_radius),
+        )
+        found = _solved(_forces(work, wanted, linear, start.pad_radius))
+        misfit(found.solution.misfit)
+    return found
+
+
+def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
+    """Return the fit of tissue that stiffens, at the pad radius that the frames ask for."""
+    start = work.finger
+    seen = frames is not None or isinstance(wanted, Bulk)
+    radius, spread = SMALLER * start.pad_radius if seen else start.pad_radius, math.nan
+    with work.stage("solid, coarse") as misfit:
+        coarse = family(EXPONENTS, radius, lambda b: work.press("solid", "coarse", radius, b))
+        stiff = work.press("solid", "coarse", radius, MIDDLE, AGAINST)
+        coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
+        found = _solved(_forces(work, wanted, coarse, radius))
+        misfit(found.solution.misfit)
+    if seen:
+        with work.stage("array, coarse"):
+            wider = work.press("solid", "coarse", start.pad_radius, MIDDLE)
+            coarse = coarse.with_radius(wider, MIDDLE, start.pad_radius)
+            radius, spread = _radius(work, wanted, frames, coarse)
+    found = _solved(_forces(work, wanted, coarse, radius))
+    if start.resolution != "coarse":
+        with work.stage(f"solid, {start.resolution}") as misfit:
+            found, coarse = _finished(work, wanted, coarse, radius, found)
+            misfit(found.solution.misfit)
+    with work.stage("array"):
+        shape = _array(wanted, frames, found)
+    adapted = replace(start, pad_radius=radius)
+    return outcome(wanted, adapted, found, work.stages, "solid", shape, spread, coarse.ripple)
+
+
+def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
+    if isinstance(source, str) and source in library.subjects():
+        return target.subject(source)
+    if finger is None:
+        msg = (
+            f"{source}: expected the size of the finger beside a record, received none; give width "
+            "and thickness in mm, or the subject whose size it has"
+        )
+        if not Path(source).exists():
+            names = ", ".join(each for each in library.pawluk_bulk() if each != "means")
+            msg = f"calibrate: expected a subject ({names}) or a CSV file, received {str(source)!r}"
+        raise InputError(msg)
+    return target.record(source)
+
+
+def _forces(work: Work, wanted: Bulk | Record, curves: Family, radius: float) -> Forces:
+    skin, rest = work.finger.skin.modulus, work.finger.subcutaneous.modulus
+    return Forces(wanted, curves, rest, skin / rest, radius)
+
+
+def _solved(forces: Forces) -> Found:
+    found = solve(forces.residual, forces.unknowns, forces.starts())
+    return Found(found, *forces.curve(found.values))
+
+
+def _radius(
+    work: Work, wanted: Bulk | Record, frames: Frames | None, curves: Family
+) -> tuple[float, float]:
+    """Return the pad radius that the frames ask for, and its standard deviation, in mm."""
+    radii = (curves.radius, work.finger.pad_radius)
+    tried = [_solved(_forces(work, wanted, curves, each)) for each in radii]
+    goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
+    fits = [
+        pad.thesis_fit(
+            pad.simulated(each.curve, each.factor, prony_of(each.solution.values), seed=0)
+        )
+        for each in tried
+    ]
+    radius, slope = pad.radius_for(goal.radius, radii, [fit.radius for fit in fits])
+    return round(radius, 1), float(pad.ROUNDING / slope)
+
+
+def _finished(
+    work: Work, wanted: Bulk | Record, curves: Family, radius: float, found: Found
+) -> tuple[Found, Family]:
+    """Return the fit on the finer mesh: the coarse family, shifted until the exponent settles."""
+    for _ in range(CORRECTIONS):
+        exponent = round(found.solution.values[SHAPE], 2)
+        better = work.press("solid", work.finger.resolution, radius, exponent)
+        curves = curves.corrected(better, exponent, radius)
+        found = _solved(_forces(work, wanted, curves, radius))
+        if abs(found.solution.values[SHAPE] - exponent) < SETTLED:
+            break
+    return found, curves
+
+
+def _array(wanted: Bulk | Record, frames: Frames | None, found: Found) -> dict[str, float]:
+    """Return the thesis's fit of simulated and of measured frames, by name."""
+    if frames is None and not isinstance(wanted, Bulk):
+        return {}
+    goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
+    prony = prony_of(found.solution.values)
+    fit = pad.thesis_fit(pad.simulated(found.curve, found.factor, prony, seed=0))
+    names = ("radius", "m", "c0_b")
+    both = {f"array {name}": getattr(fit, name) for name in names}
+    return both | {f"array {name}, wanted": getattr(goal, name) for name in names}
