@@ -4,10 +4,12 @@ Confidence: "high" is read in the source, "medium" is quoted from memory of a wi
 and has to be checked before it decides anything, "low" is a guess that fills a gap.
 """
 
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Literal
 
-from fefinger.checks import choice
+from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 
@@ -107,12 +109,18 @@ def subjects() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class TissueSet:
-    """Elastic properties of the two soft layers, relaxed values, with where they come from."""
+    """Elastic properties of the two soft layers, relaxed values, with where they come from.
+
+    pad_radius mm and prony: those of the finger that a set was fitted to; None leaves them to the
+    subject.
+    """
 
     skin: Tissue
     subcutaneous: Tissue
     source: str
     confidence: Confidence
+    pad_radius: float | None = None
+    prony: Prony | None = None
 
 
 def maeno1998() -> TissueSet:
@@ -166,8 +174,42 @@ TISSUE_SETS = {"maeno1998": maeno1998, "dandekar2003": dandekar2003, "saal2017":
 
 
 def tissue_set(name: str) -> TissueSet:
-    """Return the tissue set called `name`, or raise InputError with the nearest name."""
+    """Return the tissue set called `name`, or the one in a file that ends in .toml.
+
+    Raises
+    ------
+    InputError
+        A name that is not known, with the nearest one, or a file that holds no tissue set.
+    """
+    if isinstance(name, str) and name.endswith(TISSUE_FILE):
+        return _tissue_file(name)
     return TISSUE_SETS[choice("finger.tissue", name, TISSUE_SETS)]()
+
+
+TISSUE_FILE = ".toml"
+"""How the name of a file with a tissue set ends; `fefinger calibrate` writes them."""
+
+
+def _tissue_file(name: str) -> TissueSet:
+    """Return the tissue set of a file, as `fefinger calibrate` writes it."""
+    try:
+        table = tomllib.loads(Path(name).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        msg = f"finger.tissue: expected a TOML file with a tissue set, received {name!r}: {error}"
+        raise InputError(msg) from None
+    expected = [field.name for field in fields(TissueSet)]
+    reject_unknown(f"finger.tissue ({name})", table, expected)
+    try:
+        layers = {layer: Tissue(**table.pop(layer)) for layer in ("skin", "subcutaneous")}
+        prony = table.pop("prony", None)
+        own = {"prony": None if prony is None else Prony(**prony)}
+        return TissueSet(**({"source": name, "confidence": "low"} | table | layers | own))
+    except (KeyError, TypeError, ValueError) as error:
+        msg = (
+            f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and "
+            f"perhaps pad_radius and prony in {name!r}, received {error}"
+        )
+        raise InputError(msg) from None
 
 
 def _stretched_together(*layers: Tissue) -> Tissue:

@@ -144,53 +144,61 @@ def calibrate(
     if isinstance(wanted, Record):
         with work.stage("lumped") as misfit:
             misfit(math.sqrt(wanted.lumped.mse))
-    if mechanics == "condensed":
-        found = condensed(work, wanted)
-        done = outcome(wanted, start, found, work.stages, mechanics)
-    else:
-        done = solid(work, wanted, measured)
+    rung = {"condensed": condensed, "solid": solid}[mechanics]
+    done = rung(work, wanted, measured)
     return done if again is None else checked(done, again)
 
 
-def condensed(work: Work, wanted: Bulk | Record) -> Found:
-    """Return the fit of the linear finger times t(u)."""
-    start = work.finger
+def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
+    """Return the fit of the linear finger times t(u), at the pad radius that frames ask for.
+
+    The printed R of a subject is left alone: it is for a finger that itself stiffens.
+    """
+    start, spread = work.finger, None
+    radius, mesh = start.pad_radius, start.resolution
     with work.stage("condensed") as misfit:
-        linear = family(
-            (1.0,),
-            start.pad_radius,
-            lambda shape: work.press("condensed", start.resolution, start.pad_radius),
-        )
-        found = _solved(_forces(work, wanted, linear, start.pad_radius))
+        linear = family((1.0,), radius, lambda _: work.press("condensed", mesh, radius))
+        found = _solved(_forces(work, wanted, linear, radius))
         misfit(found.solution.misfit)
-    return found
+    if frames is not None:
+        with work.stage("array") as misfit:
+            other = SMALLER * radius
+            linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
+            radius, spread = _radius(work, wanted, frames, linear, (other, radius), found)
+            found = _solved(_forces(work, wanted, linear, radius, spread), found)
+            misfit(found.solution.misfit)
+    adapted = replace(start, pad_radius=radius)
+    shape = _array(wanted, frames, found) if frames is not None else {}
+    return outcome(wanted, adapted, found, work.stages, "condensed", shape, linear.ripple)
 
 
 def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
     """Return the fit of tissue that stiffens, at the pad radius that the frames ask for."""
-    start = work.finger
+    start, spread = work.finger, None
     seen = frames is not None or isinstance(wanted, Bulk)
-    radius, spread = SMALLER * start.pad_radius if seen else start.pad_radius, math.nan
+    radius = SMALLER * start.pad_radius if seen else start.pad_radius
     with work.stage("solid, coarse") as misfit:
-        coarse = family(EXPONENTS, radius, lambda b: work.press("solid", "coarse", radius, b))
-        stiff = work.press("solid", "coarse", radius, MIDDLE, AGAINST)
+        first = radius
+        coarse = family(EXPONENTS, first, lambda b: work.press("solid", "coarse", first, b))
+        stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST)
         coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
-        found = _solved(_forces(work, wanted, coarse, radius))
+        found = _solved(_forces(work, wanted, coarse, first))
         misfit(found.solution.misfit)
     if seen:
         with work.stage("array, coarse"):
-            wider = work.press("solid", "coarse", start.pad_radius, MIDDLE)
-            coarse = coarse.with_radius(wider, MIDDLE, start.pad_radius)
-            radius, spread = _radius(work, wanted, frames, coarse)
-    found = _solved(_forces(work, wanted, coarse, radius))
+            other = start.pad_radius
+            wider = work.press("solid", "coarse", other, MIDDLE)
+            coarse = coarse.with_radius(wider, MIDDLE, other)
+            radius, spread = _radius(work, wanted, frames, coarse, (first, other), found)
+            found = _solved(_forces(work, wanted, coarse, radius, spread), found)
     if start.resolution != "coarse":
         with work.stage(f"solid, {start.resolution}") as misfit:
-            found, coarse = _finished(work, wanted, coarse, radius, found)
+            found, coarse = _finished(work, wanted, coarse, radius, spread, found)
             misfit(found.solution.misfit)
     with work.stage("array"):
         shape = _array(wanted, frames, found)
     adapted = replace(start, pad_radius=radius)
-    return outcome(wanted, adapted, found, work.stages, "solid", shape, spread, coarse.ripple)
+    return outcome(wanted, adapted, found, work.stages, "solid", shape, coarse.ripple)
 
 
 def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
@@ -208,42 +216,59 @@ def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
     return target.record(source)
 
 
-def _forces(work: Work, wanted: Bulk | Record, curves: Family, radius: float) -> Forces:
+def _forces(
+    work: Work,
+    wanted: Bulk | Record,
+    curves: Family,
+    radius: float,
+    radius_sd: float | None = None,
+) -> Forces:
     skin, rest = work.finger.skin.modulus, work.finger.subcutaneous.modulus
-    return Forces(wanted, curves, rest, skin / rest, radius)
+    return Forces(wanted, curves, rest, skin / rest, radius, radius_sd)
 
 
-def _solved(forces: Forces) -> Found:
-    found = solve(forces.residual, forces.unknowns, forces.starts())
+def _solved(forces: Forces, near: Found | None = None) -> Found:
+    starts = forces.starts() if near is None else [near.solution.values]
+    found = solve(forces.residual, forces.unknowns, starts)
     return Found(found, *forces.curve(found.values))
 
 
 def _radius(
-    work: Work, wanted: Bulk | Record, frames: Frames | None, curves: Family
+    work: Work,
+    wanted: Bulk | Record,
+    frames: Frames | None,
+    curves: Family,
+    radii: tuple[float, float],
+    near: Found,
 ) -> tuple[float, float]:
-    """Return the pad radius that the frames ask for, and its standard deviation, in mm."""
-    radii = (curves.radius, work.finger.pad_radius)
-    tried = [_solved(_forces(work, wanted, curves, each)) for each in radii]
+    """Return the pad radius that the frames ask for, and its standard deviation, in mm.
+
+    The fitted R of two pad radii gives its slope; its scatter is the rounding of a printed R, or
+    what the noise of the array makes.
+    """
     goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
-    fits = [
-        pad.thesis_fit(
-            pad.simulated(each.curve, each.factor, prony_of(each.solution.values), seed=0)
-        )
-        for each in tried
-    ]
-    radius, slope = pad.radius_for(goal.radius, radii, [fit.radius for fit in fits])
-    return round(radius, 1), float(pad.ROUNDING / slope)
+    tried = [_solved(_forces(work, wanted, curves, each), near) for each in radii]
+    presses = [(each.curve, each.factor, prony_of(each.solution.values)) for each in tried]
+    fits = [pad.thesis_fit(pad.simulated(*each)).radius for each in presses]
+    radius, slope = pad.radius_for(goal.radius, radii, fits)
+    noise = pad.ROUNDING if frames is None else pad.scatter(*presses[0])
+    return round(radius, 2), noise / slope
 
 
 def _finished(
-    work: Work, wanted: Bulk | Record, curves: Family, radius: float, found: Found
+    work: Work,
+    wanted: Bulk | Record,
+    curves: Family,
+    radius: float,
+    radius_sd: float | None,
+    found: Found,
 ) -> tuple[Found, Family]:
     """Return the fit on the finer mesh: the coarse family, shifted until the exponent settles."""
     for _ in range(CORRECTIONS):
         exponent = round(found.solution.values[SHAPE], 2)
         better = work.press("solid", work.finger.resolution, radius, exponent)
         curves = curves.corrected(better, exponent, radius)
-        found = _solved(_forces(work, wanted, curves, radius))
+        found = _solved(_forces(work, wanted, curves, radius, radius_sd), found)
         if abs(found.solution.values[SHAPE] - exponent) < SETTLED:
             break
     return found, curves
@@ -255,7 +280,7 @@ def _array(wanted: Bulk | Record, frames: Frames | None, found: Found) -> dict[s
         return {}
     goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
     prony = prony_of(found.solution.values)
-    fit = pad.thesis_fit(pad.simulated(found.curve, found.factor, prony, seed=0))
+    fit = pad.thesis_fit(pad.simulated(found.curve, found.factor, prony))
     names = ("radius", "m", "c0_b")
     both = {f"array {name}": getattr(fit, name) for name in names}
     return both | {f"array {name}, wanted": getattr(goal, name) for name in names}

@@ -198,10 +198,8 @@ class Family:
     def _apart(self, one: Curve, other: Curve) -> Array:
         """Return by how much log P of `other` is above that of `one`, (NODES,)."""
         even = np.linspace(0.0, self.deepest, NODES)
-        reach = min(one.deepest, other.deepest)
-        x = np.linspace(SHALLOW, 1.0, 200) * reach
-        apart = polynomial.polyfit(x, np.log(other.force(x) / one.force(x)), DEGREE)
-        return np.asarray(polynomial.polyval(np.minimum(even, reach), apart))
+        at = np.minimum(even, min(one.deepest, other.deepest))
+        return other.power(at) - one.power(at)
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:

@@ -31,7 +31,11 @@ SHARE_SD, RATE_SD = 0.35, 1.0
 
 MODULUS_SD = math.log(2.0)
 RATIO_SD = 0.6
-RADIUS_SD = 1.9
+
+RADII = (5.0, 40.0)
+"""Pad radii in mm that a finger may have."""
+
+FRAMES = "the frames of the array, by the thesis's own fit; its scatter is the prior here"
 
 
 def relaxation_unknowns(name: str) -> tuple[Unknown, ...]:
@@ -105,13 +109,21 @@ def scaled(
 class Forces:
     """The residual of a target for the curves of a family at one pad radius.
 
-    modulus kPa and ratio: subcutaneous modulus of the presses, and that of the skin over it.
+    modulus kPa and ratio: subcutaneous modulus of the presses, and that of the skin over it;
+    radius mm, and its standard deviation where frames gave it, which adds to all others.
     """
 
     def __init__(
-        self, target: Bulk | Record, family: Family, modulus: float, ratio: float, radius: float
+        self,
+        target: Bulk | Record,
+        family: Family,
+        modulus: float,
+        ratio: float,
+        radius: float,
+        radius_sd: float | None = None,
     ) -> None:
-        self.target, self.family, self.radius = target, family, radius
+        self.target, self.family = target, family
+        self.radius, self.radius_sd = radius, radius_sd
         self.modulus, self.ratio = modulus, ratio
 
     @property
@@ -122,6 +134,16 @@ class Forces:
             x0 = self.target.lumped.spring.x0
             touch = "bounds about the touch of the lumped fit"
             found += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
+        if self.radius_sd is not None:
+            prior = (self.radius, self.radius_sd / self.radius)
+            found += (
+                Unknown(
+                    *(RADIUS, self.radius, *RADII, "mm", FRAMES),
+                    prior=prior,
+                    held=True,
+                    elsewhere=True,
+                ),
+            )
         return found + relaxation_unknowns(self.target.name)
 
     def starts(self) -> list[Values]:
@@ -135,7 +157,8 @@ class Forces:
 
     def curve(self, values: Values) -> tuple[Curve, float]:
         """Return the relaxed curve of the values, and the factor on its force."""
-        return scaled(self.family, values, self.modulus, self.ratio, self.radius)
+        radius = values.get(RADIUS, self.radius)
+        return scaled(self.family, values, self.modulus, self.ratio, radius)
 
     def residual(self, values: Values) -> Array:
         """Return what is missed, in standard deviations of the data."""

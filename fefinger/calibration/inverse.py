@@ -31,7 +31,7 @@ class Unknown:
     start and bounds in `unit`; log: searched by its logarithm; prior: center and its standard
     deviation, which is of the logarithm where log (a factor 2 is 0.69), or None; source: where the
     prior or the bounds are from; held: kept at its start, as the data cannot find it, and counted
-    among what is uncertain.
+    among what is uncertain; elsewhere: found from other data, whose result is the prior here.
     """
 
     name: str
@@ -43,6 +43,7 @@ class Unknown:
     log: bool = True
     prior: tuple[float, float] | None = None
     held: bool = False
+    elsewhere: bool = False
 
     def inside(self, value: float) -> float:
         """Return the number that is searched for."""
@@ -105,7 +106,6 @@ def solve(
             inner,
             bounds=(low, high),
             x_scale="jac",
-            jac="3-point",
             xtol=1e-10,
             ftol=1e-10,
             max_nfev=EVALUATIONS,
@@ -225,15 +225,10 @@ def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
 
     Where there is no prior the width of the bounds, taken as even, stands for one.
     """
-    prior = np.array(
-        [
-            each.prior[1]
-            if each.prior
-            else (each.inside(each.high) - each.inside(each.low)) / math.sqrt(12)
-            for each in unknowns
-        ]
-    )
-    values, vectors = np.linalg.eigh(information * np.outer(prior, prior))
+    asked = [i for i, each in enumerate(unknowns) if not each.elsewhere]
+    unknowns = [unknowns[i] for i in asked]
+    prior = np.array([each.prior[1] if each.prior else _even(each) for each in unknowns])
+    values, vectors = np.linalg.eigh(information[np.ix_(asked, asked)] * np.outer(prior, prior))
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value > WEAK**2:

@@ -19,8 +19,7 @@ from fefinger.calibration.force import (
     stiffness,
 )
 from fefinger.calibration.inverse import Solution
-from fefinger.calibration.pad import RADII
-from fefinger.calibration.record import Calibration, Parameter, Stage, parameters_of, tissue
+from fefinger.calibration.record import Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.target import Bulk, Record
 from fefinger.finger import Finger
 from fefinger.motion import RampSinusoid
@@ -39,8 +38,6 @@ OPERATING = 2.0
 
 SWING = 0.5
 """Their amplitude times m: the stiffness changes by a factor e from end to end."""
-
-FREE = "the frames of the array, by the thesis's own fit"
 
 
 @dataclass(frozen=True)
@@ -67,20 +64,13 @@ def outcome(
     stages: Sequence[Stage],
     mechanics: str,
     array: dict[str, float] | None = None,
-    radius_sd: float = math.nan,
     ripple: float = math.nan,
 ) -> Calibration:
     """Return the record of a solution on a finger.
 
-    array: what the thesis's fit finds, by name; radius_sd: standard deviation of the pad radius in
-    mm, nan where it was not fitted; ripple: distance of the last press from its curve.
+    array: what the thesis's fit finds, by name; ripple: distance of the last press from its curve.
     """
     solution = found.solution
-    parameters = parameters_of(solution)
-    if math.isfinite(radius_sd):
-        parameters += (
-            Parameter(RADIUS, finger.pad_radius, radius_sd, "mm", None, FREE, RADII, "fitted"),
-        )
     factor, exponent = 1.0, None
     if mechanics == "solid":
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
@@ -97,10 +87,10 @@ def outcome(
             "pad_radius": finger.pad_radius,
             "resolution": finger.resolution,
         },
-        parameters=parameters,
+        parameters=parameters_of(solution),
         correlations=tuple(tuple(row) for row in solution.correlation.tolist()),
         residuals=residuals,
-        unidentified=_unidentified(wanted, found, radius_sd),
+        unidentified=_unidentified(wanted, found),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(layer(finger.skin, exponent, factor)),
@@ -191,7 +181,7 @@ def reach(wanted: Bulk | Record, found: Found) -> float:
     return float(found.curve.depth(relaxed / found.factor))
 
 
-def _unidentified(wanted: Bulk | Record, found: Found, radius_sd: float) -> tuple[str, ...]:
+def _unidentified(wanted: Bulk | Record, found: Found) -> tuple[str, ...]:
     said = list(found.solution.weak)
     said += [f"{name}: at its bound, so the data want more" for name in found.solution.at_bounds]
     deep = reach(wanted, found)
@@ -200,7 +190,7 @@ def _unidentified(wanted: Bulk | Record, found: Found, radius_sd: float) -> tupl
             f"the presses go to {found.curve.deepest:.3g} mm, the target to {deep:.3g} mm: beyond, "
             "the logarithm of the force goes on as a straight line"
         )
-    if not math.isfinite(radius_sd):
+    if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")
     return tuple(said)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fefinger import library
 from fefinger.calibration.curve import Curve
+from fefinger.calibration.force import RADII
 from fefinger.calibration.target import Frames, aligned
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.theory.fingerpad import Fingerpad
@@ -32,8 +33,8 @@ HEAVIEST = 2.3
 LEVELS = 20
 """Frames that are fitted, evenly over the depth."""
 
-RADII = (5.0, 40.0)
-"""Pad radii in mm that a finger may have."""
+SEEDS = 5
+"""Simulated frames with noise from which the scatter of a fitted R is taken."""
 
 ROUNDING = 0.5 / np.sqrt(3.0)
 """Standard deviation in mm of an R that is printed to the mm."""
@@ -122,6 +123,12 @@ def radius_for(
         raise InputError(msg)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
     return radius, float(slope * wanted / radius)
+
+
+def scatter(curve: Curve, factor: float, prony: Prony) -> float:
+    """Return the standard deviation of the fitted R in mm that the noise of the array makes."""
+    fits = [thesis_fit(simulated(curve, factor, prony, seed=seed)).radius for seed in range(SEEDS)]
+    return float(np.std(fits, ddof=1))
 
 
 def printed(subject: str) -> PadFit:

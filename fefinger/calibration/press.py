@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 FORMAT = 2
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
-PART = 0.2
+PART = 0.18
 """Depth of a press over the thickness of the finger."""
 
 EVENLY = 401

@@ -26,7 +26,7 @@ class Parameter:
     """One parameter.
 
     value and standard deviation in `unit`; prior: center, and its standard deviation (see
-    `Unknown`), with the source; bounds; how: "fitted" or "held at the prior".
+    `Unknown`), with the source; bounds; how: "fitted", or "held" where the curves do not decide it.
     """
 
     name: str
@@ -178,7 +178,7 @@ def parameters_of(found: Solution) -> tuple[Parameter, ...]:
             each.prior,
             each.source,
             (each.low, each.high),
-            "held at the prior" if each.held else "fitted",
+            "held" if each.held else "fitted",
         )
         for each in found.unknowns
         if not each.name.endswith("/c0")
