@@ -22,7 +22,7 @@ from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import Found, checked, layer, outcome
-from fefinger.calibration.press import Press, press
+from fefinger.calibration.press import PART, Press, press
 from fefinger.calibration.record import Calibration, Stage
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.checks import InputError, choice
@@ -47,8 +47,18 @@ AGAINST = 2.0
 MIDDLE = 3.0
 """Exponent of that press, and of the one at the other pad radius."""
 
-CORRECTIONS = 3
+CORRECTIONS = 2
 """Presses on the finer mesh, at most."""
+
+DEEPER = 0.2
+"""Their depth over the thickness of the finger."""
+
+WITHIN = 1.15
+"""Factor beyond the pad radii of the presses up to which their effect is taken to first order.
+Frames that ask for more leave the radius as it was."""
+
+SCATTER = 0.13
+"""Standard deviation of the logarithm of a pad radius that is kept: R of the five subjects."""
 
 SETTLED = 0.05
 """Change of the exponent between two corrections that counts as none."""
@@ -83,6 +93,7 @@ class Work:
         radius: float,
         exponent: float | None = None,
         ratio: float = 1.0,
+        part: float = PART,
     ) -> Press:
         """Return a press of the finger with another radius, exponent and skin."""
         finger = replace(
@@ -92,7 +103,7 @@ class Work:
             skin=layer(self.finger.skin, exponent, ratio),
             subcutaneous=layer(self.finger.subcutaneous, exponent),
         )
-        found = press(finger, mechanics)
+        found = press(finger, mechanics, part=part)
         self._presses.append(found)
         return found
 
@@ -244,13 +255,15 @@ def _radius(
     """Return the pad radius that the frames ask for, and its standard deviation, in mm.
 
     The fitted R of two pad radii gives its slope; its scatter is the rounding of a printed R, or
-    what the noise of the array makes.
+    what the noise of the array makes. Where the radius is beyond reach it stays as it was.
     """
     goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
     tried = [_solved(_forces(work, wanted, curves, each), near) for each in radii]
     presses = [(each.curve, each.factor, prony_of(each.solution.values)) for each in tried]
     fits = [pad.thesis_fit(pad.simulated(*each)).radius for each in presses]
     radius, slope = pad.radius_for(goal.radius, radii, fits)
+    if not min(radii) / WITHIN <= radius <= max(radii) * WITHIN:
+        return work.finger.pad_radius, SCATTER * work.finger.pad_radius
     noise = pad.ROUNDING if frames is None else pad.scatter(*presses[0])
     return round(radius, 2), noise / slope
 
@@ -266,7 +279,7 @@ def _finished(
     """Return the fit on the finer mesh: the coarse family, shifted until the exponent settles."""
     for _ in range(CORRECTIONS):
         exponent = round(found.solution.values[SHAPE], 2)
-        better = work.press("solid", work.finger.resolution, radius, exponent)
+        better = work.press("solid", work.finger.resolution, radius, exponent, part=DEEPER)
         curves = curves.corrected(better, exponent, radius)
         found = _solved(_forces(work, wanted, curves, radius, radius_sd), found)
         if abs(found.solution.values[SHAPE] - exponent) < SETTLED:

@@ -30,6 +30,9 @@ from fefinger.tissue import Tissue
 Array = NDArray[np.float64]
 
 LAW = "demiray"
+AGREES = 0.05
+"""Relative error of the fitted R up to which the pad radius counts as found."""
+
 FREQUENCIES = (2, 4, 8, 16)
 """Hz of the sinusoids of the thesis (section 2.2.2), which are predicted and not fitted."""
 
@@ -90,7 +93,7 @@ def outcome(
         parameters=parameters_of(solution),
         correlations=tuple(tuple(row) for row in solution.correlation.tolist()),
         residuals=residuals,
-        unidentified=_unidentified(wanted, found),
+        unidentified=_unidentified(wanted, found, array or {}),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(layer(finger.skin, exponent, factor)),
@@ -181,7 +184,7 @@ def reach(wanted: Bulk | Record, found: Found) -> float:
     return float(found.curve.depth(relaxed / found.factor))
 
 
-def _unidentified(wanted: Bulk | Record, found: Found) -> tuple[str, ...]:
+def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) -> tuple[str, ...]:
     said = list(found.solution.weak)
     said += [f"{name}: at its bound, so the data want more" for name in found.solution.at_bounds]
     deep = reach(wanted, found)
@@ -192,6 +195,12 @@ def _unidentified(wanted: Bulk | Record, found: Found) -> tuple[str, ...]:
         )
     if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")
+    if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:
+        said.append(
+            f"pad_radius: the thesis's fit finds R = {array['array radius']:.3g} mm in the frames "
+            f"of this finger instead of {array['array radius, wanted']:.3g} mm, and no pad near "
+            "enough to the one at the start would give that; it is kept"
+        )
     return tuple(said)
 
 

@@ -58,8 +58,12 @@ class Press:
     halt: str = ""
 
 
-def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> Press:
+def press(
+    finger: Finger, mechanics: str, progress: Progress | None = None, *, part: float = PART
+) -> Press:
     """Return the press of a finger by "condensed" or "solid", from the cache or solved now.
+
+    `part` is its depth over the thickness of the finger.
 
     Raises
     ------
@@ -68,7 +72,7 @@ def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> P
     ConvergenceError
         If hardly a step is solved.
     """
-    scene = pressed(finger)
+    scene = pressed(finger, part)
     place = root() / f"{key(scene, mechanics)}.npz"
     with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
         depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
@@ -79,9 +83,9 @@ def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> P
     return found
 
 
-def pressed(finger: Finger) -> Scene:
+def pressed(finger: Finger, part: float = PART) -> Scene:
     """Return the scene of a press."""
-    motion = Ramp(1.0, PART * finger.thickness, corner=0.0)
+    motion = Ramp(1.0, part * finger.thickness, corner=0.0)
     ask = Ask(strain=False, fields=False)
     return Scene(
         name="press",
