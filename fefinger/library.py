@@ -170,7 +170,77 @@ def saal2017() -> TissueSet:
     )
 
 
-TISSUE_SETS = {"maeno1998": maeno1998, "dandekar2003": dandekar2003, "saal2017": saal2017}
+CALIBRATED = "calibrated.json"
+"""Report of the calibrations that the sets below are from."""
+
+_FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
+    "d.p.": (6.0, 4.4, 15.0, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
+    "d.s.": (15.25, 2.85, 12.0, (0.29, 0.40, 0.19, 0.12), (183, 11, 0.77)),
+    "a.h.": (9.28, 3.58, 14.0, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63)),
+    "p.w.": (10.0, 2.85, 17.0, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69)),
+}
+"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
+
+SKIN_RATIO = 102.4 / 34
+"""Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
+
+
+def calibrated_name(subject: str) -> str:
+    """Return the name of the calibrated set of a subject, as "calibrated_ah" for "a.h."."""
+    return f"calibrated_{subject.replace('.', '')}"
+
+
+def _calibrated(subject: str) -> TissueSet:
+    """Return a fit of the model (Demiray's law in both layers) to a subject, not a measurement."""
+    modulus, exponent, radius, c, v = _FITTED[subject]
+    skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
+    return TissueSet(
+        skin=skin,
+        subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
+        source=f"fitted to the curves of subject {subject} in Table 2.1 of {PAWLUK} by `fefinger "
+        f"calibrate` (reports/{CALIBRATED}): a fit of a model, not a measurement of tissue",
+        confidence="low",
+        pad_radius=radius,
+        prony=Prony(c, v),
+    )
+
+
+def calibrated_dp() -> TissueSet:
+    """Return a fit of the model to the curves of subject d.p., not a measurement of tissue.
+
+    Modulus and exponent of Demiray's law with which `solid` shows the stiffness against force of
+    Table 2.1 (confidence low: they trade against each other and against the ratio of the layers,
+    which is a prior; see `reports/calibrated.json` for the uncertainties). The relaxation is that
+    of the same table. With the finger of the subject; at small strain the exponent says nothing,
+    and the set is too soft.
+    """
+    return _calibrated("d.p.")
+
+
+def calibrated_ds() -> TissueSet:
+    """Return a fit of the model to subject d.s., not a measurement; see `calibrated_dp`."""
+    return _calibrated("d.s.")
+
+
+def calibrated_ah() -> TissueSet:
+    """Return a fit of the model to subject a.h., not a measurement; see `calibrated_dp`."""
+    return _calibrated("a.h.")
+
+
+def calibrated_pw() -> TissueSet:
+    """Return a fit of the model to subject p.w., not a measurement; see `calibrated_dp`."""
+    return _calibrated("p.w.")
+
+
+TISSUE_SETS = {
+    "maeno1998": maeno1998,
+    "dandekar2003": dandekar2003,
+    "saal2017": saal2017,
+    "calibrated_dp": calibrated_dp,
+    "calibrated_ds": calibrated_ds,
+    "calibrated_ah": calibrated_ah,
+    "calibrated_pw": calibrated_pw,
+}
 
 
 def tissue_set(name: str) -> TissueSet:

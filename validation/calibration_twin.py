@@ -43,7 +43,11 @@ SPREAD = 2.0
 
 @dataclass(frozen=True)
 class Twin:
-    """A finger of which all is known: its record time s, position mm, force N and its frames."""
+    """A finger of which all is known.
+
+    time s, position mm, force N (n_t,) of its ramp and hold; frame_time s, frame_depth mm (k,) and
+    frames (k, 64) kPa of its slow press.
+    """
 
     time: Array
     position: Array
@@ -59,7 +63,7 @@ def finger() -> Finger:
 
 
 def start() -> Finger:
-    """Return what the calibration is told of it: the pad radius is that of Table 3.2, a fourth too large."""
+    """Return what the calibration is told of it: its pad radius is a fourth too large."""
     return Finger.subject("a.h.", resolution="coarse", prony=press.RELAXED)
 
 

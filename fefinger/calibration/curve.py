@@ -134,8 +134,9 @@ class Family:
     What the shape is, is up to the mechanics: the exponent of a law in `solid`, m of t(u) in
     `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
     by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
-    first order; shares_by_radius (SHARES, 64) likewise; correction (NODES,) is added to every q;
-    ripple: the largest relative distance of a solved step from its curve.
+    first order; shares_by_radius (SHARES, 64) likewise; correction (NODES,) and shares_correction
+    (SHARES, 64) are added to every q and all shares; ripple: the largest relative distance of a
+    solved step from its curve.
     """
 
     shapes: tuple[float, ...]
@@ -146,6 +147,7 @@ class Family:
     by_ratio: Array
     by_radius: Array
     shares_by_radius: Array
+    shares_correction: Array
 
     @property
     def deepest(self) -> float:
@@ -160,7 +162,7 @@ class Family:
         weights = _lagrange(self.shapes, shape) if len(self.shapes) > 1 else np.ones(1)
         wider = np.log(radius / self.radius)
         q: Array = self.correction + np.log(ratio) * self.by_ratio + wider * self.by_radius
-        shares = wider * self.shares_by_radius
+        shares: Array = self.shares_correction + wider * self.shares_by_radius
         even, few = (np.linspace(0.0, self.deepest, count) for count in (NODES, SHARES))
         for weight, each in zip(weights.tolist(), self.curves, strict=True):
             q = q + weight * each.power(even)
@@ -171,9 +173,13 @@ class Family:
 
     def corrected(self, press: Press, shape: float, radius: float) -> "Family":
         """Return the family shifted so that it meets a better press at a shape and radius."""
-        better, ripple = curve(press)
-        shift = self._apart(self.at(shape, radius), better)
-        return replace(self, ripple=ripple, correction=self.correction + shift)
+        mine, (better, ripple) = self.at(shape, radius), curve(press)
+        return replace(
+            self,
+            ripple=ripple,
+            correction=self.correction + self._apart(mine, better),
+            shares_correction=self.shares_correction + self._shares_apart(mine, better),
+        )
 
     def with_ratio(self, press: Press, shape: float, factor: float) -> "Family":
         """Return the family that knows the effect of the ratio, from a press at `factor` times it.
@@ -187,12 +193,10 @@ class Family:
         """Return the family that knows the effect of the radius, from a press at another one."""
         mine, other = self.at(shape, self.radius), curve(press)[0]
         wider = np.log(radius / self.radius)
-        even = np.linspace(0.0, self.deepest, SHARES)
-        theirs = _columns(even, np.linspace(0.0, other.deepest, SHARES), other.shares)
         return replace(
             self,
             by_radius=self._apart(mine, other) / wider,
-            shares_by_radius=(theirs - mine.shares) / wider,
+            shares_by_radius=self._shares_apart(mine, other) / wider,
         )
 
     def _apart(self, one: Curve, other: Curve) -> Array:
@@ -200,6 +204,12 @@ class Family:
         even = np.linspace(0.0, self.deepest, NODES)
         at = np.minimum(even, min(one.deepest, other.deepest))
         return other.power(at) - one.power(at)
+
+    def _shares_apart(self, one: Curve, other: Curve) -> Array:
+        """Return by how much the shares of `other` are above those of `one`, (SHARES, 64)."""
+        even = np.linspace(0.0, self.deepest, SHARES)
+        theirs = _columns(even, np.linspace(0.0, other.deepest, SHARES), other.shares)
+        return np.asarray(theirs - one.shares)
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
@@ -222,6 +232,7 @@ def family(shapes: Sequence[float], radius: float, press: Callable[[float], Pres
         np.zeros(NODES),
         np.zeros(NODES),
         np.zeros(NODES),
+        np.zeros_like(found[0][0].shares),
         np.zeros_like(found[0][0].shares),
     )
 

@@ -101,6 +101,7 @@ def outcome(
         prony=prony_of(solution.values),
         deepest=found.curve.deepest,
         q=tuple((found.curve.q + math.log(found.factor)).tolist()),
+        shares=tuple(tuple(row) for row in np.round(found.curve.shares, 9).tolist()),
         growth=found.curve.growth,
         checks=sinusoids(wanted, found) if isinstance(wanted, Bulk) else {},
     )

@@ -5,7 +5,7 @@ finger with a bone has no such numbers; the same fit of its simulated frames has
 pad radius is the one with which that fit returns the R of the measured frames.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from fefinger.calibration.target import Frames, aligned
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.sensor import ArraySensor, radial_profile
+from fefinger.theory.sensor import ArraySensor, blurred
 from fefinger.theory.sensor_fit import fit_fingerpad
 
 
@@ -139,35 +139,34 @@ def printed(subject: str) -> PadFit:
 
 @dataclass(frozen=True)
 class Profile:
-    """Pressure against distance at one force, felt by the array: kPa at the LINE of distances.
+    """Pressure in kPa that the array feels, against the `distance` in mm, at one force in N.
 
-    `finger` is the calibrated one, `thesis` the half-space of Table 3.2.
+    `finger` is the calibrated one, `thesis` the half-space of Table 3.2; `force` is what the press
+    reached, at most what was asked.
     """
 
     force: float
+    distance: Array
     finger: Array
     thesis: Array
 
 
-LINE = np.linspace(-8.0, 8.0, 17)
-"""Edges in mm of the bins of a profile; distances count as negative proximally."""
-
-
 def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: float) -> Profile:
-    """Return the profiles of finger and thesis at a force in N of a slow press."""
+    """Return the profiles of finger and thesis at a force in N of a slow press.
+
+    As deep as the curve goes; both are then at the force that is reached there.
+    """
     sensor = ArraySensor()
     depth = slow_press(curve, factor, prony, force)
     felt = slow(prony, depth, factor * curve.felt(depth))[-1]
-    _, mine = radial_profile(sensor.positions, felt, LINE)
+    reached = float(slow(prony, depth, factor * curve.force(depth))[-1])
+    frames = aligned(np.zeros((1, len(felt))), felt[None], sensor)
     row = library.pawluk_quasistatic()[subject]
     pad = Fingerpad(row.radius, row.m, row.b, library.pawluk_relaxation()[subject])
-    deep = float(pad.depth_at(1e3 * force, relaxed=True))
-    theirs = _blurred(lambda r: pad.relaxed_pressure(r, deep), float(pad.contact_radius(deep)))
-    _, thesis = radial_profile(sensor.positions, theirs, LINE)
-    return Profile(force, mine, thesis)
-
-
-def _blurred(pressure: Callable[[Array], Array], reach: float) -> Array:
-    from fefinger.theory.sensor import blurred
-
-    return blurred(pressure, reach, np.hypot(*ArraySensor().positions.T))
+    deep = float(pad.depth_at(1e3 * reached, relaxed=True))
+    theirs = blurred(
+        lambda r: pad.relaxed_pressure(r, deep), float(pad.contact_radius(deep)), frames.distance
+    )
+    signed = frames.distance * np.where(sensor.positions[:, 0] < 0, -1.0, 1.0)
+    order = np.argsort(signed)
+    return Profile(reached, signed[order], felt[order], theirs[order])

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.calibration.curve import SHARES, Curve
+from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
 from fefinger.calibration.inverse import Solution, Values
 from fefinger.checks import InputError
@@ -61,8 +61,8 @@ class Calibration:
     target and mechanics: names; finger: width and thickness mm, pad_radius mm, resolution;
     parameters; correlations (n, n) in their order, of what was searched for; residuals: misfits by
     name; unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers;
-    prony: G; deepest mm, q and growth: the relaxed curve (see `Curve`); checks: predictions of what
-    was not fitted, by name.
+    prony: G; deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions
+    of what was not fitted, by name.
     """
 
     target: str
@@ -79,6 +79,7 @@ class Calibration:
     prony: Prony
     deepest: float
     q: tuple[float, ...]
+    shares: tuple[tuple[float, ...], ...]
     growth: float | None
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
 
@@ -89,7 +90,7 @@ class Calibration:
     @property
     def curve(self) -> Curve:
         """The relaxed force in N against the depth in mm."""
-        return Curve(np.array(self.q), self.deepest, np.zeros((SHARES, 0)), self.growth)
+        return Curve(np.array(self.q), self.deepest, np.array(self.shares), self.growth)
 
     def predict(self, time: ArrayLike, depth: ArrayLike) -> Array:
         """Return the force (n_t,) N through any motion, with depths (n_t,) mm from first touch.
@@ -160,7 +161,8 @@ class Calibration:
             for each in own["parameters"]
         )
         own["stages"] = tuple(Stage(**each) for each in own["stages"])
-        own["correlations"] = tuple(tuple(row) for row in own["correlations"])
+        for name in ("correlations", "shares"):
+            own[name] = tuple(tuple(row) for row in own[name])
         own["prony"] = Prony(own["prony"]["c"], own["prony"]["v"])
         for name in ("unidentified", "q"):
             own[name] = tuple(own[name])

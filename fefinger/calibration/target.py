@@ -40,6 +40,9 @@ STIFFNESS = (0.02, 100.0)
 RETURN = 0.1
 """Part of the way in that an indenter has to come back for a record to count as unloading."""
 
+FEWEST = 4
+"""Frames that a press needs for three numbers to be fitted."""
+
 PRESSURE = (1.0, 500.0)
 """kPa that the largest reading of an array on a finger can be."""
 
@@ -190,6 +193,9 @@ def frames(file: str | Path, sensor: ArraySensor | None = None) -> Frames:
     units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
     table = fitting.columns(file, units)
     time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
+    if len(table) < FEWEST:
+        msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
+        raise InputError(msg)
     _check_pressure(str(file), float(pressure.max()))
     reached = np.interp(time[:, None] + sensor.delays, time, depth)
     return aligned(reached, pressure, sensor)
