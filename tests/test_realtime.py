@@ -1,6 +1,7 @@
 """A finger that is driven from a loop."""
 
 import tracemalloc
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -176,9 +177,54 @@ def test_what_cannot_be_placed_gets_a_sentence(options: dict, words: str) -> Non
         Condensed(FINGER, **options)
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"relaxation": "deviatoric"}, "finger.relaxation = 'deviatoric'.* use the mechanics"),
+        (
+            {"skin": replace(FINGER.skin, prony=ff.Prony((0.5, 0.5), (1.0,)))},
+            "finger.skin.prony: set.* use the mechanics 'solid'",
+        ),
+    ],
+)
+def test_tissues_that_relax_apart_are_refused(changes: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Condensed(replace(FINGER, **changes))
+    with pytest.raises(InputError, match=words):
+        ff.Rolling(replace(FINGER, **changes), sites=Sites.__new__(Sites))
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (lambda f: f.step(np.nan, 1e-3), "depth: expected a finite number"),
+        (lambda f: f.step(0.1, -1e-3), "dt: expected"),
+        (lambda f: f.step(0.1, np.inf), "dt: expected a finite"),
+        (lambda f: f.step_contact(np.inf, 1e-3), "depth: expected a finite number"),
+        (lambda f: f.step_force(-0.1, 1e-3), "force: expected .* at least 0"),
+        (lambda f: f.step_force(np.nan, 1e-3), "force: expected a finite number"),
+    ],
+)
+def test_numbers_that_cannot_be_stepped_to_get_a_sentence(
+    finger: Condensed, step: Callable, words: str
+) -> None:
+    finger.reset()
+    with pytest.raises(InputError, match=words):
+        step(finger)
+
+
+def test_the_force_asked_for_is_the_force_found(finger: Condensed) -> None:
+    finger.reset()
+    for force in (0.05, 0.4, 0.4, 0.1, 0.0, 0.2):
+        step = finger.step_force(force, 5e-3)
+        assert step.force == pytest.approx(force, rel=1e-8, abs=1e-15)
+    depth = step.depth
+    elastic = Condensed(replace(FINGER, prony=ff.Prony((1.0,), ())), ff.Flat(30), deepest=1.2)
+    rested = finger.step_force(0.2, 1e4)
+    assert rested.depth > depth
+    assert elastic.step(finger.step_force(0.2, 1e4).depth, 0.0).force == pytest.approx(0.2, 1e-6)
+
+
 def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
     with pytest.raises(InputError, match="reaches their rim"):
         finger.step(3.0, 1e-3)
-    finger.reset()
-    with pytest.raises(InputError, match="dt: expected"):
-        finger.step(0.1, -1e-3)

@@ -23,6 +23,7 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.fem.spaces import Array
 from fefinger.mechanics._kept import folder, identity, parities, root
+from fefinger.mechanics._notes import apart
 from fefinger.mechanics._press import Method, held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
@@ -40,8 +41,12 @@ def operator(
     Raises
     ------
     InputError
-        If the cache holds something else under the hash of this finger.
+        If the tissues of the finger do not relax as one, so that no step of it would be right; or
+        the cache holds something else under the hash of this finger.
     """
+    for reason in apart(finger):
+        message = f"{reason}; use the mechanics 'solid'"
+        raise InputError(message)
     mesh = ready(finger, half=True)
     own = solid(mesh, (1, 2))
     body = own if half else solid(ready(finger, half=False), (1, 2))

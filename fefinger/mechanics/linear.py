@@ -29,7 +29,7 @@ LAW = "neo-hookean"
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    found = [Refusal(name, "ability", reason) for reason in apart(scene)]
+    found = [Refusal(name, "ability", reason) for reason in apart(scene.finger)]
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
