@@ -19,22 +19,9 @@ NOTES = (
     "The body was reduced once to its pad; the reduction is exact, and is used again.",
 )
 
-STIFFEST = 0.49999
-"""Poisson's ratio above which the factor needs refinement, which a reduced body cannot have."""
-
-
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return why it should not answer: as `linear`, and for tissue that is incompressible."""
-    found = [replace(refusal, mechanics=name) for refusal in linear.refuse(scene)]
-    for layer in ("skin", "subcutaneous"):
-        poisson = getattr(scene.finger, layer).poisson
-        if poisson > STIFFEST:
-            reason = (
-                f"finger.{layer}.poisson = {poisson:g} > {STIFFEST:g}: an incompressible body is "
-                "solved by refinement, which a reduced one cannot have"
-            )
-            found.append(Refusal(name, "ability", reason))
-    return tuple(found)
+    """Return why it should not answer, as `linear`."""
+    return tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
 
 
 def cost(scene: Scene) -> float:
