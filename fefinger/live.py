@@ -73,23 +73,16 @@ class Show:
         solid = _operator.operator(finger, half=True)
         self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
         self.organs = end_organs(solid)
-        drawn = solid.space.points[self.section]
-        count = len(drawn)
-        sites = Sites(
-            points=np.concatenate([self.organs.points, drawn]),
-            normals=np.concatenate([self.organs.normals, np.tile([0.0, 0.0, -1.0], (count, 1))]),
-            depths=np.concatenate([self.organs.depths, np.zeros(count)]),
-            types=self.organs.types + ("SAI",) * count,
-        )
         angles = [angle for _, _, angle in SCRIPT]
-        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=sites)
+        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=self.organs)
+        self.drawn = self.rolling.strains(solid.space.points[self.section])
         self.units: Afferents = afferents(finger, solid, self.organs)
 
     def frames(self) -> Iterator[Frame]:
         """Step through the script, and stop at every frame of it."""
         times, depths, angles = np.array(SCRIPT).T
         spikes: list[tuple[int, float]] = []
-        count, seconds, organs = round(times[-1] / DT), 0.0, len(self.organs.types)
+        count, seconds = round(times[-1] / DT), 0.0
         self.rolling.reset()
         self.units.reset()
         for k in range(count + 1):
@@ -98,7 +91,7 @@ class Show:
             angle = float(np.interp(at, times, angles))
             started = time.perf_counter()
             now = self.rolling.step(depth, angle, DT if k else 0.0)
-            self.units.step(now.strain[:organs], DT if k else 0.0)
+            self.units.step(now.strain, DT if k else 0.0)
             seconds += time.perf_counter() - started
             spikes += self.units.fired()
             if k % round(FRAME / DT) == 0:
@@ -108,7 +101,7 @@ class Show:
                     angle=angle,
                     force=now.force,
                     pressure=now.pressure.copy(),
-                    strain=now.strain[organs:].astype(np.float64),
+                    strain=(self.drawn @ self.rolling.elastic).reshape(-1, 6),
                     spikes=tuple(spikes),
                     steps=k + 1,
                     seconds=seconds,

@@ -19,6 +19,7 @@ NOTES = (
     "The body was reduced once to its pad; the reduction is exact, and is used again.",
 )
 
+
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer, as `linear`."""
     return tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
