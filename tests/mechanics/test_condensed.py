@@ -144,6 +144,13 @@ def test_accuracy_is_refused_as_linear_does() -> None:
     assert (refusal.mechanics, refusal.about) == ("condensed", "accuracy")
 
 
+def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
+    error, source = condensed.error(scene("hold", indenter=ff.Flat(0)))
+    assert error > linear.error(scene("hold", indenter=ff.Flat(0)))[0]
+    assert "reports/condensed-cost.json, flat-0" in source
+    assert np.isinf(condensed.error(scene("hold", indenter=ff.Sphere(2.0)))[0])
+
+
 def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     finger = replace(FINGER, resolution="standard")
     row = _evidence.condensed()["standard"]
@@ -151,5 +158,4 @@ def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     assert condensed.cost(asked) > row["build_seconds"]
     _kept.folder(_kept.identity(finger, odd=False)).mkdir(parents=True)
     assert condensed.cost(asked) < row["build_seconds"]
-    assert condensed.error(asked) == linear.error(asked)
     assert not _kept.at_hand(replace(finger, width=60.0), half=True)
