@@ -145,9 +145,9 @@ def test_accuracy_is_refused_as_linear_does() -> None:
 
 
 def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
-    error, source = condensed.error(scene("hold", indenter=ff.Flat(0)))
-    assert error > linear.error(scene("hold", indenter=ff.Flat(0)))[0]
-    assert "reports/condensed-cost.json, flat-0" in source
+    error, source = condensed.error(scene("hold", indenter=ff.Flat(45)))
+    assert error > linear.error(scene("hold", indenter=ff.Flat(45)))[0]
+    assert "reports/condensed-cost.json, flat-45" in source
     assert np.isinf(condensed.error(scene("hold", indenter=ff.Sphere(2.0)))[0])
 
 
