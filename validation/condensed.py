@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 SAME_MESH = replace(WHOLE_MESH, touch=lambda indenter: None)
 """`linear` on the mesh of the operator, where its own would follow the touch."""
 
+INCOMPRESSIBLE = "plate, Poisson's ratio 0.5"
 PRESSES: dict[str, tuple[Indenter, Motion]] = {
     "plate, ramp and hold": (Flat(30), RampHold(60, 1.2, hold=1)),
     "tilted plate, in and out of contact": (
@@ -39,6 +40,7 @@ PRESSES: dict[str, tuple[Indenter, Motion]] = {
     ),
     "sphere, off center, by force": (Sphere(5, at=(1, 1)), ForceTrapezoid(2, 0.3, hold=0.5)),
     "sphere, in and out": (Sphere(5), Trapezoid(20, 0.8, hold=0.2)),
+    INCOMPRESSIBLE: (Flat(30), RampHold(60, 1.2, hold=1)),
 }
 ELASTIC = Prony((1.0,), ())
 STEPS, DT = 10_000, 1e-3
@@ -50,6 +52,15 @@ BLOCK = {"radius": 100.0, "contact": 1.0, "modulus": 100.0}
 def finger(resolution: str) -> Finger:
     """Return the finger of flat-press on a mesh."""
     return replace(scenes.load("flat-press").finger, resolution=resolution)
+
+
+def pressed_finger(resolution: str, name: str) -> Finger:
+    """Return the finger of one of the presses."""
+    chosen = finger(resolution)
+    if name != INCOMPRESSIBLE:
+        return chosen
+    skin, under = (replace(each, poisson=0.5) for each in (chosen.skin, chosen.subcutaneous))
+    return replace(chosen, skin=skin, subcutaneous=under)
 
 
 @cache
@@ -64,9 +75,8 @@ def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> C
 def answers(resolution: str, name: str) -> tuple[Response, Response]:
     """Return what `linear` and `condensed` answer on one mesh."""
     indenter, motion = PRESSES[name]
-    scene = Scene(
-        finger=finger(resolution), indenter=indenter, motion=motion, ask=Ask(fields=False)
-    )
+    chosen = pressed_finger(resolution, name)
+    scene = Scene(finger=chosen, indenter=indenter, motion=motion, ask=Ask(fields=False))
     exact = press(scene, mechanics=linear.name, notes=linear.NOTES, method=SAME_MESH)
     return exact, condensed.respond(scene)
 
@@ -151,6 +161,24 @@ def swept(resolution: str) -> tuple[float, float, float]:
     return lowest, deepest, float(np.abs(runs[0] - runs[1]).max())
 
 
+def forces(pressed: Condensed) -> Array:
+    """Return the forces (STEPS,) of the sweep."""
+    pressed.reset()
+    return np.array([pressed.step_contact(depth, DT).force for depth in sweep().tolist()])
+
+
+@cache
+def exact_forces() -> Array:
+    """Return the forces of the sweep on the standard mesh."""
+    return forces(stepped("standard", tilt=10.0))
+
+
+def traded(rough: Condensed) -> float:
+    """Return the largest error of the force of something cheaper in %, over the peak."""
+    exact = exact_forces()
+    return float(100 * np.abs(forces(rough) - exact).max() / exact.max())
+
+
 def work(resolution: str, prony: Prony | None) -> float:
     """Return the work of the indenter that energy does not account for, over all of it.
 
@@ -200,6 +228,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _agreement("coarse" if quick else "standard")
     yield from _theory(quick=quick)
     yield from _physics("coarse" if quick else "standard")
+    if not quick:
+        yield from _trades()
 
 
 def _agreement(resolution: str) -> Iterator[Case]:
@@ -223,6 +253,32 @@ def _theory(*, quick: bool) -> Iterator[Case]:
         name = f"bonded layer as thick as the contact radius, nu {nu:g}"
         error, exact = partial(layer_error, nu, 6), "exact layer, theory/indentation"
         yield Case("condensed", name, error, 0.0, 0.2, "%", exact, reason="the mesh")
+
+
+def _trades() -> Iterator[Case]:
+    steps, source = f"over {STEPS} steps, whole finger", "the standard mesh, a tolerance of 1e-10"
+    yield Case(
+        "condensed",
+        f"force on the coarse mesh {steps}",
+        lambda: traded(stepped("coarse", tilt=10.0)),
+        0.0,
+        3.0,
+        "%",
+        source,
+        reason="what a step that is several times cheaper costs",
+    )
+    for tolerance in (1e-6, 1e-4):
+        rough = partial(Condensed, finger("standard"), Flat(30, 10.0), deepest=1.5)
+        yield Case(
+            "condensed",
+            f"force with a contact tolerance of {tolerance:g} {steps}",
+            lambda rough=rough, tolerance=tolerance: traded(rough(tolerance=tolerance)),
+            0.0,
+            1e3 * tolerance,
+            "%",
+            source,
+            reason="penetration over the largest gap that counts as none",
+        )
 
 
 def _physics(resolution: str) -> Iterator[Case]:
