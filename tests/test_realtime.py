@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 import fefinger as ff
 from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
 from fefinger.mechanics import condensed
 from fefinger.mechanics._touch import direction
+from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.profiles import Ellipsoid
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
@@ -118,6 +120,34 @@ def test_a_step_makes_no_array() -> None:
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak - before < finger.now.strain.nbytes / 2
+
+
+def test_compiled_steps_make_no_array_either(finger: Condensed) -> None:
+    """Count what is counted: one record for every array that is passed, and none made inside."""
+    leaky = finger.afferents()
+    axons = finger.afferents(membrane=HodgkinHuxley())
+
+    def step() -> None:
+        finger.step(0.5, 1e-3)
+        finger.step_force(0.3, 1e-3)
+        finger.step(-0.1, 1e-3)
+        for units in (leaky, axons):
+            units.step(finger.now.strain, 1e-3)
+
+    once = arrays(finger._state, finger._memory, finger._output)
+    each = arrays(leaky.state)
+    passed = 3 * once + 2 * (each + 1) + (each + 1) + (each + 3)
+    step()
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats().alloc
+    step()
+    made = rtsys.get_allocation_stats().alloc - before
+    _nrt_python.memsys_disable_stats()
+    assert made == passed
+
+
+def arrays(*records: tuple) -> int:
+    return sum(isinstance(entry, np.ndarray) for record in records for entry in record)
 
 
 def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> None:
