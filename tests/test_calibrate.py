@@ -2,13 +2,13 @@
 
 import json
 from dataclasses import replace
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import library
+from fefinger import cache, library
 from fefinger.__main__ import main
 from fefinger.calibration import calibrate as module
 from fefinger.calibration import inverse, jobs, pad, target
@@ -39,7 +39,7 @@ def formula(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):
     return Press(x, force, force[:, None] * share, np.pi * radius * x, 1.0)
 
 
-@cache
+@lru_cache
 def shares(radius, deepest):
     """Return depths (n,) mm and what the array feels of Hertz's pressure per newton, (n, 64)."""
     depth = deepest * np.linspace(0, 1, 25)[1:]
@@ -377,6 +377,17 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
     assert len(solved) == 4
 
 
+def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr(cache, "root", lambda: tmp_path)
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
+    press(ff.Finger.subject("a.h."), "condensed")
+    (entry,) = cache.entries()
+    assert (entry.kind, entry.paths[0].parent) == ("presses", tmp_path / "presses")
+    assert 0 < entry.size < 1e6
+    cache.remove([entry])
+    assert cache.entries() == ()
+
+
 def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
     monkeypatch.setattr(presses, "root", lambda: tmp_path)
 
@@ -390,7 +401,6 @@ def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
         msg = "no further"
         raise Stopped(msg, replace(whole, **cut))
 
-    monkeypatch.setattr(hertz, "respond_", stop, raising=False)
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: type("W", (), {"respond": stop}))
     found = press(ff.Finger.subject("a.h."), "solid")
     assert found.halt == "no further"
@@ -470,7 +480,7 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     shapes = [(11.2, b, 1) for b in (0.02, 1.5, 3, 4.5)]
     np.testing.assert_allclose(numbers, [*shapes, (11.2, 3, 2), (14, 3, 1)])
     assert [each[1] for each in solved] == [*["coarse"] * 6, "standard"]
-    assert found.residuals["m"] == pytest.approx(2.1, rel=0.05)
+    assert found.residuals["m"] == pytest.approx(2.1, rel=0.1)
     assert {"modulus", "exponent", "skin_ratio", "c0"} <= {each.name for each in found.parameters}
     assert found["skin_ratio"].how == "held"
     assert set(found.checks) == {"2 Hz", "4 Hz", "8 Hz", "16 Hz"}

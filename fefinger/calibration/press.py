@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger import cache
 from fefinger.checks import ConvergenceError, Stopped
 from fefinger.finger import Finger
 from fefinger.records import Progress, Response
@@ -98,9 +99,7 @@ def pressed(finger: Finger, part: float = PART) -> Scene:
 
 def root() -> Path:
     """Return the folder of the presses."""
-    from platformdirs import user_cache_path
-
-    return user_cache_path("fefinger") / "presses"
+    return cache.root() / "presses"
 
 
 def key(scene: Scene, mechanics: str) -> str:
