@@ -37,6 +37,9 @@ MECHANICS = ("condensed", "solid")
 EXPONENTS = (0.02, 1.5, 3.0, 4.5)
 """Exponents of Demiray's law at which a finger is solved; the first is all but neo-Hookean."""
 
+STIFFER = (7.0, 10.0)
+"""Exponents that are solved too where the data want more than the last of these."""
+
 SMALLER = 0.8
 """Pad radius of most presses over the R that the frames should give: the thesis's fit of a finger
 with a bone finds about 1.2 times its pad radius."""
@@ -70,18 +73,18 @@ class Work:
     def __init__(self, finger: Finger, progress: Progress | None) -> None:
         self.finger, self.progress = finger, progress
         self.stages: list[Stage] = []
-        self._presses: list[Press] = []
+        self._presses: dict[tuple[Finger, str, float], Press] = {}
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
         """Measure a stage; yields a function that takes its misfit."""
         started, misfits = time.process_time(), [math.nan]
-        self._presses = []
+        self._presses = {}
         if self.progress is not None:
             self.progress(name, 0.0)
         yield misfits.append
         spent = time.process_time() - started
-        kept = sum(each.seconds for each in self._presses)
+        kept = sum(each.seconds for each in self._presses.values())
         self.stages.append(Stage(name, spent, len(self._presses), kept, misfits[-1]))
         if self.progress is not None:
             self.progress(name, 1.0)
@@ -103,9 +106,10 @@ class Work:
             skin=layer(self.finger.skin, exponent, ratio),
             subcutaneous=layer(self.finger.subcutaneous, exponent),
         )
-        found = press(finger, mechanics, part=part)
-        self._presses.append(found)
-        return found
+        wanted = finger, mechanics, part
+        if wanted not in self._presses:
+            self._presses[wanted] = press(finger, mechanics, part=part)
+        return self._presses[wanted]
 
 
 def calibrate(
@@ -190,7 +194,7 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
     radius = SMALLER * start.pad_radius if seen else start.pad_radius
     with work.stage("solid, coarse") as misfit:
         first = radius
-        coarse = family(EXPONENTS, first, lambda b: work.press("solid", "coarse", first, b))
+        coarse = _wide_enough(work, wanted, first)
         stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST)
         coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
         found = _solved(_forces(work, wanted, coarse, first))
@@ -210,6 +214,19 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
         shape = _array(wanted, frames, found)
     adapted = replace(start, pad_radius=radius)
     return outcome(wanted, adapted, found, work.stages, "solid", shape, coarse.ripple)
+
+
+def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
+    """Return the coarse family, with more exponents where the best one is beyond it."""
+
+    def pressed(exponent: float) -> Press:
+        return work.press("solid", "coarse", radius, exponent)
+
+    found = family(EXPONENTS, radius, pressed)
+    at_bounds = _solved(_forces(work, wanted, found, radius)).solution.at_bounds
+    if SHAPE not in at_bounds:
+        return found
+    return family((*EXPONENTS, *STIFFER), radius, pressed)
 
 
 def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
