@@ -174,10 +174,10 @@ CALIBRATED = "calibrated.json"
 """Report of the calibrations that the sets below are from."""
 
 _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
-    "d.p.": (6.0, 4.4, 15.0, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
-    "d.s.": (15.25, 2.85, 12.0, (0.29, 0.40, 0.19, 0.12), (183, 11, 0.77)),
-    "a.h.": (9.28, 3.58, 14.0, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63)),
-    "p.w.": (10.0, 2.85, 17.0, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69)),
+    "d.p.": (6.918, 7.52, 15.0, (0.2209, 0.4504, 0.1495, 0.1791), (252.6, 13.92, 0.6669)),
+    "d.s.": (15.25, 2.849, 12.0, (0.291, 0.3988, 0.1878, 0.1223), (181.3, 10.49, 0.8003)),
+    "a.h.": (9.28, 3.576, 14.0, (0.2564, 0.4036, 0.1856, 0.1544), (221.1, 13.61, 0.6886)),
+    "p.w.": (9.717, 3.716, 17.0, (0.2965, 0.385, 0.1955, 0.123), (259.5, 21.11, 0.7597)),
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
 
@@ -218,17 +218,26 @@ def calibrated_dp() -> TissueSet:
 
 
 def calibrated_ds() -> TissueSet:
-    """Return a fit of the model to subject d.s., not a measurement; see `calibrated_dp`."""
+    """Return a fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
     return _calibrated("d.s.")
 
 
 def calibrated_ah() -> TissueSet:
-    """Return a fit of the model to subject a.h., not a measurement; see `calibrated_dp`."""
+    """Return a fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
     return _calibrated("a.h.")
 
 
 def calibrated_pw() -> TissueSet:
-    """Return a fit of the model to subject p.w., not a measurement; see `calibrated_dp`."""
+    """Return a fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
     return _calibrated("p.w.")
 
 

@@ -377,6 +377,18 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
     assert len(solved) == 4
 
 
+def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monkeypatch):
+    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+
+    def refuse(scene, progress=None):
+        msg = "beyond the side of the finger"
+        raise InputError(msg)
+
+    ways = {"condensed": type("W", (), {"respond": refuse}), "linear": hertz}
+    monkeypatch.setattr("fefinger.mechanics.get", ways.get)
+    assert presses.small(ff.Finger.subject("a.h.")).depth[-1] == pytest.approx(1.8)
+
+
 def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(cache, "root", lambda: tmp_path)
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
@@ -423,6 +435,7 @@ def solved(monkeypatch):
         return formula(exponent, finger.pad_radius, ratio, 400 if small else 24, part * 10)
 
     monkeypatch.setattr(module, "press", answer)
+    monkeypatch.setattr(module, "small", lambda finger: answer(finger, "condensed"))
     monkeypatch.setattr(pad, "thesis_fit", by_width)
     return asked
 

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger import library
-from fefinger.calibration import target
+from fefinger.calibration import press, target
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve
 from fefinger.calibration.outcome import layer, line
-from fefinger.calibration.press import press
 from fefinger.calibration.record import Calibration
 from fefinger.scene import Finger
 
@@ -41,16 +40,16 @@ def split(found: Calibration) -> dict[str, float]:
     wanted = target.subject(found.target)
     deep = float(found.curve.depth(wanted.prony.long_time * wanted.force[-1]))
     deep = min(deep, found.deepest)
-    small, _ = curve(press(finger, "condensed"))
+    linear, _ = curve(press.small(finger))
     neo = replace(
         finger,
         skin=layer(finger.skin, EXPONENTS[0]),
         subcutaneous=layer(finger.subcutaneous, EXPONENTS[0]),
     )
-    finite, _ = curve(press(neo, "solid"))
+    finite, _ = curve(press.press(neo, "solid"))
     chain = [
         steepness(lambda x: x**1.5, deep),
-        steepness(small.force, deep),
+        steepness(linear.force, deep),
         steepness(finite.force, deep),
         steepness(found.curve.force, deep),
         library.pawluk_bulk()[found.target].m,

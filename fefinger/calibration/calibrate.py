@@ -22,7 +22,7 @@ from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import Found, checked, layer, outcome
-from fefinger.calibration.press import PART, Press, press
+from fefinger.calibration.press import PART, Press, press, small
 from fefinger.calibration.record import Calibration, Stage
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.checks import InputError, choice
@@ -108,7 +108,8 @@ class Work:
         )
         wanted = finger, mechanics, part
         if wanted not in self._presses:
-            self._presses[wanted] = press(finger, mechanics, part=part)
+            finite = mechanics == "solid"
+            self._presses[wanted] = press(finger, mechanics, part=part) if finite else small(finger)
         return self._presses[wanted]
 
 

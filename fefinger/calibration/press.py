@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger import cache
-from fefinger.checks import ConvergenceError, Stopped
+from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.finger import Finger
 from fefinger.records import Progress, Response
 from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
@@ -82,6 +82,18 @@ def press(
     with suppress(OSError):  # without room for it, it is solved again the next time
         _keep(found, place)
     return found
+
+
+def small(finger: Finger) -> Press:
+    """Return the press at small strain: by `condensed`, or where it does not reach by `linear`.
+
+    The operator of `condensed` ends at the sides of the finger, where a flat pad has candidates for
+    contact; `linear` gives the same numbers without one.
+    """
+    try:
+        return press(finger, "condensed")
+    except InputError:
+        return press(finger, "linear")
 
 
 def pressed(finger: Finger, part: float = PART) -> Scene:
