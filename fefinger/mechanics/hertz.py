@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.indenter import ANGLES
+from fefinger.machine import slowness
 from fefinger.mechanics import _axisymmetric
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
@@ -154,7 +155,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s, from a count of operations."""
     steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    return 0.05 + 5e-5 * steps
+    return (0.05 + 5e-5 * steps) * slowness({})
 
 
 def error(scene: Scene) -> tuple[float, str]:

@@ -64,7 +64,7 @@ def coarser(scene: Scene) -> Scene | None:
     from fefinger.mechanics._touch import meshed_at
     from fefinger.mesh.ready import at_hand
 
-    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.resolution)
+    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)

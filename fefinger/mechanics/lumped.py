@@ -5,6 +5,7 @@ The formula is in `theory/lumped.py`, its proof in the tests of it.
 
 from fefinger import library
 from fefinger.indenter import Ellipsoid, Flat, Sphere
+from fefinger.machine import slowness
 from fefinger.mechanics._notes import apart
 from fefinger.mechanics._timeline import time_grid
 from fefinger.records import Progress, Refusal, Response
@@ -64,7 +65,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    return len(time_grid(scene.motion, fast=False)) * STEP_SECONDS
+    return len(time_grid(scene.motion, fast=False)) * STEP_SECONDS * slowness({})
 
 
 def error(scene: Scene) -> tuple[float, str]:
