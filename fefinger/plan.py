@@ -48,6 +48,9 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
     settings = _settings(scene, chosen)
     how = "the cheapest that does not refuse" if mechanics is None else "as named"
     sentence = f"{chosen.mechanics}, {how}; {_expectation(chosen)}. {_told(settings)}"
+    left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in rungs}]
+    if left_out and mechanics is None:
+        sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
     if chosen.refusals:
         reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."
@@ -71,9 +74,8 @@ def _ladder(scene: Scene, *, every: bool, named: str | None) -> tuple[Rung, ...]
         willing = [rung for rung in rungs if not rung.refusals and not math.isnan(rung.error)]
         quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
         if quick and name in ladder.MESHED and not every and named is None:
-            why = f"not asked: it takes more than {ladder.QUICKEST:g} s, which is not needed"
-            rungs.append(Rung(name, math.nan, math.nan, why))
-        elif named in (None, name) or every:
+            continue
+        if named in (None, name) or every:
             rungs += _rungs(name, scene)
     return tuple(rungs)
 

@@ -28,8 +28,6 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
     rows = []
     for rung in rungs:
         said = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
-        if math.isnan(rung.error) and not said:
-            said = [rung.evidence]
         star = "*" if rung is chosen else ""
         mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
         first = said[0] if said else "chosen" if star else "good enough"
@@ -62,4 +60,4 @@ def _sources(rungs: Sequence["Rung"]) -> str:
             name = f"{rung.mechanics} {rung.resolution or ''}".strip()
             by_source.setdefault(rung.evidence, []).append(name)
     rows = [(", ".join(names), source) for source, names in by_source.items()]
-    return table(rows, ("error of", "measured in")) if rows else "No error is known."
+    return table(rows, ("error of", "evidence")) if rows else "No error is known."

@@ -39,12 +39,16 @@ DEPTHS = 12
 
 @dataclass(frozen=True)
 class Run:
-    """What is run: kind is "press" or "base", name that of its scene; resolution of the mesh."""
+    """What is run: kind is "press" or "base", name that of its scene; resolution of the mesh.
+
+    `refine` divides every time step.
+    """
 
     kind: str
     name: str
     mechanics: str
     resolution: str
+    refine: int = 1
 
     @property
     def scene(self) -> Scene:
@@ -54,7 +58,8 @@ class Run:
     @property
     def label(self) -> str:
         """What the run is called."""
-        return f"{self.kind} {self.name}: {self.mechanics} on {self.resolution}"
+        finer = f", steps / {self.refine}" if self.refine > 1 else ""
+        return f"{self.kind} {self.name}: {self.mechanics} on {self.resolution}{finer}"
 
     @property
     def path(self) -> Path:
@@ -73,16 +78,40 @@ def campaign() -> tuple[Run, ...]:
         for name in scenes.PRESSES
         for mechanics in ("hertz", "layered")
     ]
-    meshes = [
+    small = [
         Run("press", name, mechanics, resolution)
         for resolution in ("coarse", "standard")
-        for mechanics in ("linear", "condensed", "solid")
+        for mechanics in ("linear", "condensed")
         for name in scenes.PRESSES
     ]
-    fine = [Run("press", name, "linear", "fine") for name in ("flat-30", "sphere-2", "sphere-10")]
+    rough = [Run("press", name, "solid", "coarse") for name in scenes.PRESSES]
     direct = [Run("base", name, "solid", "coarse") for name in scenes.MOTIONS]
-    both = [Run("base", "flat-30 fast, deep", "solid", "standard")]
-    return (*cheap, *meshes, *direct, *fine, *both)
+    converged = [Run("press", name, "solid", "standard") for name in scenes.PRESSES]
+    fine = [Run("press", name, "linear", "fine") for name in ("flat-30", "sphere-2", "sphere-10")]
+    return (*cheap, *small, *rough, *direct, *converged, *steps(), *fine)
+
+
+def steps() -> tuple[Run, ...]:
+    """Return the runs that tell what the time steps do."""
+    return tuple(
+        Run("base", name, mechanics, "coarse", refine)
+        for name in ("flat-30 fast, deep", "flat-30 sinusoid")
+        for mechanics, finer in (("linear", 4), ("solid", 2))
+        for refine in (1, finer)
+    )
+
+
+def respond(run: Run, scene: Scene) -> Response:
+    """Answer the scene of a run."""
+    if run.refine == 1:
+        return get(run.mechanics).respond(scene)
+    if run.mechanics == "solid":
+        from fefinger.mechanics._squeeze import squeeze
+
+        return squeeze(scene, mechanics="solid", notes=(), refine=run.refine)
+    from fefinger.mechanics._press import press
+
+    return press(scene, mechanics="linear", notes=(), refine=run.refine)
 
 
 def measure(run: Run) -> dict[str, Any]:
@@ -95,7 +124,7 @@ def measure(run: Run) -> dict[str, Any]:
         )
     started, cpu = time.perf_counter(), time.process_time()
     try:
-        response = chosen.respond(scene)
+        response = respond(run, scene)
     except (InputError, ConvergenceError) as error:
         return {"refused": np.array(str(error))}
     spent = {
