@@ -43,20 +43,25 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
         machine.seconds()
     if mechanics is not None:
         choice("mechanics", mechanics, ladder.names())
-    rungs = _ladder(scene, every=every, named=mechanics)
-    chosen = _cheapest(rungs) if mechanics is None else _named(rungs, mechanics)
+    asked = _ladder(scene, every=every, named=mechanics)
+    chosen = _cheapest(asked) if mechanics is None else _named(asked, mechanics)
     settings = _settings(scene, chosen)
     how = "the cheapest that does not refuse" if mechanics is None else "as named"
     sentence = f"{chosen.mechanics}, {how}; {_expectation(chosen)}. {_told(settings)}"
-    left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in rungs}]
+    left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in asked}]
     if left_out and mechanics is None:
         sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
     if chosen.refusals:
         reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."
     return Plan(
-        chosen.mechanics, rungs, sentence, chosen.refusals, settings, machine=machine.sentence()
+        chosen.mechanics, asked, sentence, chosen.refusals, settings, machine=machine.sentence()
     )
+
+
+def rungs(scene: Scene) -> tuple[Rung, ...]:
+    """Return the whole ladder for a scene."""
+    return _ladder(scene, every=True, named=None)
 
 
 def settled(scene: Scene, plan: Plan) -> Scene:
@@ -69,15 +74,15 @@ def settled(scene: Scene, plan: Plan) -> Scene:
 
 def _ladder(scene: Scene, *, every: bool, named: str | None) -> tuple[Rung, ...]:
     """Ask the mechanics in turn, on every mesh that the scene leaves open."""
-    rungs: list[Rung] = []
+    found: list[Rung] = []
     for name in ladder.names():
-        willing = [rung for rung in rungs if not rung.refusals and not math.isnan(rung.error)]
+        willing = [rung for rung in found if not rung.refusals and not math.isnan(rung.error)]
         quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
         if quick and name in ladder.MESHED and not every and named is None:
             continue
         if named in (None, name) or every:
-            rungs += _rungs(name, scene)
-    return tuple(rungs)
+            found += _rungs(name, scene)
+    return tuple(found)
 
 
 def _rungs(name: str, scene: Scene) -> Iterator[Rung]:

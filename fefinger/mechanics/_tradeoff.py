@@ -30,7 +30,7 @@ POISSON = 0.005
 
 LAW = "neo-hookean"
 
-NEAR = 3.0
+NEAR = 2.0
 """Distance in mm of a ball from the middle of the pad within which it counts as measured."""
 
 
