@@ -3,7 +3,7 @@
 A press is known at DEPTHS evenly spaced depths; every error is one number for each of them.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
 from fefinger.validation import tradeoff_runs as runs
@@ -13,6 +13,7 @@ from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.records import Response
 
 
 Array = NDArray[np.float64]
@@ -22,23 +23,44 @@ QUANTITIES = ("force", "pressure", "area", "centroid", "strain")
 
 @dataclass(frozen=True)
 class Press:
-    """A press at its depths: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm.
+    """A press: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm on the way down.
 
-    taxels (n, k, k) mN about the centroid; strain (n, 4, 3, 3) at the central end organs.
+    strain (n, 4, 3, 3) at the central end organs; at (m,): the depths at which it is judged;
+    taxels (m, k, k) mN about the centroid there.
     """
 
     depth: Array
     force: Array
     area: Array
     centroid: Array
-    taxels: Array
     strain: Array
+    at: NDArray[np.int64]
+    taxels: Array
 
-    def scaled(self, force: float) -> "Press":
+    def scaled(self, factor: float) -> "Press":
         """Return the press of a body that is stiffer by a factor."""
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
-        scaled = {name: force * values[name] for name in ("force", "taxels")}
-        return Press(**(values | scaled))
+        return replace(self, force=factor * self.force, taxels=factor * self.taxels)
+
+    @classmethod
+    def of(cls, response: Response) -> "Press":
+        """Return the press that was answered by a ramp, without the time of first touch."""
+        assert response.contact_area is not None
+        assert response.centroid is not None
+        assert response.strain is not None
+        wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
+        at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
+        return cls(
+            response.depth[1:],
+            response.force[1:],
+            response.contact_area[1:],
+            response.centroid[1:],
+            response.strain[1:],
+            at - 1,
+            np.array([runs.taxels(response, int(step)) for step in at]),
+        )
+
+
+MEASURED = ("force", "area", "centroid", "strain", "taxels")
 
 
 def press(name: str, mechanics: str, resolution: str = "standard") -> Press | None:
@@ -46,15 +68,9 @@ def press(name: str, mechanics: str, resolution: str = "standard") -> Press | No
     arrays = runs.load(Run("press", name, mechanics, resolution))
     if arrays is None:
         return None
-    at = arrays["kept"]
-    return Press(
-        arrays["depth"][at],
-        arrays["force"][at],
-        arrays["area"][at],
-        arrays["centroid"][at],
-        arrays["taxels"],
-        arrays["strain"][at],
-    )
+    curves = (arrays[key][1:] for key in ("depth", "force", "area", "centroid", "strain"))
+    depth, force, area, centroid, strain = curves
+    return Press(depth, force, area, centroid, strain, arrays["kept"] - 1, arrays["taxels"])
 
 
 def unknowns(name: str, mechanics: str, resolution: str) -> float:
@@ -75,12 +91,16 @@ class Converged:
 def limit(coarse: Press, fine: Press, ratio: float) -> Press:
     """Return the limit of two meshes, with `ratio` times the unknowns, of errors of order 2."""
     gain = 1 / (ratio ** (ORDER / 3) - 1)
+    return moved(fine, coarse, fine, gain)
+
+
+def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
+    """Return a press moved by `gain` times what leads from one press to another."""
     values = {
-        each.name: getattr(fine, each.name)
-        + gain * (getattr(fine, each.name) - getattr(coarse, each.name))
-        for each in fields(Press)
+        name: getattr(press_, name) + gain * (getattr(stop, name) - getattr(start, name))
+        for name in MEASURED
     }
-    return Press(**(values | {"depth": fine.depth}))
+    return replace(press_, **values)
 
 
 def converged(name: str, mechanics: str = "solid") -> Converged:
@@ -103,11 +123,7 @@ def converged(name: str, mechanics: str = "solid") -> Converged:
     assert rough is not None
     sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
     small = limit(rough, finest, sizes[1] / sizes[0])
-    moved = {
-        each.name: getattr(fine, each.name) + getattr(small, each.name) - getattr(rough, each.name)
-        for each in fields(Press)
-    }
-    best = Press(**(moved | {"depth": fine.depth}))
+    best = moved(fine, rough, small)
     return Converged(best, errors(fine, best))
 
 
@@ -118,20 +134,16 @@ def errors(found: Press, true: Press) -> dict[str, Array]:
     forces on taxels of 1 mm about the centroid, in L2; area: relative; centroid: the distance, of
     the radius of a circle of that area; strain: Frobenius norm over the four end organs.
     """
+    at = true.at
     apart = np.maximum.accumulate(np.abs(found.force - true.force))
-    radius = np.sqrt(true.area / np.pi)
+    shift, size = (found.centroid - true.centroid)[at], true.strain[at]
     return {
-        "force": apart / true.force,
+        "force": (apart / true.force)[at],
         "pressure": _norm(found.taxels - true.taxels) / _norm(true.taxels),
-        "area": np.abs(found.area / true.area - 1),
-        "centroid": np.linalg.norm(found.centroid - true.centroid, axis=1) / radius,
-        "strain": _norm(found.strain - true.strain) / _norm(true.strain),
+        "area": np.abs(found.area[at] / true.area[at] - 1),
+        "centroid": np.linalg.norm(shift, axis=1) / np.sqrt(true.area[at] / np.pi),
+        "strain": _norm(found.strain[at] - size) / _norm(size),
     }
-
-
-def apart(found: Press, own: Press, true: Press) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return numerical and model error: found against its own limit, and that against the truth."""
-    return errors(found, own), errors(own, true)
 
 
 def _norm(values: Array) -> Array:
@@ -161,21 +173,24 @@ def identify(true: Press, layered: Press, poisson: float) -> Identified:
     """
     from scipy.optimize import least_squares
 
+    depth, force, area = (values[true.at] for values in (true.depth, true.force, true.area))
+
     def spring(logs: Array) -> Array:
         b, m = np.exp(logs)
-        return np.asarray(b / m * np.expm1(m * true.depth) - true.force)
+        return np.asarray(b / m * np.expm1(m * depth) - force)
 
     found = least_squares(spring, np.zeros(2), x_scale=1.0)
     b, m = (float(x) for x in np.exp(found.x))
-    radius = _slope(np.pi * true.depth, true.area)
-    shape = 4 / 3 * np.sqrt(radius) * true.depth**1.5 / 1e3  # N per kPa
-    plane = _slope(shape, true.force)
-    stiffness = _slope(layered.force, true.force)
-    largest = true.force.max()
+    radius = _slope(np.pi * depth, area)
+    shape = 4 / 3 * np.sqrt(radius) * depth**1.5 / 1e3  # N per kPa
+    plane = _slope(shape, force)
+    softer = layered.force[layered.at]
+    stiffness = _slope(softer, force)
+    largest = force.max()
     residual = {
         "lumped": float(np.abs(found.fun).max() / largest),
-        "hertz": float(np.abs(plane * shape - true.force).max() / largest),
-        "layered": float(np.abs(stiffness * layered.force - true.force).max() / largest),
+        "hertz": float(np.abs(plane * shape - force).max() / largest),
+        "layered": float(np.abs(stiffness * softer - force).max() / largest),
     }
     return Identified(b, m, radius, plane * (1 - poisson**2), stiffness, residual)
 
@@ -193,8 +208,6 @@ def law(identified: Identified, depth: Array) -> Array:
 
 def hertzian(name: str, identified: Identified) -> Press:
     """Return the press by the identified `hertz`."""
-    from dataclasses import replace
-
     from fefinger.mechanics import hertz
 
     scene = scenes.press(name)
@@ -206,17 +219,4 @@ def hertzian(name: str, identified: Identified) -> Press:
         skin=replace(finger.skin, modulus=modulus, poisson=poisson),
         subcutaneous=replace(finger.subcutaneous, modulus=modulus, poisson=poisson),
     )
-    response = hertz.respond(replace(scene, finger=one))
-    assert response.contact_area is not None
-    assert response.centroid is not None
-    assert response.strain is not None
-    wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
-    at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
-    return Press(
-        response.depth[at],
-        response.force[at],
-        response.contact_area[at],
-        response.centroid[at],
-        np.array([runs.taxels(response, int(step)) for step in at]),
-        response.strain[at],
-    )
+    return Press.of(hertz.respond(replace(scene, finger=one)))

@@ -92,8 +92,8 @@ def _fronts_caption() -> str:
     return (
         "Error of the force through each base scene, of its peak, against CPU time of a press, "
         "with the front of what nothing beats (grey). Against `solid` extrapolated over its "
-        "meshes, whose own error bar is the dashed line: below it nothing can be told apart. lumped is "
-        "identified from the press of the plate at 30 degrees."
+        "meshes, whose own error bar is the dashed line: below it nothing can be told apart. "
+        "lumped is identified from the press of the plate at 30 degrees."
     )
 
 

@@ -5,16 +5,14 @@ of the candidates. Presses are shared: the scenes differ in depth, speed, motion
 what is asked.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from fefinger.validation import tradeoff_motion as motion
 from fefinger.validation import tradeoff_scenes as scenes
-from fefinger.validation.tradeoff_errors import Press, converged, identify, law, press
-from fefinger.validation.tradeoff_rules import MESHES, WITH_MESH, WITHOUT_MESH
+from fefinger.validation.tradeoff_errors import Press, converged
+from fefinger.validation.tradeoff_rules import answers
 
-from fefinger.mechanics import hertz
 from fefinger.plan import rungs
 from fefinger.records import Rung
 from fefinger.scene import Scene
@@ -25,22 +23,6 @@ ENOUGH = 1.2
 
 KEPT = 0.95
 """Share of the scenes in which the stated error is to hold."""
-
-
-def answers(name: str) -> dict[str, Press]:
-    """Return the press by every candidate; `lumped` as identified on that finger at 30 degrees."""
-    found: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
-    for mechanics in WITH_MESH:
-        for mesh in MESHES:
-            found[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
-    own = "d.s./flat-30" if name.startswith("d.s.") else "flat-30"
-    if "flat" in name:
-        true, layered = converged(own).press, press(own, "layered")
-        assert layered is not None
-        fitted = identify(true, layered, hertz.tissue(scenes.finger(own))[1])
-        at = converged(name).press
-        found["lumped"] = replace(at, force=law(fitted, at.depth))
-    return {key: each for key, each in found.items() if each is not None}
 
 
 def label(rung: Rung) -> str:

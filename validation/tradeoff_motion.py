@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 
 NODES = 96
 
+FORCE, AREA, STRAIN = 1.5, 1.0, 1.0
+"""Powers of the depth that force, area and strain begin with: Hertz's, and between its 3/2 far
+from the contact and 1/2 close to it."""
+
 COST = 1e3
 """Cost per s of moving a spike, of Victor and Purpura: 1 ms off counts as one spike."""
 
@@ -45,9 +49,9 @@ def passage(pressed: Press, scene: Scene, *, fast: bool = False) -> Passage:
     nodes = radius_nodes(scene.motion.peak * (1 + 1e-9), NODES)
     prony = scene.finger.prony
     history = press_by_depth(prony, time, scene.motion.value(time), nodes)
-    force = history.stress(_curve(pressed.depth, pressed.force, nodes)) / prony.long_time
-    area = _curve(pressed.depth, pressed.area, history.edge)
-    strain = history.strain(_curve(pressed.depth, pressed.strain, nodes))
+    force = history.stress(_curve(pressed.depth, pressed.force, nodes, FORCE)) / prony.long_time
+    area = _curve(pressed.depth, pressed.area, history.edge, AREA)
+    strain = history.strain(_curve(pressed.depth, pressed.strain, nodes, STRAIN))
     return Passage(time, force, area, strain)
 
 
@@ -117,13 +121,12 @@ def spike_errors(found: SpikeTrains, true: SpikeTrains) -> dict[str, float]:
     }
 
 
-def _curve(depth: Array, values: Array, wanted: Array) -> Array:
-    """Return values (m, ...) at wanted (m,) depths, smooth and without overshoot from 0 at 0.
-
-    In the square root of the depth, in which contact begins smoothly.
-    """
+def _curve(depth: Array, values: Array, wanted: Array, order: float) -> Array:
+    """Return values (m, ...) at wanted (m,) depths, smooth, and growing as depth^order at first."""
     from scipy.interpolate import PchipInterpolator
 
-    x = np.sqrt(np.concatenate([[0.0], depth]))
-    y = np.concatenate([np.zeros_like(values[:1]), values])
-    return np.asarray(PchipInterpolator(x, y, axis=0)(np.sqrt(wanted)))
+    def power(d: Array) -> Array:
+        return np.asarray((d**order).reshape(-1, *np.ones(values.ndim - 1, int)))
+
+    ratio = PchipInterpolator(depth, values / power(depth), axis=0)
+    return np.asarray(ratio(np.clip(wanted, depth[0], depth[-1])) * power(wanted))

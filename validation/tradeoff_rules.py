@@ -1,13 +1,16 @@
 """The rules that the planner reads, derived from the presses of the trade-off.
 
 Per press and candidate: the numerical error (of the mesh) and the model error (of what is left
-out) in presses to each depth. The stated error is their sum, times a margin for what lies between
-the presses, which comes from predicting each press by its neighbors.
+out) in presses to each depth. The stated error is their sum, at the worse neighbor of a scene, with
+a margin for what lies between the presses and one for motions.
 """
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from fefinger.validation import tradeoff_motion as motion
 from fefinger.validation import tradeoff_runs as runs
 from fefinger.validation import tradeoff_scenes as scenes
 from fefinger.validation.evidence import ORDER
@@ -26,7 +29,7 @@ from fefinger.validation.tradeoff_errors import (
 from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
-from fefinger.mechanics import _tradeoff, hertz
+from fefinger.mechanics import _evidence, _tradeoff, hertz
 
 
 Array = NDArray[np.float64]
@@ -36,6 +39,12 @@ MESHES = ("coarse", "standard")
 WITHOUT_MESH = ("hertz", "layered")
 
 WITH_MESH = ("condensed", "linear", "solid")
+
+FINGERS = ("d.p.", "p.w.")
+"""Fingers that tell how much the model error differs; the held-out one is not among them."""
+
+LEAST = 0.05
+"""Model error from which that is told."""
 
 QUANTILE = 0.95
 """Share of the depths of all presses, predicted by their neighbors, that the margin covers."""
@@ -57,8 +66,8 @@ def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list
         if pressed is not None:
             found[mechanics] = _listed(zero, errors(pressed, true.press))
     if name.startswith("flat"):
-        force = law(identified(), true.press.depth)
-        apart = np.maximum.accumulate(np.abs(force - true.press.force)) / true.press.force
+        own = replace(true.press, force=law(identified(), true.press.depth))
+        apart = errors(own, true.press)["force"]
         found["lumped"] = {
             "numerical": {"force": [0.0] * len(apart)},
             "model": {"force": _short(apart)},
@@ -98,35 +107,112 @@ def row(name: str) -> dict[str, Any]:
     return {
         **kind,
         "radius": getattr(made.indenter, "radius", None),
+        "width_mm": scenes.finger(name).width,
         "thickness_mm": scenes.finger(name).thickness,
+        "pad_radius_mm": scenes.finger(name).pad_radius,
         "subcutaneous_kPa": scenes.finger(name).subcutaneous.modulus,
-        "depth_mm": _short(true.press.depth),
-        "force_N": _short(true.press.force),
-        "area_mm2": _short(true.press.area),
+        "depth_mm": _short(true.press.depth[true.press.at]),
+        "force_N": _short(true.press.force[true.press.at]),
+        "area_mm2": _short(true.press.area[true.press.at]),
         "bars": {key: _short(values) for key, values in true.bars.items()},
         "candidates": candidates(name, true),
     }
 
 
-def margins(presses: dict[str, Any]) -> dict[str, float]:
-    """Return the margin of every candidate: by what its neighbors predict a press too well."""
-    found: dict[str, float] = {}
+def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Return what is added to the error of the force that the neighbors of a scene tell.
+
+    between: half of the 95th percentile of what the neighbors of a press tell too little of it,
+    where it has one on either side; half, because leaving a press out doubles the gap. motion: the
+    largest of what a press tells too little of a base scene.
+    """
+    found = {}
     for candidate in sorted({name for each in presses.values() for name in each["candidates"]}):
-        ratios: list[float] = []
-        for name, each in presses.items():
-            others = {key: value for key, value in presses.items() if key != name}
-            if candidate not in each["candidates"]:
-                continue
-            actual = _tradeoff.total(each["candidates"][candidate], "force")
-            for depth, error in zip(each["depth_mm"], actual, strict=True):
-                part = depth / each["thickness_mm"]
-                place = _tradeoff.place(each["angle"], each["radius"])
-                guess = _tradeoff.predicted(others, candidate, place, part)
-                if guess is not None:
-                    ratios.append(error / max(guess, 1e-9))
-        margin = float(np.quantile(ratios, QUANTILE)) if ratios else 1.0
-        found[candidate] = float(f"{max(margin, 1.0):.3g}")
+        missed = [each for name in presses for each in _missed(presses, name, candidate)]
+        moving = [
+            each["candidates"][candidate] - _own(presses[each["press"]], candidate, each)
+            for each in motions.values()
+            if candidate in each["candidates"]
+        ]
+        found[candidate] = {
+            "between": _margin(float(np.quantile(missed, QUANTILE)) / 2 if missed else 0.0),
+            "motion": _margin(max(moving, default=0.0)),
+        }
     return found
+
+
+def _missed(presses: dict[str, Any], name: str, candidate: str) -> Iterator[float]:
+    """Give the error in a press less that which the other presses tell, at every depth."""
+    own = presses[name]
+    others = {key: value for key, value in presses.items() if key != name}
+    place = _tradeoff.place(own["angle"], own["radius"])
+    if candidate not in own["candidates"] or len(_tradeoff.neighbors(others, place)) < 2:
+        return
+    actual = _tradeoff.total(own["candidates"][candidate], "force")
+    for depth, error in zip(own["depth_mm"], actual, strict=True):
+        told = _tradeoff.told(others, candidate, place, depth / own["thickness_mm"])
+        if told is not None:
+            yield error - sum(told)
+
+
+def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any]) -> float:
+    """Return the error of the force in a press at the depth of a motion."""
+    errors_ = _tradeoff.total(row["candidates"][candidate], "force")
+    return float(np.interp(moved["depth_mm"], row["depth_mm"], errors_))
+
+
+def _margin(missed: float) -> float:
+    return float(f"{max(missed, 0.0):.3g}")
+
+
+def fingers() -> dict[str, float]:
+    """Return by what the model error of other fingers is larger, at the same part of the thickness.
+
+    The largest over presses and depths at which it is above LEAST on the measured finger.
+    """
+    rows = _evidence.read(_evidence.SOLID_REPORT)["rows"]
+    found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
+    for mechanics in found:
+        for kind in ("flat-30", "sphere-5"):
+            own = _relative(rows[f"{_evidence.SOLID_SUBJECT}/{kind}"], mechanics)
+            for subject in FINGERS:
+                other = _relative(rows[f"{subject}/{kind}"], mechanics)
+                known = (own > LEAST) & np.isfinite(other)
+                found[mechanics] = max(found[mechanics], float((other / own)[known].max()))
+    found = {name: float(f"{factor:.3g}") for name, factor in found.items()}
+    return found | {"condensed": found["linear"], "lumped": 1.0, "solid": 1.0}
+
+
+def _relative(row: dict[str, Any], mechanics: str) -> Array:
+    forces = [np.array(row["force_N"][name], float) for name in (mechanics, "solid")]
+    return np.abs(forces[0] / forces[1] - 1)
+
+
+def motions() -> dict[str, Any]:
+    """Return the errors of the force through the base scenes, by candidate."""
+    found = {}
+    for name, (pressed, moved) in scenes.MOTIONS.items():
+        scene, true = scenes.base(name), converged(pressed).press
+        reference = motion.passage(true, scene)
+        rows = {
+            candidate: float(f"{motion.errors(motion.passage(own, scene), reference)['force']:.4g}")
+            for candidate, own in answers(pressed).items()
+        }
+        found[name] = {"press": pressed, "depth_mm": moved.peak, "candidates": rows}
+    return found
+
+
+def answers(name: str) -> dict[str, Press]:
+    """Return the press by every candidate; `lumped` as identified on that finger at 30 degrees."""
+    found: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
+    for mechanics in WITH_MESH:
+        for mesh in MESHES:
+            found[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
+    if "flat" in name:
+        plate = "d.s./flat-30" if name.startswith("d.s.") else "flat-30"
+        true = converged(name).press
+        found["lumped"] = replace(true, force=law(identified(plate), true.depth))
+    return {key: each for key, each in found.items() if each is not None}
 
 
 def costs() -> dict[str, dict[str, float]]:
@@ -155,7 +241,7 @@ def costs() -> dict[str, dict[str, float]]:
 
 def rules() -> dict[str, Any]:
     """Return all that the planner reads."""
-    presses = {name: row(name) for name in scenes.BASE}
+    presses, moved = {name: row(name) for name in scenes.BASE}, motions()
     finger = scenes.finger("flat-30")
     return {
         "quantities": {"force": "of the force there", "pressure": "L2 of taxels of 1 mm"},
@@ -165,11 +251,8 @@ def rules() -> dict[str, Any]:
         },
         "unknowns": {mesh: unknowns("flat-30", "solid", mesh) for mesh in MESHES},
         "presses": presses,
-        "margins": margins(presses),
+        "motions": moved,
+        "margins": margins(presses, moved),
+        "fingers": fingers(),
         "costs": costs(),
     }
-
-
-def scale(pressed: Press, factor: float) -> Press:
-    """Return a press of a body that is stiffer by a factor."""
-    return pressed.scaled(factor)

@@ -9,11 +9,11 @@ from fefinger.validation import tradeoff_motion as motion
 from fefinger.validation import tradeoff_runs as runs
 from fefinger.validation import tradeoff_scenes as scenes
 from fefinger.validation.tradeoff_errors import Press, converged, errors, hertzian, press
-from fefinger.validation.tradeoff_held_out import answers
-from fefinger.validation.tradeoff_rules import identified
+from fefinger.validation.tradeoff_rules import answers, identified
 from fefinger.validation.tradeoff_runs import Run
 
 from fefinger.neural.membranes import LARGEST_STEP
+from fefinger.scene import Scene
 
 
 FITTED = ("hertz identified", "layered identified")
@@ -90,6 +90,7 @@ def base(name: str) -> dict[str, Any]:
             fired = motion.spikes(passed, Run("press", pressed, mechanics, mesh))
             row["spikes"] = motion.spike_errors(fired, trains)
         rows[candidate] = _rounded(row | spent(candidate, pressed))
+    run = motion.direct(name, "solid", "coarse")
     return {
         "press": pressed,
         "motion": scene.motion.kind,
@@ -100,7 +101,16 @@ def base(name: str) -> dict[str, Any]:
         "bars": {key: float(f"{value[-1]:.4g}") for key, value in true.bars.items()},
         "candidates": rows,
         "separable": separable(name),
+        "linear_against_direct": None if run is None else _direct(pressed, scene, run),
     }
+
+
+def _direct(pressed: str, scene: Scene, run: motion.Passage) -> dict[str, float] | None:
+    """Return the model error of `linear` against `solid` run through the scene, both coarse."""
+    own = press(pressed, "linear", "coarse")
+    return (
+        None if own is None else _rounded(motion.errors(motion.passage(own, scene, fast=True), run))
+    )
 
 
 def _rounded(row: dict[str, Any]) -> dict[str, Any]:

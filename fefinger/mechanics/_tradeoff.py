@@ -2,8 +2,8 @@
 
 A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
 its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
-the finger. The stated error is interpolated between the neighbors, numerical and model error
-added, times the margin that the report has for what lies between.
+the finger. The stated error is that of the worse neighbor, numerical and model error added, with
+the margins that the report has for what lies between presses, for motions and for other fingers.
 """
 
 from collections.abc import Mapping
@@ -30,6 +30,8 @@ POISSON = 0.005
 
 LAW = "neo-hookean"
 
+KINDS = ("numerical", "model")
+
 NEAR = 2.0
 """Distance in mm of a ball from the middle of the pad within which it counts as measured."""
 
@@ -42,7 +44,7 @@ class Place(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """A stated error: its parts, the margin that their sum is multiplied by, and the source."""
+    """A stated error with its margins, its two parts, and the source."""
 
     error: float
     numerical: float
@@ -76,8 +78,8 @@ def total(candidate: Mapping[str, Any], quantity: str) -> Array:
     return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
 
 
-def neighbors(presses: Mapping[str, Any], where: Place) -> list[tuple[str, float]]:
-    """Return the presses on either side of a place, with the weight of each; beyond, the last."""
+def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
+    """Return the presses on either side of a place, or the one at it; beyond all, the last."""
     known: dict[str, float] = {}
     for name, row in presses.items():
         own = place(row["angle"], row["radius"])
@@ -87,14 +89,10 @@ def neighbors(presses: Mapping[str, Any], where: Place) -> list[tuple[str, float
             known[name] = 0.0
     below = [name for name in known if known[name] <= where.value]
     above = [name for name in known if known[name] >= where.value]
-    if not below or not above:
-        end = below or above
-        return [(min(end, key=lambda name: abs(known[name] - where.value)), 1.0)] if end else []
-    low, high = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
-    if low == high:
-        return [(low, 1.0)]
-    part = (where.value - known[low]) / (known[high] - known[low])
-    return [(low, 1 - part), (high, part)]
+    if below and above:
+        ends = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
+        return list(dict.fromkeys(ends))
+    return sorted(below or above, key=lambda name: abs(known[name] - where.value))[:1]
 
 
 def reach(row: Mapping[str, Any]) -> float:
@@ -102,27 +100,23 @@ def reach(row: Mapping[str, Any]) -> float:
     return float(row["depth_mm"][-1] / row["thickness_mm"])
 
 
-def predicted(
-    presses: Mapping[str, Any], candidate: str, where: Place, part: float, kind: str = ""
-) -> float | None:
-    """Return the error of the force between the presses, None where there is none so deep.
+def told(
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float
+) -> tuple[float, float] | None:
+    """Return numerical and model error of the force at the worse neighbor of a place.
 
-    `kind` is "numerical" or "model"; without it, their sum. A neighbor that was not pressed so
-    deep, or that the candidate refused, leaves the other one to tell.
+    None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
     """
-    found: list[tuple[float, float]] = []
-    for name, weight in neighbors(presses, where):
-        row = presses[name]
-        if candidate not in row["candidates"] or part > reach(row) * (1 + 1e-9):
-            continue
-        own = row["candidates"][candidate]
-        errors = own[kind]["force"] if kind else total(own, "force")
-        parts = np.array(row["depth_mm"]) / row["thickness_mm"]
-        found.append((float(np.interp(part, parts, errors)), weight))
-    weights = sum(weight for _, weight in found)
-    if weights <= 0:
+    rows = [presses[name] for name in neighbors(presses, where)]
+    rows = [row for row in rows if candidate in row["candidates"]]
+    if not any(part <= reach(row) * (1 + 1e-9) for row in rows):
         return None
-    return sum(error * weight for error, weight in found) / weights
+    found = []
+    for row in rows:
+        own, parts = row["candidates"][candidate], np.array(row["depth_mm"])
+        at = [np.interp(part, parts / row["thickness_mm"], own[kind]["force"]) for kind in KINDS]
+        found.append((float(at[0]), float(at[1])))
+    return max(found, key=sum)
 
 
 def where(scene: Scene) -> Place | None:
@@ -176,16 +170,24 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
     place_ = where(scene)
     if place_ is None or not like(scene.finger):
         return None
-    presses = rules()["presses"]
-    names = [name for name, _ in neighbors(presses, place_)]
-    deep = max(part(scene, name) for name in names)
-    parts = [predicted(presses, candidate, place_, deep, kind) for kind in ("numerical", "model")]
-    numerical, model = parts
-    if numerical is None or model is None:
+    presses, mechanics = rules()["presses"], candidate.split()[0]
+    names = neighbors(presses, place_)
+    found = told(presses, candidate, place_, max(part(scene, name) for name in names))
+    if found is None:
         return None
-    margin = float(rules()["margins"][candidate])
+    numerical, model = found
+    if not _own(scene.finger, presses[names[0]]):
+        model *= rules()["fingers"][mechanics]
+    margins = rules()["margins"][candidate]
+    margin = margins["motion"] + (margins["between"] if len(names) > 1 else 0.0)
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of the mesh, {model:.2g} of "
-        f"the model, margin {margin:.3g}"
+        f"the model, {margin:.2g} of margin"
     )
-    return Stated((numerical + model) * margin, numerical, model, source)
+    return Stated(numerical + model + margin, numerical, model, source)
+
+
+def _own(finger: Finger, row: Mapping[str, Any]) -> bool:
+    """Return whether a finger has the size of the one that was pressed."""
+    size = (finger.width, finger.thickness, finger.pad_radius)
+    return size == (row["width_mm"], row["thickness_mm"], row["pad_radius_mm"])
