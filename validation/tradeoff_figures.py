@@ -90,10 +90,10 @@ def _legend(drawn: Any, axes: Any) -> None:
 
 def _fronts_caption() -> str:
     return (
-        "Error of the force through each base scene, of its peak, against CPU time of a press, "
-        "with the front of what nothing beats (grey). Against `solid` extrapolated over its "
+        "Error of the force through each base scene, of its peak, against the time of a press, "
+        "as the planner expects it, with the front of what nothing beats (grey). Against `solid` extrapolated over its "
         "meshes, whose own error bar is the dashed line: below it nothing can be told apart. "
-        "lumped is identified from the press of the plate at 30 degrees."
+        "lumped is identified from the press of its plate."
     )
 
 
@@ -102,14 +102,16 @@ def _fronts(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 5.6)
     axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
-        points = {key: (each["cpu_s"], each["force"]) for key, each in row["candidates"].items()}
+        points = {
+            key: (each["expected_s"], each["force"]) for key, each in row["candidates"].items()
+        }
         _scatter(axis, points)
         axis.axhline(max(row["bars"]["force"], LEAST), color=INK, linewidth=0.8, linestyle="--")
         axis.set_title(name)
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("CPU time, s")
+        axis.set_xlabel("expected time, s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("error of the force")
     axes[3].xaxis.set_tick_params(labelbottom=True)
@@ -133,7 +135,7 @@ def _others(data: dict[str, Any]) -> Any:
         bars = data["rules"]["presses"][name]["bars"]
         for axis, (key, said) in zip(line, QUANTITIES.items(), strict=True):
             points = {
-                candidate: (row["cpu_s"], row["total"][key])
+                candidate: (row["expected_s"], row["total"][key])
                 for candidate, row in rows.items()
                 if key in row["total"]
             }
@@ -142,7 +144,7 @@ def _others(data: dict[str, Any]) -> Any:
             axis.set_title(f"{name}: {said}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
-        axis.set_xlabel("CPU time, s")
+        axis.set_xlabel("expected time, s")
     _legend(drawn, grid[0, 0])
     return drawn
 
@@ -160,7 +162,7 @@ def _spikes(data: dict[str, Any]) -> Any:
     axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
-            key: (each["cpu_s"], max(each["spikes"]["distance"], 1e-3))
+            key: (each["expected_s"], max(each["spikes"]["distance"], 1e-3))
             for key, each in row["candidates"].items()
             if "spikes" in each
         }
@@ -169,7 +171,7 @@ def _spikes(data: dict[str, Any]) -> Any:
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("CPU time, s")
+        axis.set_xlabel("expected time, s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("distance per spike")
     axes[3].xaxis.set_tick_params(labelbottom=True)
@@ -189,7 +191,7 @@ def _split_caption() -> str:
 def _split(data: dict[str, Any]) -> Any:
     presses = data["presses"]
     drawn = figure(WIDE, 6.2)
-    axes = drawn.subplots(2, 3, sharey=True, sharex=True).ravel()
+    axes = drawn.subplots(2, 2, sharey=True, sharex=True).ravel()
     names = list(dict.fromkeys(key for rows in presses.values() for key in rows))
     for axis, (press, rows) in zip(axes, presses.items(), strict=True):
         for place, name in enumerate(names):
@@ -204,7 +206,7 @@ def _split(data: dict[str, Any]) -> Any:
         axis.set(xscale="log", title=f"{press}, {deepest:g} mm", xlim=(LEAST, 3))
         axis.set_yticks(range(len(names)), labels=names)
         axis.invert_yaxis()
-    for axis in axes[3:]:
+    for axis in axes[2:]:
         axis.set_xlabel("error of the force")
     return drawn
 

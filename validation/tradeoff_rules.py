@@ -30,6 +30,7 @@ from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
 from fefinger.mechanics import _evidence, _tradeoff, hertz
+from fefinger.scene import Finger
 
 
 Array = NDArray[np.float64]
@@ -37,6 +38,8 @@ Array = NDArray[np.float64]
 MESHES = ("coarse", "standard")
 
 WITHOUT_MESH = ("hertz", "layered")
+
+NO_MESH = (*WITHOUT_MESH, "lumped")
 
 WITH_MESH = ("condensed", "linear", "solid")
 
@@ -66,7 +69,7 @@ def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list
         if pressed is not None:
             found[mechanics] = _listed(zero, errors(pressed, true.press))
     if name.startswith("flat"):
-        own = replace(true.press, force=law(identified(), true.press.depth))
+        own = replace(true.press, force=law(identified(name), true.press.depth))
         apart = errors(own, true.press)["force"]
         found["lumped"] = {
             "numerical": {"force": [0.0] * len(apart)},
@@ -129,16 +132,31 @@ def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     found = {}
     for candidate in sorted({name for each in presses.values() for name in each["candidates"]}):
         missed = [each for name in presses for each in _missed(presses, name, candidate)]
+        alike = candidate.replace("fine", "standard")
         moving = [
-            each["candidates"][candidate] - _own(presses[each["press"]], candidate, each)
+            each["carried"][alike] - _own(presses[each["press"]], alike, each)
             for each in motions.values()
-            if candidate in each["candidates"]
+            if alike in each["carried"]
         ]
         found[candidate] = {
             "between": _margin(float(np.quantile(missed, QUANTILE)) / 2 if missed else 0.0),
             "motion": _margin(max(moving, default=0.0)),
         }
     return found
+
+
+def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, float]:
+    """Return by what the error of a mechanics is larger in direct runs than its press tells.
+
+    The largest over the base scenes; on model errors, which carrying a press leaves too small.
+    """
+    factors = {"solid": 1.0}
+    for each in motions.values():
+        for candidate, error in each["direct"].items():
+            mechanics = candidate.split()[0]
+            factor = error / _own(presses[each["press"]], candidate, each)
+            factors[mechanics] = max(factors.get(mechanics, 1.0), float(f"{factor:.3g}"))
+    return factors
 
 
 def _missed(presses: dict[str, Any], name: str, candidate: str) -> Iterator[float]:
@@ -189,29 +207,44 @@ def _relative(row: dict[str, Any], mechanics: str) -> Array:
 
 
 def motions() -> dict[str, Any]:
-    """Return the errors of the force through the base scenes, by candidate."""
+    """Return the errors of the force through the base scenes, by candidate.
+
+    carried: against the converged press of `solid`, carried to the motion as the candidate's is;
+    direct: against `solid` run through the scene on the coarse mesh, for what shares that mesh or
+    has none.
+    """
     found = {}
     for name, (pressed, moved) in scenes.MOTIONS.items():
         scene, true = scenes.base(name), converged(pressed).press
         reference = motion.passage(true, scene)
-        rows = {
-            candidate: float(f"{motion.errors(motion.passage(own, scene), reference)['force']:.4g}")
-            for candidate, own in answers(pressed).items()
+        passed = {key: motion.passage(own, scene) for key, own in answers(pressed).items()}
+        carried = {key: _off(each, reference) for key, each in passed.items()}
+        run, direct = motion.direct(name, "solid", "coarse"), {}
+        if run is not None:
+            alike = [key for key in passed if key.split()[-1] in ("coarse", *NO_MESH)]
+            direct = {key: _off(passed[key], run) for key in alike if not key.startswith("solid")}
+        found[name] = {
+            "press": pressed,
+            "depth_mm": moved.peak,
+            "carried": carried,
+            "direct": direct,
         }
-        found[name] = {"press": pressed, "depth_mm": moved.peak, "candidates": rows}
     return found
 
 
+def _off(found: motion.Passage, true: motion.Passage) -> float:
+    return float(f"{motion.errors(found, true)['force']:.4g}")
+
+
 def answers(name: str) -> dict[str, Press]:
-    """Return the press by every candidate; `lumped` as identified on that finger at 30 degrees."""
+    """Return the press by every candidate; `lumped` as identified from the press of that plate."""
     found: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
     for mechanics in WITH_MESH:
         for mesh in MESHES:
             found[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
     if "flat" in name:
-        plate = "d.s./flat-30" if name.startswith("d.s.") else "flat-30"
         true = converged(name).press
-        found["lumped"] = replace(true, force=law(identified(plate), true.depth))
+        found["lumped"] = replace(true, force=law(identified(name), true.depth))
     return {key: each for key, each in found.items() if each is not None}
 
 
@@ -243,16 +276,20 @@ def rules() -> dict[str, Any]:
     """Return all that the planner reads."""
     presses, moved = {name: row(name) for name in scenes.BASE}, motions()
     finger = scenes.finger("flat-30")
+    measured = [finger, *(Finger.subject(name) for name in FINGERS)]
+    shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
         "quantities": {"force": "of the force there", "pressure": "L2 of taxels of 1 mm"},
         "tissue": {
             "skin_over_subcutaneous": finger.skin.modulus / finger.subcutaneous.modulus,
+            "skin_over_thickness": [min(shares), max(shares)],
             "poisson": {"skin": finger.skin.poisson, "subcutaneous": finger.subcutaneous.poisson},
         },
         "unknowns": {mesh: unknowns("flat-30", "solid", mesh) for mesh in MESHES},
         "presses": presses,
         "motions": moved,
         "margins": margins(presses, moved),
+        "directs": directs(presses, moved),
         "fingers": fingers(),
         "costs": costs(),
     }

@@ -87,7 +87,7 @@ def campaign() -> tuple[Run, ...]:
     rough = [Run("press", name, "solid", "coarse") for name in scenes.PRESSES]
     direct = [Run("base", name, "solid", "coarse") for name in scenes.MOTIONS]
     converged = [Run("press", name, "solid", "standard") for name in scenes.PRESSES]
-    fine = [Run("press", name, "linear", "fine") for name in ("flat-30", "sphere-2", "sphere-10")]
+    fine = [Run("press", name, "linear", "fine") for name in ("sphere-2",)]
     return (*cheap, *small, *rough, *direct, *converged, *steps(), *fine)
 
 

@@ -44,8 +44,6 @@ BASE = {
     "flat-0": Object("a.h.", Flat(0), 1.0),
     "sphere-10": Object("a.h.", Sphere(10), 2.0),
     "sphere-2": Object("a.h.", Sphere(2), 0.6),
-    "flat-50": Object("a.h.", Flat(50), 1.2),
-    "sphere-5": Object("a.h.", Sphere(5), 2.0),
 }
 """Presses that the planner's rules are derived from."""
 
@@ -53,8 +51,6 @@ HELD_OUT = {
     "flat-20": Object("a.h.", Flat(20), 1.5),
     "sphere-7": Object("a.h.", Sphere(7), 1.8),
     "d.s./flat-30": Object("d.s.", Flat(30), 2.0),
-    "flat-36": Object("a.h.", Flat(36), 1.8),
-    "sphere-4": Object("a.h.", Sphere(4), 1.5),
 }
 """Presses of other objects, and of another finger, that the held-out scenes are drawn on."""
 

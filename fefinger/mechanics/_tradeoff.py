@@ -140,8 +140,11 @@ def like(finger: Finger) -> bool:
     contrast = finger.skin.modulus / finger.subcutaneous.modulus / known["skin_over_subcutaneous"]
     layers = (finger.skin, finger.subcutaneous)
     nu = [known["poisson"][name] for name in ("skin", "subcutaneous")]
+    thin, thick = known["skin_over_thickness"]
+    share = (finger.skin.thickness or 0.0) / finger.thickness
     return (
         finger.surface is None
+        and thin / CONTRAST <= share <= thick * CONTRAST
         and max(contrast, 1 / contrast) <= CONTRAST
         and all(abs(x.poisson - value) <= POISSON for x, value in zip(layers, nu, strict=True))
         and all(x.law == LAW and x.prony is None for x in layers)
@@ -175,7 +178,7 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
     found = told(presses, candidate, place_, max(part(scene, name) for name in names))
     if found is None:
         return None
-    numerical, model = found
+    numerical, model = found[0], found[1] * rules()["directs"][mechanics]
     if not _own(scene.finger, presses[names[0]]):
         model *= rules()["fingers"][mechanics]
     margins = rules()["margins"][candidate]
