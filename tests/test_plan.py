@@ -235,7 +235,7 @@ def test_a_scene_without_spikes_loads_no_membrane():
     assert not [name for name in modules if name.startswith("fefinger.neural.membranes")]
 
 
-@pytest.mark.parametrize("name", ["hertz", "linear", "solid"])
+@pytest.mark.parametrize("name", ["hertz", "linear"])
 def test_strain_is_computed_only_where_it_is_asked(name, monkeypatch):
     from fefinger.mechanics import _axisymmetric, _press, _squeeze
 
