@@ -183,11 +183,11 @@ def write(folder: Path) -> None:
     complete(lambda stage, fraction: print(f"{100 * fraction:3.0f} % {stage}", file=sys.stderr))
     head = {**provenance(COMMAND), "rules_read": RULES, "shared": SHARED}
     target = folder / _tradeoff.REPORT
-    _put(target, head | {"rules": tradeoff_rules.rules()})
+    rules = tradeoff_rules.rules()
+    _put(target, head | {"rules": rules})
     for kept in (_tradeoff.read, committed, fresh):
         kept.cache_clear()
-    data = head | {"rules": tradeoff_rules.rules()} | fresh()
-    _put(target, data)
+    _put(target, head | {"rules": rules} | fresh())
     _tradeoff.read.cache_clear()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
@@ -199,8 +199,17 @@ def write(folder: Path) -> None:
 
 def _put(target: Path, data: dict[str, Any]) -> None:
     new = target.with_suffix(".new")
-    new.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    new.write_text(json.dumps(_plain(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     new.replace(target)
+
+
+def _plain(value: Any) -> Any:
+    """Return values as JSON has them, null for numbers that are not finite."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 if __name__ == "__main__":

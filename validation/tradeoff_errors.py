@@ -4,6 +4,7 @@ A press is known at DEPTHS evenly spaced depths; every error is one number for e
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from fefinger.validation import tradeoff_runs as runs
@@ -63,6 +64,7 @@ class Press:
 MEASURED = ("force", "area", "centroid", "strain", "taxels")
 
 
+@cache
 def press(name: str, mechanics: str, resolution: str = "standard") -> Press | None:
     """Return a press that was run; None where the mechanics refused."""
     arrays = runs.load(Run("press", name, mechanics, resolution))
@@ -103,6 +105,7 @@ def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
     return replace(press_, **values)
 
 
+@cache
 def converged(name: str, mechanics: str = "solid") -> Converged:
     """Return the press of `solid` (or another one) extrapolated over the meshes that it has.
 

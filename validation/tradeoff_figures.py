@@ -230,6 +230,8 @@ def _held(data: dict[str, Any]) -> Any:
     left, right = drawn.subplots(1, 2)
     for each in data["held_out"].values():
         for name, row in each["candidates"].items():
+            if row["stated"] is None:
+                continue
             picked = name == each["pick"]
             left.plot(
                 row["stated"],

@@ -41,7 +41,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
         actual = motion.errors(motion.passage(found[name], scene), reference)
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),
-            "stated": float(f"{rung.error:.4g}"),
+            "stated": float(f"{rung.error:.4g}") if np.isfinite(rung.error) else None,
             "actual": float(f"{actual['force']:.4g}"),
             "area": float(f"{actual['area']:.4g}"),
             "strain": float(f"{actual['strain']:.4g}"),
@@ -81,7 +81,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
     picks = [(each, each["candidates"][each["pick"]]) for each in picked]
     ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
     every = [row for each in judged.values() for row in each["candidates"].values()]
-    finite = [row for row in every if np.isfinite(row["stated"])]
+    finite = [row for row in every if row["stated"] is not None]
     total = sum(each["candidates"][each["pick"]]["seconds"] for each in picked if each["best"])
     least = sum(each["candidates"][each["best"]]["seconds"] for each in picked if each["best"])
     return {

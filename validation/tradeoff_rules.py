@@ -7,6 +7,7 @@ a margin for what lies between the presses and one for motions.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,7 @@ QUANTILE = 0.95
 """Share of the depths of all presses, predicted by their neighbors, that the margin covers."""
 
 
+@cache
 def identified(name: str = "flat-30") -> Identified:
     """Return the mechanics without a mesh as fitted to the converged press of a plate."""
     layered = press(name, "layered")

@@ -291,7 +291,7 @@ CHOSEN = [
     ("flat-press", {"ask.strain": False, "ask.pressure": False, "ask.spikes": []}, "lumped"),
     ("sphere-press", {"ask.rel_error": 0.2}, "linear"),
     ("sphere-press", {"ask.rel_error": 0.4}, "layered"),
-    ("sphere-press", {"ask.rel_error": 0.15, "motion.depth": 0.5}, "layered"),
+    ("sphere-press", {"ask.rel_error": 0.25, "motion.depth": 0.5}, "layered"),
 ]
 
 
