@@ -91,7 +91,7 @@ def _legend(drawn: Any, axes: Any) -> None:
 def _fronts_caption() -> str:
     return (
         "Error of the force through each base scene, of its peak, against the time of a press as "
-        "the planner expects it, with the front of what nothing beats (grey). The truth is `solid` "
+        "the planner expects it, with the front of what nothing beats (grey). The truth is solid "
         "extrapolated over its meshes, whose own error bar is the dashed line: below it nothing "
         "can be told apart. lumped is identified from the press of its plate."
     )

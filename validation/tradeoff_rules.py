@@ -185,6 +185,31 @@ def _margin(missed: float) -> float:
     return float(f"{max(missed, 0.0):.3g}")
 
 
+def steps() -> dict[str, dict[str, float]]:
+    """Return what finer time steps change in direct runs, by run."""
+    rows = {}
+    for run in runs.steps():
+        if run.refine == 1:
+            continue
+        ours = motion.direct(run.name, run.mechanics, run.resolution)
+        finer = motion.direct(run.name, run.mechanics, run.resolution, run.refine)
+        if ours is not None and finer is not None:
+            errors_ = motion.errors(ours, finer)
+            rows[f"{run.mechanics}, {run.name}, steps / {run.refine}"] = {
+                key: float(f"{value:.4g}") for key, value in errors_.items()
+            }
+    return rows
+
+
+def paced(rows: dict[str, dict[str, float]]) -> dict[str, float]:
+    """Return the error of the force that the time steps of a mechanics make, the largest known."""
+    found = dict.fromkeys((*NO_MESH, *WITH_MESH), 0.0)
+    for label, row in rows.items():
+        mechanics = label.split(",")[0]
+        found[mechanics] = max(found[mechanics], row["force"])
+    return found | {"condensed": found["linear"]}
+
+
 def fingers() -> dict[str, float]:
     """Return by what the model error of other fingers is larger, at the same part of the thickness.
 
@@ -293,5 +318,6 @@ def rules() -> dict[str, Any]:
         "margins": margins(presses, moved),
         "directs": directs(presses, moved),
         "fingers": fingers(),
+        "steps": paced(steps()),
         "costs": costs(),
     }

@@ -140,20 +140,6 @@ def separable(name: str) -> dict[str, float] | None:
     return _rounded(motion.errors(motion.passage(own, scenes.base(name), fast=True), run))
 
 
-def steps() -> dict[str, dict[str, float]]:
-    """Return what finer time steps change in direct runs, by run."""
-    rows = {}
-    for run in runs.steps():
-        if run.refine == 1:
-            continue
-        ours = motion.direct(run.name, run.mechanics, run.resolution)
-        finer = motion.direct(run.name, run.mechanics, run.resolution, run.refine)
-        if ours is not None and finer is not None:
-            label = f"{run.mechanics}, {run.name}, steps / {run.refine}"
-            rows[label] = _rounded(motion.errors(ours, finer))
-    return rows
-
-
 def strain_measures() -> dict[str, dict[str, float]]:
     """Return how the logarithmic strain of the deepest presses differs from other measures.
 

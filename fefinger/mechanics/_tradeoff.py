@@ -178,14 +178,15 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
     found = told(presses, candidate, place_, max(part(scene, name) for name in names))
     if found is None:
         return None
-    numerical, model = found[0], found[1] * rules()["directs"][mechanics]
-    if not _own(scene.finger, presses[names[0]]):
-        model *= rules()["fingers"][mechanics]
+    own = _own(scene.finger, presses[names[0]])
+    numerical = found[0] + rules()["steps"][mechanics]
+    model = found[1] * rules()["directs"][mechanics]
+    model *= 1.0 if own else rules()["fingers"][mechanics]
     margins = rules()["margins"][candidate]
-    margin = margins["motion"] + (margins["between"] if len(names) > 1 else 0.0)
+    margin = margins["motion"] + (0.0 if own and len(names) == 1 else margins["between"])
     source = (
-        f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of the mesh, {model:.2g} of "
-        f"the model, {margin:.2g} of margin"
+        f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
+        f"{model:.2g} of the model, {margin:.2g} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
 
