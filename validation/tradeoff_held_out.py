@@ -1,8 +1,8 @@
 """Scenes that the rules were not derived from: what the planner picks, and what would have done.
 
 The truth is the converged press of the scene's object, carried to its motion; so are the answers
-of the candidates. Presses are shared: the scenes differ in depth, speed, motion, tolerance and in
-what is asked.
+of the candidates, to whose error that of their time steps is added, of which carrying has none.
+Presses are shared: the scenes differ in depth, speed, motion, tolerance and in what is asked.
 """
 
 from typing import Any
@@ -13,6 +13,7 @@ from fefinger.validation import tradeoff_scenes as scenes
 from fefinger.validation.tradeoff_errors import Press, converged
 from fefinger.validation.tradeoff_rules import answers
 
+from fefinger.mechanics import _tradeoff
 from fefinger.plan import rungs
 from fefinger.records import Rung
 from fefinger.scene import Scene
@@ -39,10 +40,11 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
         actual = motion.errors(motion.passage(found[name], scene), reference)
+        paced = _tradeoff.rules()["steps"][rung.mechanics]
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),
             "stated": float(f"{rung.error:.4g}") if np.isfinite(rung.error) else None,
-            "actual": float(f"{actual['force']:.4g}"),
+            "actual": float(f"{actual['force'] + paced:.4g}"),
             "area": float(f"{actual['area']:.4g}"),
             "strain": float(f"{actual['strain']:.4g}"),
             "willing": not rung.refusals,
