@@ -27,5 +27,5 @@ surface is not."""
 SHARED = 1e-9
 """Barycentric coordinate up to which a site counts as lying on a face that cells share."""
 
-EQUILIBRIUM = 1e-7
+EQUILIBRIUM = 5e-8
 """Relative residual of a finite-strain equilibrium: in force, volume, gap and force asked for."""

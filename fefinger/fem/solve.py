@@ -15,7 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.checks import ConvergenceError, InputError
-from fefinger.fem import multifrontal
+from fefinger.fem import multifrontal, single
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
 from fefinger.tolerances import FACTOR_COMPRESSIBILITY, LINEAR_RESIDUAL
@@ -113,6 +113,23 @@ def factor(
     neighbor = compressible(space, matrix)[free][:, free].tocsr()
     factored = multifrontal.factor(neighbor, dissection)
     return System(matrix, free, held, matrix[free][:, free].tocsr(), factored, dissection)
+
+
+def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Single:
+    """Factor another `matrix` of the free unknowns of `system`, to iterate with.
+
+    Raises
+    ------
+    InputError
+        If it is singular.
+    """
+    neighbor = compressible(space, matrix)[system.free][:, system.free].tocsr()
+    return single.factor(neighbor, system.dissection)
+
+
+def is_compressible(space: Space, matrix: sparse.csr_matrix) -> bool:
+    """Return whether the matrix can be factored as it is, so that its solutions need no mending."""
+    return not _lacking(space, matrix, FACTOR_COMPRESSIBILITY).any()
 
 
 def compressible(
