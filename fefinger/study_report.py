@@ -1,0 +1,6 @@
+"""The report."""
+
+
+def html(study: object) -> str:
+    """Return."""
+    return "x"
