@@ -235,24 +235,31 @@ def _sensed(seen: View, where: float) -> dict[str, Any]:
         return {"sensor_note": f"not read: {error}"}
     felt, element = weights @ _at(pressure, where), sensor.pitch**2
     places = sensor.positions + middle
-    halves = np.full(len(sensor.triangles), element / 2)
+    triangles = _both_ways(sensor)
+    halves = np.full(len(triangles), element / 4)
     return {
         "sensor_force_N": float(felt.sum() * element) * NEWTON_PER_MILLINEWTON,
         "sensor_area_mm2": float((felt > FELT * sensor.noise).sum() * element),
         "sensor_peak_kPa": float(felt.max()),
-        **_named("sensor_", moments(places, sensor.triangles, halves, felt)),
-        **_reach("sensor_", places, sensor.triangles, felt),
+        **_named("sensor_", moments(places, triangles, halves, felt)),
+        **_reach("sensor_", places, triangles, felt),
         "sensor_middle_distal_mm": float(middle[0]),
         READINGS: [float(value) for value in felt],
     }
+
+
+def _both_ways(sensor: ArraySensor) -> Integers:
+    """Return the triangles of an array with either diagonal of its squares, so that none leans."""
+    mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
+    return np.concatenate([sensor.triangles, mirrored[sensor.triangles]])
 
 
 def _hertz(result: Result, touch: "Touch", where: float) -> dict[str, Any]:
     """Return the columns of elliptic Hertz on the curvatures at first touch, at the same depths.
 
     The half-space has the mean compliance of skin and pulp and relaxes as the finger does: its
-    modulus is the relaxed one, over G(infinity) at once. Nothing is told of a hollow skin, of an object
-    that is neither plate nor sphere, or once the contact has shrunk.
+    modulus is the relaxed one, over G(infinity) at once. Nothing is told of a hollow skin, of an
+    object that is neither plate nor sphere, or once the contact has shrunk.
     """
     from fefinger.mechanics.hertz import tissue
     from fefinger.theory.elliptic import LONGEST, Elliptic

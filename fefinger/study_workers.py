@@ -56,6 +56,7 @@ class Worker:
     def ask(self, task: Task) -> Answer:
         """Return the answer to a task."""
         if self._process.poll() is not None:
+            self.end()
             self._process = self._started()
         given, told = self._process.stdin, self._process.stdout
         assert given is not None
@@ -71,6 +72,10 @@ class Worker:
         """End the process, whatever it is doing."""
         self._process.kill()
         self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            with contextlib.suppress(OSError):  # what was not read yet
+                pipe.close()
 
     def _end(self) -> str:
         status = self._process.wait()
