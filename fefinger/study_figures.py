@@ -45,7 +45,11 @@ STEP = 4.0
 
 def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
     """Return what tells a row's series from the others."""
-    return ", ".join(f"{name.rpartition('.')[2]} {row[name]}" for name in series)
+    values = {name: row[name] for name in series}
+    return ", ".join(
+        value if isinstance(value, str) else f"{name.rpartition('.')[2]} {value}"
+        for name, value in values.items()
+    )
 
 
 def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) -> Any:

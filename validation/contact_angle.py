@@ -1,0 +1,111 @@
+"""The contact angle: what the model says of 0 to 60 degrees, how sure it is, what to measure.
+
+Run as `python -m fefinger.validation.contact_angle WORK reports`; it takes about ten minutes on two
+cores, goes on where it was stopped, and writes contact-angle.csv and contact-angle.html.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from fefinger.validation import contact_angle_page
+from fefinger.validation.provenance import provenance
+
+from fefinger.study import study
+
+
+ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
+FEW = (0.0, 15.0, 30.0, 45.0, 60.0)
+
+DEPTH: Mapping[str, Any] = {"motion.depth": 1.0}
+FORCE: Mapping[str, Any] = {
+    "motion.kind": "force-ramp",
+    "motion.loading_rate": 40.0,
+    "ask.spikes": [],
+}
+COARSE: Mapping[str, Any] = {
+    "finger.resolution": "coarse",
+    "ask.spikes": [],
+}
+SHORT: Mapping[str, Any] = {**DEPTH, **COARSE, "motion.hold": 0.2}
+
+STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
+    "a.h. to 1 mm": ("flat-press", DEPTH, "linear", ANGLES),
+    "a.h. to 1 N": ("press-to-1N", FORCE, "linear", ANGLES),
+    "a.h. to 1 mm, coarse": ("flat-press", SHORT, "linear", ANGLES),
+    "a.h. to 1 N, coarse": ("press-to-1N", {**FORCE, **COARSE}, "linear", ANGLES),
+    "p.w. to 1 mm, coarse": (
+        "flat-press",
+        {**SHORT, "finger.subject": "p.w."},
+        "linear",
+        ANGLES,
+    ),
+    "p.w. to 1 N, coarse": (
+        "press-to-1N",
+        {**FORCE, **COARSE, "finger.subject": "p.w."},
+        "linear",
+        ANGLES,
+    ),
+    "dandekar2003 to 1 mm, coarse": (
+        "flat-press",
+        {**SHORT, "finger.tissue": "dandekar2003"},
+        "linear",
+        ANGLES,
+    ),
+    "saal2017 to 1 mm, coarse": (
+        "flat-press",
+        {**SHORT, "finger.tissue": "saal2017"},
+        "linear",
+        ANGLES,
+    ),
+    "a.h. held at 1 N, coarse": (
+        "press-to-1N",
+        {"finger.resolution": "coarse"},
+        "linear",
+        ANGLES,
+    ),
+    "a.h. to 1 mm, coarse, finite strain": (
+        "flat-press",
+        {**DEPTH, **COARSE, "motion.kind": "ramp"},
+        "solid",
+        FEW,
+    ),
+}
+"""Scene, changes, mechanics and angles of each part of the work."""
+
+
+def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[str, Any]]:
+    """Return the rows of the studies, with the column "case"; finished scenes stay in `work`."""
+    rows: list[dict[str, Any]] = []
+    for name in names:
+        scene, changes, mechanics, angles = STUDIES[name]
+        over = {"indenter.angle": angles}
+        found = study(scene, over, changes=changes, mechanics=mechanics, folder=work)
+        rows += [{"case": name, **row} for row in found.rows]
+        print(f"{name}: {found.scenes - len(found.failures)} of {found.scenes}", file=sys.stderr)
+    return rows
+
+
+def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    """Return the rows without what is long: notes, readings and where the error is from."""
+    long = ("notes", "evidence", "scene")
+    plain = [
+        {k: v for k, v in row.items() if not isinstance(v, list) and k not in long} for row in rows
+    ]
+    return pd.DataFrame(plain, columns=list(dict.fromkeys(key for row in plain for key in row)))
+
+
+def main() -> None:
+    """Answer the studies and write their table and page."""
+    work, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    rows = collect(work)
+    table(rows).to_csv(folder / "contact-angle.csv", index=False, float_format="%.6g")
+    command = "python -m fefinger.validation.contact_angle WORK reports"
+    page = contact_angle_page.html(rows, provenance(command))
+    (folder / "contact-angle.html").write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

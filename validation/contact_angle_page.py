@@ -1,0 +1,308 @@
+"""The page on the contact angle: every number in its sentences is read from the rows."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fefinger import page, study_figures
+from fefinger.study_measures import READINGS
+from fefinger.study_report import ARRAY, MEANING, part, table
+from fefinger.theory.sensor import ArraySensor
+
+
+Rows = Sequence[Mapping[str, Any]]
+
+ANGLE = "indenter.angle_deg"
+MAIN = {"1 mm": "a.h. to 1 mm", "1 N": "a.h. to 1 N"}
+COARSE = {"1 mm": "a.h. to 1 mm, coarse", "1 N": "a.h. to 1 N, coarse"}
+OTHER = {"1 mm": "p.w. to 1 mm, coarse", "1 N": "p.w. to 1 N, coarse"}
+TISSUES = ("dandekar2003 to 1 mm, coarse", "saal2017 to 1 mm, coarse")
+SOLID = "a.h. to 1 mm, coarse, finite strain"
+HELD = "a.h. held at 1 N, coarse"
+
+THESIS = (20.0, 40.0)
+"""Degrees between which the fingers of the thesis were held (sections 2.2 and 3.2)."""
+
+MEASURES = {
+    "force_N": "force / N",
+    "depth_mm": "depth / mm",
+    "contact_area_mm2": "area / mm²",
+    "shift_distal_mm": "shift / mm",
+    "asymmetry": "asymmetry",
+    "ellipticity": "ellipticity",
+    "peak_pressure_kPa": "peak / kPa",
+}
+
+
+def curve(rows: Rows, case: str, at: str, column: str) -> dict[float, float]:
+    """Return a measure of a case by angle."""
+    return {
+        row[ANGLE]: row[column]
+        for row in rows
+        if row["case"] == case and row["at"] == at and row.get(column) is not None
+    }
+
+
+def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
+    """Return the page."""
+    return page.render(
+        "study.html",
+        title="Contact angle, 0 to 60 degrees",
+        answer=answer(rows),
+        lines=(MEANING, ARRAY),
+        parts=list(_parts(rows)),
+        provenance=list(page.flat(provenance)),
+    )
+
+
+def answer(rows: Rows) -> str:
+    """Return the finding in two sentences."""
+    found = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
+    force, area = (
+        curve(rows, MAIN["1 mm"], "1 mm", name) for name in ("force_N", "contact_area_mm2")
+    )
+    inside = {angle: value for angle, value in found.items() if THESIS[0] <= angle <= THESIS[1]}
+    high, low = max(inside, key=inside.__getitem__), min(inside, key=inside.__getitem__)
+    stiff, soft = max(force, key=force.__getitem__), min(force, key=force.__getitem__)
+    return (
+        f"Pressed 1 mm, the model of subject a.h. bears {100 * inside[high]:+.0f} % of the force "
+        f"more distally than proximally of first touch at {high:g} degrees, and "
+        f"{100 * inside[low]:+.0f} % at {low:g}: the asymmetry that the thesis saw changes its "
+        f"sign within the {THESIS[0]:g} to {THESIS[1]:g} degrees at which its fingers were held. "
+        f"The force at 1 mm falls from {force[stiff]:.2f} N at {stiff:g} degrees to "
+        f"{force[soft]:.2f} N at {soft:g}, the contact area from {max(area.values()):.0f} to "
+        f"{min(area.values()):.0f} mm²."
+    )
+
+
+def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
+    """Give the sections."""
+    yield part("What the model predicts", *_predicted(rows))
+    for at, skip in (("1 mm", "depth_mm"), ("1 N", "force_N")):
+        chosen = [
+            {**row, "case": row["case"].partition(" to ")[0]}
+            for row in rows
+            if row["at"] == at and row["status"] == "done" and row["case"] in (MAIN[at], OTHER[at])
+        ]
+        said = (
+            f"On the loading, at {at}: a ramp at 60 mm/s, standard mesh for a.h., coarse for p.w."
+            if at == "1 mm"
+            else f"On the loading, at {at}: a ramp of the force at 40 N/s."
+        )
+        picture = page.svg(study_figures.panels(chosen, ANGLE, ["case"], [skip]))
+        yield part(
+            f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", said, picture=picture
+        )
+    felt = [
+        row
+        for row in rows
+        if row["case"] == MAIN["1 N"] and row["at"] == "1 N" and row.get(READINGS)
+    ]
+    yield part(
+        "What the array of the thesis would read at 1 N",
+        "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
+        "Subject a.h., without noise.",
+        picture=page.svg(study_figures.isobars(felt, ANGLE, READINGS)),
+    )
+    yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
+    yield from _sure(rows)
+    yield from _spikes(rows)
+    yield part("What an experiment should measure", bullets=list(_experiment(rows)))
+    yield part("What the model leaves out here", bullets=list(_limits(rows)))
+    columns = [ANGLE, *MEASURES, "reach_distal_mm", "reach_proximal_mm", "stiffness_N_per_mm"]
+    columns += ["sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2", "hertz_ellipticity"]
+    for at in MAIN:
+        own = [row for row in rows if row["case"] == MAIN[at] and row["at"] == at]
+        yield part(
+            f"Rows of a.h. at {at}", "All are in contact-angle.csv.", table=table(own, columns)
+        )
+
+
+def _predicted(rows: Rows) -> Iterator[str]:
+    """Give what the curves say, in sentences."""
+    asymmetry, shift, ellipticity = (
+        curve(rows, MAIN["1 mm"], "1 mm", name)
+        for name in ("asymmetry", "shift_distal_mm", "ellipticity")
+    )
+    low = min(asymmetry, key=asymmetry.__getitem__)
+    yield (
+        "Three regimes. Up to some 30 degrees the plate lies on the flat of the pad: the "
+        f"contact is longest along the finger (ellipticity {ellipticity[0.0]:.2f} at 0, "
+        f"{ellipticity[30.0]:.2f} at 30 degrees) and its center moves with the angle from "
+        f"{shift[0.0]:+.2f} mm to {shift[20.0]:+.2f} mm at 20 degrees, towards the tip, because "
+        "the bone is nearer there. Between 30 and 45 degrees first touch reaches the place "
+        "where the pad turns to the tip: the flat side is proximal of it, and the force with "
+        f"it, {100 * asymmetry[low]:+.0f} % at {low:g} degrees; the contact is round "
+        f"(ellipticity {ellipticity[40.0]:.2f} at 40). Beyond, the plate presses the tip: the "
+        f"contact is small and longest across the finger (ellipticity {ellipticity[60.0]:.2f} at "
+        "60)."
+    )
+    force, hertz_force, area, hertz_area = (
+        curve(rows, MAIN["1 mm"], "1 mm", name)
+        for name in ("force_N", "hertz_force_N", "contact_area_mm2", "hertz_contact_area_mm2")
+    )
+    stiffer = [force[angle] / hertz_force[angle] for angle in force if angle in hertz_force]
+    larger = [area[angle] / hertz_area[angle] for angle in area if angle in hertz_area]
+    yield (
+        "Elliptic Hertz with the curvatures at first touch has the trend of the area (the "
+        f"model's is {min(larger):.2f} to {max(larger):.2f} times it at the same depth) and not "
+        f"the force ({min(stiffer):.1f} to {max(stiffer):.1f} times it, because of the bone), "
+        "and by its symmetry no shift and no asymmetry at any angle."
+    )
+    depth = curve(rows, MAIN["1 N"], "1 N", "depth_mm")
+    peak = curve(rows, MAIN["1 N"], "1 N", "peak_pressure_kPa")
+    near, far = min(depth, key=depth.__getitem__), max(depth, key=depth.__getitem__)
+    flat, sharp = min(peak, key=peak.__getitem__), max(peak, key=peak.__getitem__)
+    yield (
+        f"At a fixed force of 1 N the depth is {depth[near]:.2f} mm at {near:g} degrees and "
+        f"{depth[far]:.2f} mm at {far:g}; the peak pressure rises from {peak[flat]:.0f} kPa at "
+        f"{flat:g} to {peak[sharp]:.0f} kPa at {sharp:g} degrees."
+    )
+
+
+def _thesis(rows: Rows) -> Iterator[str]:
+    """Give the comparison with the thesis's own observation."""
+    yield (
+        "Section 3.3 of the thesis found the pressure symmetric about the medial line and "
+        "clearly asymmetric along the finger, and section 3.4.3 expects its circular model to "
+        "be too wide on the distal side, where the pressure falls faster, and too narrow on the "
+        "proximal one. Section 3.4.4 adds that the asymmetry varied with the contact angle, "
+        "which was not controlled (20 to 40 degrees). The figure has no digits that could be "
+        "compared."
+    )
+    reach = {
+        side: curve(rows, MAIN["1 N"], "1 N", f"sensor_reach_{side}_mm")
+        for side in ("distal", "proximal")
+    }
+    shift = curve(rows, MAIN["1 N"], "1 N", "sensor_shift_distal_mm")
+    told = []
+    for angle in (20.0, 30.0, 35.0, 40.0):
+        if angle in shift:
+            distal, proximal = (
+                reach["distal"][angle] - shift[angle],
+                reach["proximal"][angle] + shift[angle],
+            )
+            told.append(f"{angle:g} degrees {distal:.1f} and {proximal:.1f} mm")
+    yield (
+        "The model agrees in sign from about 30 degrees on: read by the array at 1 N, the 4 kPa "
+        f"isobar reaches from its centroid distally and proximally by, at {', '.join(told)}. At "
+        "20 degrees the model's contact leans the other way. So the asymmetry of Figure 3-3 "
+        "says as much about the angle of that trial as about the finger."
+    )
+
+
+def _sure(rows: Rows) -> Iterator[dict[str, Any]]:
+    """Give the tables of what the numbers at 1 mm depend on, per angle."""
+    for name in ("asymmetry", "force_N", "contact_area_mm2", "ellipticity"):
+        base = curve(rows, COARSE["1 mm"], "1 mm", name)
+        main = curve(rows, MAIN["1 mm"], "1 mm", name)
+        finite = curve(rows, SOLID, "1 mm", name) or curve(rows, SOLID, "end", name)
+        relative = name in ("force_N", "contact_area_mm2")
+        table_rows = []
+        for angle in sorted(set(base) | set(main)):
+            scale = (100 / base[angle] if relative else 1.0) if angle in base else 1.0
+            told = [f"{angle:g}", _told(main.get(angle))]
+            for other in (main, *(curve(rows, case, "1 mm", name) for case in TISSUES), finite):
+                change = None
+                if angle in other and angle in base:
+                    change = scale * (other[angle] - base[angle])
+                told.append(_told(change, sign=True))
+            table_rows.append([*told, _told(curve(rows, OTHER["1 mm"], "1 mm", name).get(angle))])
+        unit = " in %" if relative else ""
+        yield part(
+            f"How sure: {MEASURES[name]} at 1 mm",
+            f"Differences{unit} from the coarse mesh of a.h. with the tissue of Maeno et al. "
+            "(1998) at small strain, one change at a time; the finger of p.w. is another one.",
+            table={
+                "heading": [
+                    *("angle", "a.h.", "standard mesh", "tissue dandekar2003"),
+                    *("tissue saal2017", "finite strain", "p.w."),
+                ],
+                "rows": table_rows,
+            },
+        )
+
+
+def _told(value: float | None, *, sign: bool = False) -> str:
+    if value is None:
+        return ""
+    return f"{value:+.3g}" if sign else f"{value:.3g}"
+
+
+def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
+    """Give the spikes at a fixed depth and a fixed force."""
+    chosen = [
+        {**row, "case": name}
+        for row in rows
+        for case, name in ((MAIN["1 mm"], "1 mm, 5 s"), (HELD, "1 N, 2 s"))
+        if row["case"] == case and row["at"] == "end" and "spikes" in row
+    ]
+    if chosen:
+        yield part(
+            "Spikes",
+            "One unit of each type under first touch, in the whole of a press to 1 mm at 60 "
+            "mm/s held for 5 s (blue), and to 1 N at 2 N/s held for 2 s, on the coarse mesh "
+            "(orange). The gains are those of one press at 30 degrees. The unit follows first "
+            "touch: a fixed receptor of the skin would leave the contact as the angle changes.",
+            picture=page.svg(study_figures.spikes(chosen, ANGLE, ["case"])),
+        )
+
+
+def _experiment(rows: Rows) -> Iterator[str]:
+    """Give what would tell the model right or wrong, and how exactly it has to be measured."""
+    found = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
+    angles = np.array(sorted(found))
+    slopes = np.diff([found[angle] for angle in angles]) / np.diff(angles)
+    steepest = int(np.argmax(np.abs(slopes)))
+    yield (
+        f"The asymmetry at angles that are held to about 1 degree: between {angles[steepest]:g} "
+        f"and {angles[steepest + 1]:g} degrees it changes by {abs(slopes[steepest]):.3f} per "
+        f"degree, so 5 degrees of scatter are {5 * abs(slopes[steepest]):.2f}. 20, 30, 35, 40 "
+        "and 50 degrees tell most."
+    )
+    area = curve(rows, MAIN["1 mm"], "1 mm", "contact_area_mm2")[30.0]
+    radius = np.sqrt(area / np.pi)
+    yield (
+        "First touch to 0.1 mm, for instance from the centroid followed down to the smallest "
+        f"force: on a contact of {radius:.1f} mm radius (30 degrees, 1 mm) an error of s mm "
+        f"changes the asymmetry by 1.5 s / a, {0.15 / radius:.3f} per 0.1 mm. Without it, tell "
+        "the asymmetry of the reach of an isobar about the centroid."
+    )
+    sensor = ArraySensor()
+    total = 1000.0 / sensor.pitch**2
+    spread = sensor.noise * np.sqrt((sensor.positions[:, 0] ** 2).sum()) / total
+    share = sensor.noise * sensor.elements / total
+    yield (
+        f"Pressure with an array is good enough: its noise of {sensor.noise:g} kPa is "
+        f"{spread:.2f} mm of the centroid and {share:.3f} of the asymmetry in one frame at 1 N, "
+        "and its blur keeps centroid and asymmetry; it does not keep the peak pressure, the "
+        "contact area and the ellipticity of small contacts, which ask for optics or finer "
+        "elements."
+    )
+    yield (
+        "The shape of the same finger, scanned: where the pad turns to the tip decides at which "
+        "angle the asymmetry turns. In the model that is between slopes of 34 and 48 degrees by "
+        "assumption."
+    )
+    yield (
+        "Both a fixed depth and a fixed force, because they rank the angles differently, with "
+        "the loading at one speed: the tissue relaxes."
+    )
+
+
+def _limits(rows: Rows) -> Iterator[str]:
+    """Give what the numbers rest on, and which scenes have none."""
+    yield (
+        "The shape is parametric: constant curvature along the pad, a turn to the tip between "
+        "slopes of 34 and 48 degrees, a bone of published proportions. The three regimes follow "
+        "from it; their limits in degrees would be others on another finger."
+    )
+    yield (
+        "The tissue is not fitted to a subject, so forces and pressures are those of a finger "
+        "of published moduli; shape measures depend little on them (see above)."
+    )
+    yield "Small strain, frictionless, rigid bone; the nail is held as in the experiment."
+    for row in rows:
+        if row["at"] == "":
+            yield f"{row['case']}, {row[ANGLE]:g} degrees: {row['status']}"
