@@ -1,11 +1,13 @@
 """A Study as one self-contained HTML page."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fefinger import page, study_figures
-from fefinger.study import Study
 
+
+if TYPE_CHECKING:
+    from fefinger.study import Study
 
 MEANING = (
     "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "
@@ -35,7 +37,7 @@ MOST = 15
 """Maps of the array on the page."""
 
 
-def html(study: Study) -> str:
+def html(study: "Study") -> str:
     """Return the page on a study."""
     done = study.scenes - len(study.failures)
     swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
@@ -73,7 +75,7 @@ def _values(name: str, values: Sequence[Any]) -> str:
     return f"{name} {listed}"
 
 
-def _parts(study: Study) -> Iterator[dict[str, Any]]:
+def _parts(study: "Study") -> Iterator[dict[str, Any]]:
     """Give the sections: what failed, figures at each time, maps, spikes, and the table."""
     if study.failures:
         failed = [
