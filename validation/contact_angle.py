@@ -83,9 +83,14 @@ def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[st
         scene, changes, mechanics, angles = STUDIES[name]
         over = {"indenter.angle": angles}
         found = study(scene, over, changes=changes, mechanics=mechanics, folder=work)
-        rows += [{"case": name, **row} for row in found.rows]
+        rows += [{"case": name, **_rounded(row)} for row in found.rows]
         print(f"{name}: {found.scenes - len(found.failures)} of {found.scenes}", file=sys.stderr)
     return rows
+
+
+def _rounded(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row with six digits, so that the page says what the table has."""
+    return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in row.items()}
 
 
 def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
@@ -101,7 +106,7 @@ def main() -> None:
     """Answer the studies and write their table and page."""
     work, folder = Path(sys.argv[1]), Path(sys.argv[2])
     rows = collect(work)
-    table(rows).to_csv(folder / "contact-angle.csv", index=False, float_format="%.6g")
+    table(rows).to_csv(folder / "contact-angle.csv", index=False)
     command = "python -m fefinger.validation.contact_angle WORK reports"
     page = contact_angle_page.html(rows, provenance(command))
     (folder / "contact-angle.html").write_text(page, encoding="utf-8")
