@@ -13,7 +13,7 @@ from fefinger.study_workers import answer
 
 
 REPORTS = Path(__file__).parents[1] / "reports"
-CASE = "a.h. to 1 mm, coarse"
+CASE = "a.h. to 1 mm"
 
 
 @pytest.fixture(scope="module")

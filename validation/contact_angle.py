@@ -17,63 +17,43 @@ from fefinger.study import study
 
 
 ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
-FEW = (0.0, 15.0, 30.0, 45.0, 60.0)
+CHECKED = (0.0, 20.0, 30.0, 40.0, 60.0)
 
-DEPTH: Mapping[str, Any] = {"motion.depth": 1.0}
+COARSE: Mapping[str, Any] = {"finger.resolution": "coarse"}
+SHORT: Mapping[str, Any] = {
+    **COARSE,
+    "ask.spikes": [],
+    "motion.depth": 1.0,
+    "motion.hold": 0.2,
+}
 FORCE: Mapping[str, Any] = {
+    **COARSE,
+    "ask.spikes": [],
     "motion.kind": "force-ramp",
     "motion.loading_rate": 40.0,
-    "ask.spikes": [],
 }
-COARSE: Mapping[str, Any] = {
-    "finger.resolution": "coarse",
+RAMP: Mapping[str, Any] = {
+    **COARSE,
     "ask.spikes": [],
+    "motion.kind": "ramp",
+    "motion.depth": 1.0,
 }
-SHORT: Mapping[str, Any] = {**DEPTH, **COARSE, "motion.hold": 0.2}
+STANDARD: Mapping[str, Any] = {**SHORT, "finger.resolution": "standard"}
+PW: Mapping[str, Any] = {"finger.subject": "p.w."}
 
 STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
-    "a.h. to 1 mm": ("flat-press", DEPTH, "linear", ANGLES),
+    "a.h. to 1 mm": ("flat-press", SHORT, "linear", ANGLES),
     "a.h. to 1 N": ("press-to-1N", FORCE, "linear", ANGLES),
-    "a.h. to 1 mm, coarse": ("flat-press", SHORT, "linear", ANGLES),
-    "a.h. to 1 N, coarse": ("press-to-1N", {**FORCE, **COARSE}, "linear", ANGLES),
-    "p.w. to 1 mm, coarse": (
-        "flat-press",
-        {**SHORT, "finger.subject": "p.w."},
-        "linear",
-        ANGLES,
-    ),
-    "p.w. to 1 N, coarse": (
-        "press-to-1N",
-        {**FORCE, **COARSE, "finger.subject": "p.w."},
-        "linear",
-        ANGLES,
-    ),
-    "dandekar2003 to 1 mm, coarse": (
-        "flat-press",
-        {**SHORT, "finger.tissue": "dandekar2003"},
-        "linear",
-        ANGLES,
-    ),
-    "saal2017 to 1 mm, coarse": (
-        "flat-press",
-        {**SHORT, "finger.tissue": "saal2017"},
-        "linear",
-        ANGLES,
-    ),
-    "a.h. held at 1 N, coarse": (
-        "press-to-1N",
-        {"finger.resolution": "coarse"},
-        "linear",
-        ANGLES,
-    ),
-    "a.h. to 1 mm, coarse, finite strain": (
-        "flat-press",
-        {**DEPTH, **COARSE, "motion.kind": "ramp"},
-        "solid",
-        FEW,
-    ),
+    "p.w. to 1 mm": ("flat-press", {**SHORT, **PW}, "linear", ANGLES),
+    "p.w. to 1 N": ("press-to-1N", {**FORCE, **PW}, "linear", ANGLES),
+    "dandekar2003": ("flat-press", {**SHORT, "finger.tissue": "dandekar2003"}, "linear", ANGLES),
+    "saal2017": ("flat-press", {**SHORT, "finger.tissue": "saal2017"}, "linear", ANGLES),
+    "standard mesh": ("flat-press", STANDARD, "linear", CHECKED),
+    "finite strain": ("flat-press", RAMP, "solid", CHECKED),
+    "a.h. held at 1 mm": ("flat-press", {**COARSE, "motion.depth": 1.0}, "linear", ANGLES),
+    "a.h. held at 1 N": ("press-to-1N", COARSE, "linear", ANGLES),
 }
-"""Scene, changes, mechanics and angles of each part of the work."""
+"""Scene, changes, mechanics and angles of each part of the work; all but one on coarse meshes."""
 
 
 def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[str, Any]]:
