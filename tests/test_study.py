@@ -363,3 +363,17 @@ def test_without_the_extra_the_cluster_is_refused(monkeypatch):
 
 def test_cores_are_those_this_process_may_use():
     assert 1 <= study_workers._cores() <= (os.cpu_count() or 1)
+
+
+def test_a_page_over_names_and_one_where_all_failed(tmp_path):
+    lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
+    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped"}
+    found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
+    assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
+    found.save(tmp_path)
+    assert "finger.subject a.h., d.p." in (tmp_path / "report.html").read_text()
+    options["mechanics"] = "hertz"
+    none = ff.study("sphere-press", {"indenter.kind": ("cylinder", "bar")}, **options)
+    assert len(none.failures) == 2
+    none.save(tmp_path)
+    assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()
