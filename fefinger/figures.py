@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger import quantities
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
@@ -289,7 +290,7 @@ def pressure_map(result: Result) -> Any:
             pad.triangles[palmar],
             pressure,
             shading="gouraud",
-            cmap="OrRd",
+            cmap=quantities.SKIN_DEEP,
             vmin=0,
             vmax=max(float(pressure.max()), 1e-9),
         )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, section
+from fefinger import figures, quantities, section
 from fefinger.records import Array, Integers, Result
 
 
@@ -23,15 +23,6 @@ class Raster(NamedTuple):
 
     picture: Any
     extent: tuple[float, float, float, float]
-
-
-class Span(NamedTuple):
-    """Range of the color bar, its map, and which ends values lie beyond."""
-
-    low: float
-    high: float
-    colors: str
-    extend: str
 
 
 @dataclass(frozen=True)
@@ -49,7 +40,7 @@ class Medial:
     bone: Integers
     values: Array
     outlines: Integers
-    span: Span
+    span: quantities.Span
     indenter: Array
     organs: list[tuple[Array, str, str, bool]]
     field: str
@@ -62,23 +53,11 @@ class Medial:
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
 
 
-def span(values: Array, field: str) -> Span:
-    """Return the color range of a field: without the highest half percent, which sits at edges."""
-    if section.signed(field):
-        top = max(float(np.percentile(np.abs(values), 99.5)), 1e-12)
-        return Span(-top, top, "RdBu_r", "both")
-    if field == "pressure":
-        return Span(0.0, max(float(values.max()), 1e-12), "OrRd", "neither")
-    top = max(float(np.percentile(values, 99.5)), 1e-12)
-    return Span(0.0, top, "viridis", "max" if values.max() > top else "neither")
-
-
 def medial(result: Result, field: str, frame: int) -> Medial:
     """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
-    fields = result.fields
-    assert fields is not None
+    fields = quantities.fields_of(result)
     cut = section.cut(fields.points, fields.cells, fields.region)
-    values = cut.at(section.values(fields, field, frame))
+    values = cut.at(quantities.values(result, field, frame))
     rest, moved = cut.at(fields.points), cut.at(fields.displacement[frame])
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
@@ -90,7 +69,7 @@ def medial(result: Result, field: str, frame: int) -> Medial:
         bone=cut.triangles[~soft],
         values=values,
         outlines=cut.outlines(),
-        span=span(values[np.unique(cut.triangles[soft])], field),
+        span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
         indenter=section.pose(result, depth).outline(30.0),
         organs=_organs(result, rest, moved),
         field=field,
@@ -196,5 +175,6 @@ def _draw_bar(drawn: Any, axis: Any, cut: Medial) -> None:
     from matplotlib.colors import Normalize
 
     bar = ScalarMappable(Normalize(cut.span.low, cut.span.high), cut.span.colors)
-    label = f"{cut.field} / {section.unit(cut.field)}"
-    drawn.colorbar(bar, ax=axis, label=label, shrink=0.85, extend=cut.span.extend)
+    drawn.colorbar(
+        bar, ax=axis, label=quantities.label(cut.field), shrink=0.85, extend=cut.span.extend
+    )

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, figures_units, page, section, view
+from fefinger import figures, figures_units, page, quantities, section, view
 from fefinger.neural.trains import FEW
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
@@ -227,7 +227,7 @@ def _section(result: Result) -> dict[str, Any]:
         if missing:
             text = f"{text} {missing}"
         else:
-            for field in ("pressure", view.DEFAULT):
+            for field in ("pressure", quantities.DEFAULT):
                 view.screenshot(result, path, field)
                 source = page.png(path.read_bytes())
                 pictures.append({"source": source, "caption": _caption(result, field)})
