@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import library
+from fefinger import films, library
 from fefinger.checks import InputError
 from fefinger.fem.body import Solid
 from fefinger.fem.probe import inside
@@ -198,27 +198,26 @@ def record(finger: Finger, path: Path) -> Frame:
     Raises
     ------
     InputError
-        For another kind of file, or an MP4 where there is no ffmpeg.
+        For another kind of file, or an MP4 without the extra `film`.
     """
-    from matplotlib import animation
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    writers: dict[str, Any] = {".gif": animation.PillowWriter, ".mp4": animation.FFMpegWriter}
-    writer = writers.get(path.suffix.lower())
-    if writer is None:
-        message = f"-o: expected a file that ends in .gif or .mp4, received {path.name!r}"
-        raise InputError(message)
-    if not writer.isAvailable():
-        message = f"-o: no ffmpeg was found to write {path.name!r}; install it, or write a .gif"
-        raise InputError(message)
+    films.check(path, "-o")
     show = Show(finger)
-    figure = Figure(figsize=(7, 8.5), layout="constrained")
-    picture, output = Picture(show, figure), writer(fps=round(1 / FRAME))
-    with output.saving(figure, str(path), dpi=80):
+    figure = Figure(figsize=(7, 8.5), layout="constrained", dpi=80)
+    picture, canvas = Picture(show, figure), FigureCanvasAgg(figure)
+    frames: list[Frame] = []
+
+    def pictures() -> Iterator[NDArray[np.uint8]]:
         for frame in show.frames():
+            frames.append(frame)
             picture.draw(frame)
-            output.grab_frame()
-    return frame
+            canvas.draw()
+            yield np.array(canvas.buffer_rgba())[..., :3]
+
+    films.write(path, pictures(), 1 / FRAME)
+    return frames[-1]
 
 
 def watch(finger: Finger) -> Frame:

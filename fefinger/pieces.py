@@ -7,6 +7,7 @@ follows the finger through all frames.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger import section
 from fefinger.records import Array, Fields, Integers
@@ -53,9 +54,9 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
         faces = _boundary(fields, fields.region == region)
         if region == 1:
             outer = _boundary(fields, fields.region > 0)
-            pad = outer[touched[outer].any(axis=1)]
-            faces = faces[~_same(faces, pad)]
-            found.append(_clipped(PAD, fields.points, pad))
+            pad = _among(faces, outer) & touched[faces].any(axis=1)
+            found.append(_clipped(PAD, fields.points, faces[pad]))
+            faces = faces[~pad]
         found.append(_clipped(name, fields.points, faces))
         face = _turned(cut.at(fields.points), cut.triangles[cut.region == region])
         found.append(_compact(name, cut.edges, cut.weight, face, flat=True))
@@ -79,7 +80,7 @@ def entire(fields: Fields) -> tuple[Piece, ...]:
     return tuple(piece for piece in found if len(piece.triangles))
 
 
-def _boundary(fields: Fields, cells: np.ndarray) -> Integers:
+def _boundary(fields: Fields, cells: NDArray[np.bool_]) -> Integers:
     """Return the outward triangles (k, 3) that belong to one of the cells only."""
     corners = fields.cells[cells]
     a, b, c, d = fields.points[corners].transpose(1, 0, 2)
@@ -92,7 +93,7 @@ def _boundary(fields: Fields, cells: np.ndarray) -> Integers:
     return np.asarray(faces[first[count == 1]])
 
 
-def _same(faces: Integers, others: Integers) -> np.ndarray:
+def _among(faces: Integers, others: Integers) -> NDArray[np.bool_]:
     """Return which of the faces are among the others."""
     known = set(map(tuple, np.sort(others, axis=1).tolist()))
     return np.array([tuple(face) in known for face in np.sort(faces, axis=1).tolist()], bool)
@@ -145,7 +146,7 @@ class Followed:
     points: Array
     corners: Integers
     weight: Array
-    mirrored: np.ndarray
+    mirrored: NDArray[np.bool_]
 
     def moved(self, displacement: Array) -> Array:
         """Return where the points (n, 3) are with the displacement of the mesh (n_points, 3)."""

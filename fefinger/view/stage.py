@@ -71,6 +71,7 @@ class Stage:
         if shown.organs is not None:
             self._add_organs(shown.organs)
         self._add_indenter()
+        self._refresh()
 
     def look(self) -> None:
         """Turn the camera to the cut, or to the pad of a whole finger."""
@@ -92,6 +93,10 @@ class Stage:
         """Show or hide one of PARTS."""
         choice("part", part, PARTS)
         (self.hidden.discard if on else self.hidden.add)(part)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Let every actor be seen or not, as its parts are."""
         for prop in self.props:
             covered = prop.without is not None and prop.without not in self.hidden
             prop.actor.SetVisibility(self.hidden.isdisjoint(prop.needs) and not covered)
