@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger import figures, quantities, section
+from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
 
 
@@ -130,6 +131,7 @@ def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
             cmap=cut.span.colors,
             vmin=cut.span.low,
             vmax=cut.span.high,
+            rasterized=True,
         )
     else:
         axis.imshow(raster.picture, extent=raster.extent, interpolation="bilinear")
@@ -144,7 +146,9 @@ def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
 
 
 def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
-    """Mark the end organs; their labels stand in a column beside the close view's marks."""
+    """Mark the end organs; labels of a few stand in a column beside the close view's marks."""
+    if len(cut.organs) > FEW:
+        return _draw_population(whole, close, cut)
     ordered = sorted(cut.organs, key=lambda organ: -organ[0][1])
     for row, (place, label, color, inside) in enumerate(ordered):
         face = color if inside else "none"
@@ -168,6 +172,16 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
                 "shrinkA": 0.0,
             },
         )
+
+
+def _draw_population(whole: Any, close: Any, cut: Medial) -> None:
+    """Mark those of many end organs that lie in the section, and name the types."""
+    for kind, color in figures.COLORS.items():
+        places = [p for p, name, _, inside in cut.organs if inside and name.split()[0] == kind]
+        for axis, size in ((whole, 3), (close, 5)):
+            axis.plot(*np.reshape(places, (-1, 2)).T, "o", ms=size, mfc=color, mec="white",
+                      mew=0.6, ls="", zorder=5, label=kind if places else "_")  # fmt: skip
+    close.legend(loc="lower right", framealpha=0.9, frameon=True)
 
 
 def _draw_bar(drawn: Any, axis: Any, cut: Medial) -> None:

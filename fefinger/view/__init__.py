@@ -4,9 +4,17 @@ The only package that imports pyvista. VTK ends the process where no renderer ex
 `renderer_available` asks in another process first. `webview` makes the page that needs no renderer.
 """
 
-from fefinger.view.pictures import draw_mesh, movie, screenshot, section_png
+from fefinger.view.pictures import draw_mesh, movie, screenshot, section_figure, section_png
 from fefinger.view.renderer import renderer_available
 from fefinger.view.window import show
 
 
-__all__ = ["draw_mesh", "movie", "renderer_available", "screenshot", "section_png", "show"]
+__all__ = [
+    "draw_mesh",
+    "movie",
+    "renderer_available",
+    "screenshot",
+    "section_figure",
+    "section_png",
+    "show",
+]

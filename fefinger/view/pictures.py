@@ -36,18 +36,14 @@ LEGEND: dict[str, Any] = {
 REGIONS = {1: ("skin", "#e8b89a"), 2: ("subcutaneous tissue", "#f4dc8c"), 3: ("bone", figures.BONE)}
 
 
-def section_png(
-    result: Result,
-    path: str | PathLike[str],
-    *,
-    field: str = quantities.DEFAULT,
-    time: float | None = None,
-) -> str | None:
-    """Draw the medial section, deformed and colored by `field`, to the PNG file `path`.
+def section_figure(
+    result: Result, *, field: str = quantities.DEFAULT, time: float | None = None
+) -> tuple[Any, str | None]:
+    """Return the medial section, deformed and colored by `field`, as a matplotlib Figure.
 
-    The stored frame next to `time` s is drawn, by default that of the largest force. Returns None,
-    or a sentence where no renderer exists and matplotlib drew the section alone. Raises InputError
-    if the result has no fields or the field is unknown.
+    The stored frame next to `time` s is drawn, by default that of the largest force. With it comes
+    None, or a sentence where no renderer exists and matplotlib drew the section alone. Raises
+    InputError if the result has no fields or the field is unknown.
     """
     fields = quantities.fields_of(result)
     moment = section.peak_time(result) if time is None else time
@@ -55,9 +51,21 @@ def section_png(
     cut = medial.medial(result, field, frame)
     missing = renderer.renderer_available()
     raster = None if missing else _raster(fields, frame, cut)
+    return medial.draw(cut, raster), missing or None
+
+
+def section_png(
+    result: Result,
+    path: str | PathLike[str],
+    *,
+    field: str = quantities.DEFAULT,
+    time: float | None = None,
+) -> str | None:
+    """Draw `section_figure` to the PNG file `path`, and return its sentence."""
+    drawn, missing = section_figure(result, field=field, time=time)
     with open(path, "wb") as file:
-        file.write(figures.png(medial.draw(cut, raster)))
-    return missing or None
+        file.write(figures.png(drawn))
+    return missing
 
 
 def compose(
