@@ -29,8 +29,8 @@ ABOUT = {
     "condensed-cost": "What a condensed finger costs to build and to step; the planner reads it.",
     "elements": "Error and cost of kinds of elements, on the way to the one that is used.",
     "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
-    "linear-mesh": "Error of `linear` on each mesh by extrapolation; the planner reads it.",
-    "solid-force": "Force of every mechanics against `solid`; the planner reads it.",
+    "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
+    "solid-force": "Force of every mechanics against finite strain; the planner reads it.",
 }
 """What a file tells, by its name; others tell it in their own entry `about`."""
 
@@ -43,7 +43,7 @@ def html(folder: Path) -> str:
     benches = [name for name in others if name.startswith("bench-")]
     groups = [
         ("benchmarks", "Benchmarks", "Speed and memory, each against a baseline of the same run; "
-         "`fefinger bench SUITE -o DIR` measures again.", benches),
+         "fefinger bench measures again.", benches),
         ("evidence", "Evidence", "Campaigns behind stated errors and costs; each file names the "
          "command that made it.", [name for name in others if name not in benches]),
     ]  # fmt: skip
