@@ -186,9 +186,9 @@ def validation_summary(record: dict[str, Any]) -> str:
         (
             suite["suite"],
             case["name"],
-            f"{case['value']:.6g}",
+            "none" if case["failure"] else f"{case['value']:.6g}",
             f"{case['expected']:.6g} +- {case['tolerance']:.2g} {case['unit']}",
-            case["verdict"],
+            " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]
         for case in suite["cases"]

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 PRESSES: dict[str, tuple[Indenter, Motion]] = {
     "plate, ramp and hold": (Flat(30), RampHold(60, 1.2, hold=1)),
     "tilted plate, in and out of contact": (
-        Flat(15, 20),
+        Flat(25, 20),  # on the mesh that `linear` takes too
         RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=3),
     ),
     "sphere, off center, by force": (Sphere(5, at=(1, 1)), ForceTrapezoid(2, 0.3, hold=0.5)),
