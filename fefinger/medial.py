@@ -104,7 +104,12 @@ def draw(cut: Medial, raster: Raster | None = None) -> Any:
             _draw_section(axis, cut, raster)
             axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
         whole.set(xlim=(x0, x1), ylim=(z0, z1), title=f"medial section, {cut.title}")
-        center = cut.indenter.mean(axis=0) if not cut.organs else cut.organs[0][0]
+        center = cut.indenter.mean(axis=0)
+        if cut.organs:
+            many = len(cut.organs) > FEW
+            center = np.mean(
+                [organ[0] for organ in (cut.organs if many else cut.organs[:1])], axis=0
+            )
         close.set(
             xlim=(center[0] - CLOSE, center[0] + CLOSE),
             ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, page, pieces, quantities, section
+from fefinger import figures, marks, page, pieces, quantities, section
 from fefinger.checks import choice
 from fefinger.neural.trains import FEW
 from fefinger.profiles import Plane
@@ -75,7 +75,7 @@ def write(
                    for name in quantities.FIELDS},
         "pressure": _span(wholes, "pressure", None),
         "maps": {name: _colors(name) for name in MAPS},
-        "rate": quantities.round_up(max(map(_highest_rate, wholes)) or 1.0),
+        "rate": quantities.round_up(max(map(marks.highest_rate, wholes)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
     }  # fmt: skip
@@ -126,13 +126,6 @@ def _colors(name: str) -> list[int]:
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
-def _highest_rate(result: Result) -> float:
-    if result.spikes is None:
-        return 0.0
-    times = quantities.fields_of(result).times
-    return max(float(result.spikes.rate(unit, times).max()) for unit in range(len(result.spikes)))
-
-
 def _scene(result: Result, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
     fields = quantities.fields_of(result)
@@ -164,7 +157,8 @@ def _scene(result: Result, blob: Blob) -> dict[str, Any]:
         "values": {name: _values(result, every, name, blob) for name in quantities.FIELDS},
         "lines": blob.add(lines.triangles, "u4"),
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
-        "organs": _organs(result, fields, blob),
+        "organs": _organs(marks.in_section(result), fields, blob),
+        "units": _organs(marks.on_skin(result), fields, blob),
         "indenter": _indenter(result, blob),
     }
 
@@ -207,24 +201,19 @@ def _force(result: Result, times: Array) -> list[float] | None:
     return [float(value) for value in np.interp(times, result.time, result.force)]
 
 
-def _organs(result: Result, fields: Fields, blob: Blob) -> dict[str, Any] | None:
-    """Return where the end organs are, their names, and the rates of their units."""
-    sites, trains = result.sites, result.spikes
-    if sites is None or not len(sites.points):
+def _organs(shown: marks.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
+    """Return where marks are, their names and colors, and the rates of their units."""
+    if shown is None:
         return None
-    followed = pieces.follow(fields, sites.points)
-    organs: dict[str, Any] = {
-        "points": blob.add([followed.moved(shift) for shift in fields.displacement], "f4"),
-        "labels": [f"{kind} {depth:g} mm" for kind, depth in
-                   zip(sites.types, sites.depths, strict=True)],
-        "colors": [figures.COLORS.get(kind, figures.INK) for kind in sites.types],
-        "rates": None,
-    }  # fmt: skip
-    if trains is not None:
-        units = range(len(sites.types)) if sites.unit is None else sites.unit
-        every = np.stack([trains.rate(unit, fields.times) for unit in range(len(trains))])
-        organs["rates"] = blob.add(every[np.asarray(units)].T, "f4")
-    return organs
+    rates = None
+    if shown.trains is not None:
+        rates = blob.add([shown.rates(float(time)) for time in fields.times], "f4")
+    return {
+        "points": blob.add([shown.followed.moved(u) for u in fields.displacement], "f4"),
+        "labels": shown.labels,
+        "colors": [figures.COLORS.get(kind, figures.INK) for kind in shown.types],
+        "rates": rates,
+    }
 
 
 def _indenter(result: Result, blob: Blob) -> dict[str, Any]:

@@ -17,6 +17,7 @@ CASE = {
     "tolerance": 0.1,
     "unit": "N",
     "source": "x",
+    "failure": "",
     "verdict": "pass",
 }
 REPORTS = Path(__file__).resolve().parents[1] / "reports"

@@ -112,6 +112,9 @@ class Scene {
     return made;
   }
 
+  // End organs in the cut, or units on the skin of the whole finger.
+  get marks() { return shown["end organs"] && this.record[shown["other half"] ? "units" : "organs"]; }
+
   get frame() {
     const away = this.record.times.map((t) => Math.abs(t - now));
     return away.indexOf(Math.min(...away));
@@ -169,7 +172,7 @@ class Scene {
     gl.uniformMatrix3fv(at("turn"), true, this.turn.flat());
     gl.uniform3f(at("center"), ...this.center);
     gl.uniform4f(at("frame"), ...this.frameOf);
-    gl.uniform1f(at("size"), Math.max(12 * ratio, 0.38 * scale));
+    this.size = Math.max(12 * ratio, 0.38 * scale);
     gl.clearColor(1, 1, 1, 1);
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -217,15 +220,17 @@ class Scene {
   }
 
   drawOrgans(frame) {
-    const organs = this.record.organs;
-    if (!organs || !shown["end organs"] || shown["other half"]) return;
+    const organs = this.marks;
+    if (!organs) return;
     const gl = this.gl, count = organs.labels.length, rated = organs.rates && shown.rates;
     this.organs = this.part(organs.points, 3 * count, frame);
-    this.attribute("place", this.organs, 3);
+    const closer = this.turn[2].map((x) => (shown["other half"] ? 0.3 * x : 0));
+    this.attribute("place", this.organs.map((x, i) => x + closer[i % 3]), 3);
+    gl.uniform1f(gl.getUniformLocation(this.program, "size"), this.size * (count > data.few ? 0.6 : 1));
     if (rated) this.attribute("value", this.part(organs.rates, count, frame), 1);
     else this.attribute("tint", new Float32Array(organs.colors.flatMap(rgb)), 3);
     this.set(rated ? RATE : TYPE, { span: [0, data.rate], map: data.rates });
-    gl.disable(gl.DEPTH_TEST);  // seen through the tissue before them
+    if (!shown["other half"]) gl.disable(gl.DEPTH_TEST);  // seen through the tissue before them
     gl.drawArrays(gl.POINTS, 0, count);
     gl.enable(gl.DEPTH_TEST);
     this.attribute("value", null);
@@ -259,13 +264,13 @@ class Scene {
     if (record.force) said.push(`force ${record.force[frame].toPrecision(3)} N`);
     pen.fillText(said.join(",  "), 14, 44);
     const right = this.paper.clientWidth - 84, tall = this.paper.clientHeight;
-    const organs = record.organs, rated = organs?.rates && shown.rates && shown["end organs"] && !shown["other half"];
+    const organs = this.marks, rated = organs?.rates && shown.rates;
     this.bar(pen, right, 64, 0.32 * tall, field, data.fields[field]);
     const lower = 0.62 * tall, height = 0.26 * tall, pressed = shown.pressure && shown.skin && field !== "pressure";
     if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
     if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
     const few = organs && organs.labels.length <= data.few;
-    if (few && shown["end organs"] && !shown["other half"]) this.label(pen, organs.labels, ratio, right - 150);
+    if (few) this.label(pen, organs.labels, ratio, right - 150);
   }
 
   bar(pen, x, y, height, name, { low, high, colors, unit, extend }) {

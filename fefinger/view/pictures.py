@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fefinger import figures, films, medial, quantities, section
 from fefinger.checks import choice
+from fefinger.marks import highest_rate
 from fefinger.quantities import round_up
 from fefinger.records import Array, Fields, Integers, Result
 from fefinger.view import renderer
@@ -82,7 +83,7 @@ def compose(
     scales = Scales(
         field=colors(subjects, field, limits),
         pressure=round_up(max(float(each.fields.pressure.max()) for each in subjects) or 1.0),
-        rate=round_up(max(each.highest_rate() for each in subjects) or 1.0),
+        rate=round_up(max(highest_rate(result) for result in results) or 1.0),
     )
     stages = []
     for column, shown in enumerate(subjects):

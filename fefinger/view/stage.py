@@ -7,6 +7,7 @@ import numpy as np
 
 from fefinger import figures, pieces, quantities, section
 from fefinger.checks import choice
+from fefinger.marks import Marks
 from fefinger.neural.trains import FEW
 from fefinger.profiles import Ellipsoid, Plane
 from fefinger.view.subject import SOFT, Subject
@@ -19,7 +20,7 @@ BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad a
 CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does not flicker
 WIDE = 1.35  # width over height of a picture that the finger fills
 ASIDE = (0.14, 0.0)  # of the middle of the picture, for the color bars
-RADIUS = 0.17  # mm of the mark of an end organ
+RADIUS, CROWDED = 0.17, 0.1  # mm of the mark of an end organ
 LABELS = (1.2, 3.2, 1.1)  # mm: column of labels beyond the tip, above the highest, line to line
 BAR: dict[str, Any] = {
     "color": figures.INK,
@@ -68,8 +69,8 @@ class Stage:
             self._add_surface(piece)
         if shown.lines is not None:
             self._add_lines(shown.lines)
-        if shown.organs is not None:
-            self._add_organs(shown.organs)
+        if shown.marks is not None:
+            self._add_organs(shown.marks)
         self._add_indenter()
         self._refresh()
 
@@ -224,13 +225,15 @@ class Stage:
         actor = self.plotter.add_mesh(mesh, color="white", line_width=2, lighting=False)
         self.props.append(Prop(actor, ()))
 
-    def _add_organs(self, organs: pieces.Followed) -> None:
+    def _add_organs(self, shown: Marks) -> None:
         """Add a ball per end organ: colored by type, and by the rate where units fire."""
         import pyvista as pv
 
-        fields, types = self.shown.fields, self.shown.types
-        ball = pv.Sphere(radius=RADIUS, theta_resolution=16, phi_resolution=16)
-        rim = pv.Sphere(radius=1.25 * RADIUS, theta_resolution=16, phi_resolution=16)
+        fields, types, organs = self.shown.fields, shown.types, shown.followed
+        radius = RADIUS if len(types) <= FEW else CROWDED
+        fires = shown.trains is not None
+        ball = pv.Sphere(radius=radius, theta_resolution=16, phi_resolution=16)
+        rim = pv.Sphere(radius=1.25 * radius, theta_resolution=16, phi_resolution=16)
         marks = pv.PolyData(organs.moved(fields.displacement[0]))
         color = np.array(
             [pv.Color(figures.COLORS.get(kind, figures.INK)).int_rgb for kind in types]
@@ -240,20 +243,19 @@ class Stage:
         def move(frame: int) -> None:
             marks.points = organs.moved(fields.displacement[frame])
             marks["type"] = color.astype(np.uint8)
-            if self.shown.fires:
-                marks["rate"] = self.shown.rates(float(fields.times[frame]))
+            if fires:
+                marks["rate"] = shown.rates(float(fields.times[frame]))
             balls.copy_from(marks.glyph(geom=ball, scale=False, orient=False))
             rims.copy_from(marks.glyph(geom=rim, scale=False, orient=False))
 
         move(0)
         self.moves.append(move)
-        fires = self.shown.fires
         # The far side of a larger ball is a white rim about each, from wherever one looks.
         added = [
             self.plotter.add_mesh(rims, color="white", culling="front", lighting=False),
             self.plotter.add_mesh(balls, scalars="type", rgb=True),
         ]
-        fires, needs = self.shown.fires, ("end organs", "rates")
+        needs = ("end organs", "rates")
         self.props.append(Prop(added[0], needs[:1]))
         self.props.append(Prop(added[1], needs[:1], "rates" if fires else None))
         if fires:
@@ -267,16 +269,14 @@ class Stage:
         for actor in added:
             _bring_forward(actor.mapper)
         if len(types) <= FEW:
-            self._add_labels(marks)
+            self._add_labels(marks, shown.labels)
 
-    def _add_labels(self, marks: Any) -> None:
+    def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
         """Add type and depth of a few end organs, in a column beside the tip, joined to them."""
         import pyvista as pv
 
-        sites, chosen = self.shown.result.sites, self.shown.chosen
-        assert sites is not None
         order = np.argsort(-marks.points[:, 2])
-        words = [f"  {sites.types[i]} {sites.depths[i]:g} mm" for i in chosen[order]]
+        words = [f"  {labels[i]}" for i in order]
         tip = self.shown.fields.points.max(axis=0)[0] + LABELS[0]
         down = marks.points[:, 2].max() + LABELS[1] - LABELS[2] * np.arange(len(words))
         column = np.column_stack([np.full(len(words), tip), np.zeros(len(words)), down])
@@ -294,11 +294,11 @@ class Stage:
         self.moves.append(move)
         leaders = self.plotter.add_mesh(lines, color=figures.INK, line_width=1.5, lighting=False)
         _bring_forward(leaders.mapper)
-        labels = self.plotter.add_point_labels(
+        told = self.plotter.add_point_labels(
             column, words, font_size=16, text_color=figures.INK, shape=None, margin=2,
             show_points=False, always_visible=True, bold=False, justification_vertical="center",
         )  # fmt: skip
-        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, labels)]
+        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, told)]
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass where it would hide what is shown."""
