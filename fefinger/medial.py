@@ -162,7 +162,7 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
         close.annotate(
             label,
             place,
-            xytext=(0.74, 0.36 - 0.088 * row),
+            xytext=(0.69, 0.36 - 0.088 * row),
             textcoords="axes fraction",
             va="center",
             color=color,
