@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from fefinger import marks, pieces, quantities, section
 from fefinger.checks import choice
 from fefinger.records import Fields, Result
@@ -53,11 +55,10 @@ def colors(
     """Return the colors that hold for all subjects at all of their times."""
     return quantities.span(
         (
-            piece.at(quantities.values(each.result, field, frame))
+            np.concatenate([piece.at(nodal) for piece in each.surfaces if piece.name in SOFT])
             for each in subjects
             for frame in range(len(each.fields.times))
-            for piece in each.surfaces
-            if piece.name in SOFT
+            for nodal in [quantities.values(each.result, field, frame)]
         ),
         field,
         limits,
