@@ -191,6 +191,7 @@ class Scene {
     const gl = this.gl, record = this.record, frame = this.frame;
     this.look();
     this.points = this.part(record.points, 3 * record.vertices);
+    this.drawn = field;
     this.nodal = this.values(field);
     const pressure = this.values("pressure"), span = data.fields[field], press = data.pressure;
     this.attribute("place", this.points, 3);
@@ -383,8 +384,8 @@ function steer(scene, redraw, said) {
     const found = scene.under(event);
     if (!found) return;
     const [x, y, z] = scene.points.subarray(3 * found.k, 3 * found.k + 3);
-    const unit = data.fields[field].unit;
-    said.textContent = `${field} ${+scene.nodal[found.k].toPrecision(3)} ${unit} at x ${x.toFixed(2)}, y ${y.toFixed(2)}, z ${z.toFixed(2)} mm`;
+    const { drawn } = scene, { unit } = data.fields[drawn];
+    said.textContent = `${drawn} ${+scene.nodal[found.k].toPrecision(3)} ${unit} at x ${x.toFixed(2)}, y ${y.toFixed(2)}, z ${z.toFixed(2)} mm`;
   });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
