@@ -31,7 +31,7 @@ def test_the_committed_index_is_fresh() -> None:
 def test_every_file_is_linked_and_every_link_is_there() -> None:
     html = index.html(REPORTS)
     links = set(re.findall(r'href="([^"]*)"', html))
-    assert links >= {path.name for path in REPORTS.glob("*.json")}
+    assert links >= {path.name for kind in ("json", "csv") for path in REPORTS.glob(f"*.{kind}")}
     assert links >= {path.name for path in REPORTS.glob("*.html")} - {"index.html"}
     for link in links:
         assert (REPORTS / link).is_file(), link
@@ -47,7 +47,19 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "fem.html").write_text("")
     (tmp_path / "bench-x.json").write_text(json.dumps(made | {"figures": []}))
     (tmp_path / "new.json").write_text(json.dumps(made | {"about": "Something <new>."}))
+    (tmp_path / "sweep.csv").write_text("a,b\n")
+    cells = "".join(f'<tr><th>{k}</th><td class="long">{v}</td></tr>' for k, v in made.items())
+    (tmp_path / "sweep.html").write_text(cells)
     return tmp_path
+
+
+def test_a_table_takes_its_making_from_its_page(folder: Path) -> None:
+    html = index.html(folder)
+    (row,) = re.findall(r'<tr><td><a href="sweep.csv">.*?</tr>', html)
+    assert '<a href="sweep.html">' in row
+    assert "2026-01-02" in row
+    assert "abc123" in row
+    assert html.index('id="studies"') < html.index("sweep.csv") < html.index('id="benchmarks"')
 
 
 def test_suites_have_date_commit_and_verdicts(folder: Path) -> None:

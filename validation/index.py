@@ -1,12 +1,14 @@
 """The page that gathers what is in a folder of reports: suites, benchmarks and evidence.
 
-`python -m fefinger.validation.index reports` writes `reports/index.html` from the JSON files there;
+`python -m fefinger.validation.index reports` writes `reports/index.html` from the files there;
 with `--pages` it first writes the page of every suite anew from its JSON, without measuring.
 """
 
 import json
+import re
 import sys
 from collections.abc import Iterator
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,7 @@ ABOUT = {
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
+    "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",
     "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
     "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",
@@ -37,15 +40,20 @@ ABOUT = {
 
 def html(folder: Path) -> str:
     """Return the page on the JSON files of a folder."""
-    records = {path.stem: _read(path) for path in sorted(folder.glob("*.json"))}
+    kept = [path for kind in ("json", "csv") for path in sorted(folder.glob(f"*.{kind}"))]
+    records = {path.stem: _read(path) for path in kept}
     suites = [_suite(folder, name, record) for name, record in records.items() if _cases(record)]
     others = {name: record for name, record in records.items() if not _cases(record)}
     benches = [name for name in others if name.startswith("bench-")]
+    studies = [name for name in others if (folder / f"{name}.html").exists()]
+    rest = [name for name in others if name not in (*benches, *studies)]
     groups = [
+        ("studies", "Studies and campaigns", "What was asked of the model; each has its page.",
+         studies),
         ("benchmarks", "Benchmarks", "Speed and memory, each against a baseline of the same run; "
          "fefinger bench measures again.", benches),
         ("evidence", "Evidence", "Campaigns behind stated errors and costs; each file names the "
-         "command that made it.", [name for name in others if name not in benches]),
+         "command that made it.", rest),
     ]  # fmt: skip
     return page.render(
         "index.html",
@@ -83,7 +91,13 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
 
 
 def _read(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
+    """Return a JSON file, or of a table what the page beside it says of its making."""
+    if path.suffix == ".json":
+        return json.loads(path.read_text(encoding="utf-8"))
+    beside = path.with_suffix(".html")
+    text = beside.read_text(encoding="utf-8") if beside.exists() else ""
+    cells = re.findall(r'<tr><th>(\w+)</th><td class="long">([^<]*)</td>', text)
+    return {"data": path.name} | {name: unescape(value) for name, value in cells}
 
 
 def _cases(record: Any) -> list[dict[str, Any]]:
@@ -108,7 +122,7 @@ def _row(folder: Path, name: str, record: Any) -> dict[str, Any]:
         "name": name,
         "about": ABOUT.get(name) or str(known.get("about", "")),
         "page": pages[0] if pages else "",
-        "data": f"{name}.json",
+        "data": str(known.get("data", f"{name}.json")),
         "date": str(made.get("date", ""))[:10],
         "commit": str(made.get("commit", "")),
         "command": str(made.get("command", "")),
