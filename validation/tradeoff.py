@@ -194,7 +194,10 @@ def write(folder: Path) -> None:
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
     page = validation_report.html(
-        as_json({"tradeoff": outcomes}), {"tradeoff": list(figures())}, provenance(COMMAND)
+        as_json({"tradeoff": outcomes}),
+        {"tradeoff": list(figures())},
+        provenance(COMMAND),
+        data=_tradeoff.REPORT,
     )
     (folder / "tradeoff.html").write_text(page, encoding="utf-8")
 

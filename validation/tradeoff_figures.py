@@ -99,7 +99,7 @@ def _fronts_caption() -> str:
 
 def _fronts(data: dict[str, Any]) -> Any:
     rows = data["scenes"]
-    drawn = figure(WIDE, 5.6)
+    drawn = figure(WIDE, 5.2)
     axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
@@ -190,7 +190,7 @@ def _split_caption() -> str:
 
 def _split(data: dict[str, Any]) -> Any:
     presses = data["presses"]
-    drawn = figure(WIDE, 6.2)
+    drawn = figure(WIDE, 5.2)
     axes = drawn.subplots(2, 2, sharey=True, sharex=True).ravel()
     names = list(dict.fromkeys(key for rows in presses.values() for key in rows))
     for axis, (press, rows) in zip(axes, presses.items(), strict=True):
