@@ -3,11 +3,13 @@
 import json
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from fefinger.text import table
 
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from fefinger.mesh.record import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Progress, Result
+    from fefinger.study import Study
 
 
 @contextmanager
@@ -36,17 +39,6 @@ def progress() -> "Iterator[Progress | None]":
             bars.update(tasks[stage], completed=fraction)
 
         yield report
-
-
-def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
-    """Return rows of text in columns that are as wide as their widest entry."""
-    every = [list(heading), *rows] if heading else list(rows)
-    widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in every
-    ]
-    return "\n".join(lines)
 
 
 def print_json(record: Any) -> None:
@@ -109,20 +101,10 @@ def plan_record(plan: "Plan") -> dict[str, Any]:
 
 
 def plan_summary(plan: "Plan") -> str:
-    """Return a plan as text: the choice, then the ladder with the reasons of the refusals."""
-    rows = [
-        (
-            rung.mechanics,
-            "-" if math.isnan(rung.seconds) else f"{rung.seconds:.3g} s",
-            "-" if math.isnan(rung.error) else f"{rung.error:.2g}",
-            rung.evidence,
-            "; ".join(f"{r.about}: {r.reason}" for r in rung.refusals) or "-",
-        )
-        for rung in plan.rungs
-    ]
-    return (
-        f"{plan.sentence}\n\n{table(rows, ('mechanics', 'time', 'error', 'evidence', 'refused'))}"
-    )
+    """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
+    from fefinger.text import ladder
+
+    return f"{plan.sentence}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
@@ -179,6 +161,41 @@ def spikes_summary(record: dict[str, Any]) -> str:
 
 def _short(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
+    """Return what `study --json` prints."""
+    return {
+        "scenes": study.scenes,
+        "reused": study.reused,
+        "failed": [{"scene": values, "error": error} for values, error in study.failures],
+        "over": list(study.over),
+        "rows": list(study.rows),
+        "files": files,
+    }
+
+
+STUDY = (
+    *("at", "force_N", "depth_mm", "contact_area_mm2", "peak_pressure_kPa", "shift_distal_mm"),
+    *("asymmetry", "ellipticity", "stiffness_N_per_mm", "spikes"),
+)
+"""Columns of a study that a terminal shows."""
+
+
+def study_summary(record: dict[str, Any]) -> str:
+    """Return the same as text: a table of the main columns, then what failed, then files."""
+    known = {name for row in record["rows"] for name in row}
+    shown = [*record["over"], *(name for name in STUDY if name in known)]
+    told = [row for row in record["rows"] if row["status"] == "done"]
+    rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in told]
+    below = [
+        ("failed", ", ".join(f"{k} = {v}" for k, v in each["scene"].items()), each["error"])
+        for each in record["failed"]
+    ]
+    below += [("file", file, "") for file in record["files"]]
+    done = record["scenes"] - len(record["failed"])
+    said = f"{done} of {record['scenes']} scenes, {record['reused']} of them from before"
+    return "\n".join([table(rows, shown), said, *([table(below)] if below else [])])
 
 
 def validation_summary(record: dict[str, Any]) -> str:

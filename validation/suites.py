@@ -10,7 +10,7 @@ from fefinger.validation.case import Case, Outcome
 from fefinger.checks import choice
 
 
-SUITES = ("fem", "finger", "condensed", "calibration", "neural", "thesis")
+SUITES = ("fem", "finger", "condensed", "calibration", "neural", "thesis", "tradeoff")
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:

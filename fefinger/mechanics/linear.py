@@ -4,7 +4,7 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, _tradeoff
 from fefinger.mechanics._notes import apart
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
@@ -30,6 +30,8 @@ LAW = "neo-hookean"
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
     found = [Refusal(name, "ability", reason) for reason in apart(scene.finger)]
+    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+        return tuple(found)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
@@ -54,6 +56,9 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    if found is not None:
+        return found.error, found.source
     return _evidence.linear_error(scene)
 
 
@@ -67,7 +72,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
     from fefinger.mechanics._touch import meshed_at
     from fefinger.mesh.ready import at_hand
 
-    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.resolution)
+    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)

@@ -4,7 +4,7 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, _tradeoff
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
@@ -24,6 +24,8 @@ NOTES = (
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: only where the mesh error is not measured."""
+    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+        return ()
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius >= least:
         return ()
@@ -38,7 +40,8 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
-    return _evidence.solid_error(scene)
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    return _evidence.solid_error(scene) if found is None else (found.error, found.source)
 
 
 def coarser(scene: Scene) -> Scene | None:
