@@ -78,14 +78,15 @@ class Work:
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
         """Measure a stage; yields a function that takes its misfit."""
-        started, misfits = time.process_time(), [math.nan]
+        started, misfits = time.process_time(), list[float]()
         self._presses = {}
         if self.progress is not None:
             self.progress(name, 0.0)
         yield misfits.append
         spent = time.process_time() - started
         kept = sum(each.seconds for each in self._presses.values())
-        self.stages.append(Stage(name, spent, len(self._presses), kept, misfits[-1]))
+        misfit = misfits[-1] if misfits else None
+        self.stages.append(Stage(name, spent, len(self._presses), kept, misfit))
         if self.progress is not None:
             self.progress(name, 1.0)
 

@@ -118,7 +118,7 @@ def summary(found: Calibration) -> str:
             each.name,
             f"{each.cpu:.1f}",
             f"{each.presses} of {each.presses_cpu:.1f}" if each.presses else "-",
-            "-" if each.misfit != each.misfit else f"{each.misfit:.3g}",
+            "-" if each.misfit is None else f"{each.misfit:.3g}",
         ]
         for each in found.stages
     ]

@@ -44,14 +44,15 @@ class Stage:
     """One rung: what it needed and how well it met the target.
 
     cpu seconds in this run; solved: presses solved and kept, whose cpu seconds, whenever they were
-    spent, are `presses_cpu`; misfit: what is missed over what the data allow, 1 where all is noise.
+    spent, are `presses_cpu`; misfit: what is missed over what the data allow, 1 where all is noise,
+    None where nothing is fitted.
     """
 
     name: str
     cpu: float
     presses: int
     presses_cpu: float
-    misfit: float
+    misfit: float | None
 
 
 @dataclass(frozen=True)
