@@ -447,20 +447,20 @@ def by_width(frames):
     return pad.PadFit(2.5 * square / depth, 1.0, 1.0, 0.0)
 
 
-def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear):
-    one, x0 = linear.at(0.9, 14.0), 0.4
+def record_of(one, factor, x0):
+    """Return a ramp and hold (n_t, 3) of a finger with the noise of the thesis."""
     time = np.concatenate([np.arange(0, 0.033, 2e-4), 0.033 + np.geomspace(2e-4, 5, 900)])
     even = np.arange(0, 5, 4e-4)
     position = np.minimum(60 * time, 1.98)
-    force = np.interp(even, time, predicted(one, 1.3, PRONY, time, position - x0))
+    force = np.interp(even, time, predicted(one, factor, PRONY, time, position - x0))
     rng = np.random.default_rng(1)
-    table = np.column_stack(
-        [
-            even,
-            np.minimum(60 * even, 1.98) + rng.normal(0, 3e-3, len(even)),
-            force + rng.normal(0, 3e-3, len(even)),
-        ]
-    )
+    noise = rng.normal(0, 3e-3, (2, len(even)))
+    return np.column_stack([even, np.minimum(60 * even, 1.98) + noise[0], force + noise[1]])
+
+
+def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear):
+    one, x0 = linear.at(0.9, 14.0), 0.4
+    table = record_of(one, 1.3, x0)
     wave_time = np.arange(0, 1, 5e-4)
     wave = x0 + np.minimum(20 * wave_time, 1.0) + 0.2 * np.sin(25 * wave_time)
     measured = predicted(one, 1.3, PRONY, wave_time, wave - x0)
@@ -480,6 +480,20 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     assert "pad_radius: there are no frames, so it is kept" in found.unidentified
     assert "squared error" in found.status
     assert len(found.correlations) == len(found.correlations[0]) == 9
+
+
+def test_a_record_is_calibrated_through_solid(tmp_path, solved, law):
+    table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
+    found = ff.calibrate(
+        write(tmp_path / "press.csv", table),
+        finger=ff.Finger.subject("a.h."),
+        resolution="coarse",
+    )
+    assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
+    for name, value in {"exponent": 2.4, "modulus": 0.7 * 34, "x0": 0.4, "c0": 0.3}.items():
+        assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
+    assert found["exponent"].sd < 0.2
+    assert any(said.startswith("modulus") and "skin_ratio" in said for said in found.unidentified)
 
 
 def test_a_subject_is_calibrated_through_solid(tmp_path, solved):

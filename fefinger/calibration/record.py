@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
-from fefinger.calibration.inverse import Solution, Values
+from fefinger.calibration.inverse import Solution
 from fefinger.checks import InputError
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
@@ -209,8 +209,3 @@ def weights_of(found: Solution) -> tuple[list[float], list[float]]:
 def tissue(law: Tissue) -> dict[str, Any]:
     """Return a layer as plain values, without what it has not."""
     return {name: value for name, value in asdict(law).items() if value is not None}
-
-
-def values_of(found: Calibration) -> Values:
-    """Return the values of the parameters by name."""
-    return {each.name: each.value for each in found.parameters}
