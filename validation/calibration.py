@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 from fefinger import library
 from fefinger.calibration import inverse, pad, target
+from fefinger.calibration.calibrate import EXPONENTS, Work
+from fefinger.calibration.calibrate import SMALLER as SMALLER_PAD
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.outcome import FREQUENCIES, layer
-from fefinger.calibration.press import press
+from fefinger.calibration.press import Press, press
 from fefinger.scene import Finger
 
 
@@ -77,6 +79,24 @@ def again(subject: str) -> float:
     return float(np.abs(factor * fresh.force(depth) / found.curve.force(depth) - 1).max())
 
 
+def left_out(subject: str) -> float:
+    """Return the largest relative error of the force at an exponent whose press is left out."""
+    work = Work(Finger.subject(subject, resolution="coarse"), None)
+    radius = SMALLER_PAD * work.finger.pad_radius
+
+    def pressed(exponent: float) -> Press:
+        return work.press("solid", "coarse", radius, exponent)
+
+    missed = []
+    for exponent in EXPONENTS[1:-1]:
+        rest = family([each for each in EXPONENTS if each != exponent], radius, pressed)
+        own, _ = curve(pressed(exponent))
+        depth = np.linspace(0.2, 1.0, 50) * min(rest.deepest, own.deepest)
+        between = rest.at(exponent, radius).force(depth)
+        missed.append(np.abs(between / own.force(depth) - 1).max())
+    return float(max(missed))
+
+
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield twins, predictions, the array and the shipped sets."""
     yield from _twins(FEW if quick else SEEDS)
@@ -89,6 +109,17 @@ def cases(*, quick: bool) -> Iterator[Case]:
         "1",
         "Taylor's theorem",
     )
+    if not quick:
+        yield Case(
+            "calibration",
+            "a.h.: force between exponents, one press of four left out",
+            partial(left_out, "a.h."),
+            0.0,
+            5e-3,
+            "1",
+            "the press that was left out",
+            reason="twice as far apart as the presses that are used",
+        )
     for subject in rows():
         yield from _subject(subject)
         yield Case(

@@ -83,8 +83,18 @@ def _table_caption() -> str:
         "The calibrated sets: relaxed modulus of the subcutaneous tissue and exponent with one "
         "standard deviation (the skin has 3.0 times the modulus, a prior), the line through the "
         "stiffness, the parts of m, and what the thesis's fit finds in the simulated frames. They "
-        "are fits of a model, not measurements of tissue."
+        f"are fits of a model, not measurements of tissue. {_cost()}"
     )
+
+
+def _cost() -> str:
+    """Return what the calibrations took, the presses that were kept included."""
+    said = []
+    for name in rows():
+        found = calibrated(name)
+        spent = sum(stage.presses_cpu for stage in found.stages)
+        said.append(f"{name} {spent:.0f} s ({found.finger['resolution']} mesh)")
+    return f"Presses took, in CPU time: {', '.join(said)}; the fits a few seconds each."
 
 
 def _table() -> Any:
