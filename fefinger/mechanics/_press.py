@@ -26,6 +26,7 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import (
     REFERENCE_DEPTH,
     STANDARD,
+    check_reached,
     folded,
     meshed_at,
     organs,
@@ -171,6 +172,7 @@ def _contact(
             history = method.march(
                 reduced.flexibility, candidates.gap, candidates.travel, memory, asked, report
             )
+        check_reached(scene, float(history.depth.max()))
         pressed = (history.pressure > 0).any(axis=0)
         if np.isin(candidates.vertices[pressed], _placing.border(finger)).any():
             message = (

@@ -13,7 +13,7 @@ from fefinger.mechanics import _axisymmetric
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized
-from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -136,19 +136,29 @@ def half_space(scene: Scene) -> HalfSpace:
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
-    unable = list(apart(scene))
-    if scene.ask.fields:
-        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    unable = lacking(scene)
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
-        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
         return tuple(Refusal(name, "ability", reason) for reason in unable)
-    if _axisymmetric.touch(scene) is None:
-        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
+    depth, radius = scene.motion.peak, half_space(scene).relative_radius
+    if scene.motion.control == "depth" and depth > radius:
+        unable.append(f"depth / relative radius = {depth / radius:.3g} > 1: Hertz ends there")
     doubts = [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
     )
+
+
+def lacking(scene: Scene) -> list[str]:
+    """Return what of a scene no contact of one sphere with one flat body has a place for."""
+    unable = [*apart(scene), *too_long(scene.motion, fast="FAII" in scene.ask.spikes)]
+    if scene.ask.fields:
+        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
+    elif _axisymmetric.touch(scene) is None:
+        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
+    return unable
 
 
 def cost(scene: Scene) -> float:

@@ -6,6 +6,7 @@ relaxation then run on that small dense problem (`_press`). What it leaves out i
 
 from fefinger.mechanics import _evidence
 from fefinger.mechanics._notes import apart
+from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
@@ -29,7 +30,8 @@ LAW = "neo-hookean"
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    found = [Refusal(name, "ability", reason) for reason in apart(scene)]
+    unable = (*apart(scene), *too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    found = [Refusal(name, "ability", reason) for reason in unable]
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"

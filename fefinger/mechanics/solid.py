@@ -5,6 +5,7 @@ small strain. What it still leaves out is in `NOTES`.
 """
 
 from fefinger.mechanics import _evidence
+from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
@@ -23,7 +24,10 @@ NOTES = (
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return why it should not answer: only where the mesh error is not measured."""
+    """Return why it should not answer: too many steps, or a mesh error that is not measured."""
+    unable = too_long(scene.motion, fast="FAII" in scene.ask.spikes)
+    if unable:
+        return tuple(Refusal(name, "ability", reason) for reason in unable)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius >= least:
         return ()
