@@ -6,6 +6,7 @@ import numpy as np
 from fefinger.validation.extremes_trial import Findings
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.mechanics._evidence import smallest_radius
 from fefinger.records import Response
 from fefinger.scene import Scene
 
@@ -15,9 +16,10 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-9
 """Of the largest value, for what holds to rounding."""
 
-SUNK = 0.1
-"""Depth of a vertex of the pad in the obstacle over the largest depth: contact is exact in the
-weighted gaps, and between them a coarse mesh sags."""
+SUNK, FACET = 0.25, 0.8
+"""Depth of a vertex of the pad in the obstacle: this part of the depth, and the sag of a facet of
+so many mm on what is round, FACET² / 4R. Contact is exact in the weighted gaps, and between them
+the coarse mesh sags."""
 
 QUADRATURE = 2e-3
 """Of peak force times peak depth: the error of the trapezoidal rule for the work of a cycle."""
@@ -45,12 +47,16 @@ def falling(values: ArrayLike, limit: float = ROUNDING) -> tuple[float, float]:
 
 def invariants(scene: Scene, response: Response) -> Findings:
     """Return what was found of every invariant that can be seen in a response."""
-    found = {"finite": _finite(response), "no pull": _pull(response), "asked": _asked(scene, response)}
+    found = {
+        "finite": _finite(response),
+        "no pull": _pull(response),
+        "asked": _asked(scene, response),
+    }
     if response.pressure is not None:
         found["balance"] = _balance(response)
         found["area"] = _area(response)
     if response.gap is not None:
-        found["no penetration"] = _sunk(response)
+        found["no penetration"] = _sunk(scene, response)
     found |= _of_motion(scene, response)
     return found
 
@@ -104,10 +110,12 @@ def _area(response: Response) -> tuple[float, float]:
     return float(differ.sum() + (response.contact_area < 0).sum()), 0.0
 
 
-def _sunk(response: Response) -> tuple[float, float]:
+def _sunk(scene: Scene, response: Response) -> tuple[float, float]:
+    """Return how far the pad is in the obstacle, in mm."""
     assert response.gap is not None
-    deepest = float(response.depth.max())
-    return max(0.0, -float(response.gap.min()) / deepest), SUNK
+    around = min(smallest_radius(scene.indenter), 0.5 * scene.finger.thickness)
+    limit = SUNK * float(response.depth.max()) + FACET**2 / (4 * around)
+    return max(0.0, -float(response.gap.min())), limit
 
 
 def _of_motion(scene: Scene, response: Response) -> dict[str, tuple[float, float]]:

@@ -181,8 +181,7 @@ def _contact(
             )
             raise InputError(message)
         if not pressed.any():
-            message = "indenter: expected contact with the finger, but it never touches"
-            raise InputError(message)
+            raise InputError(unresolved(float(history.depth.max())))
         if not (pressed & candidates.edge).any():
             return _Contact(touch, reduced, found, time, history)
         reach *= GROW
@@ -196,6 +195,15 @@ def rim_reached(count: int) -> str:
         f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
         f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
         "larger indenter or a finer mesh (finger.resolution)"
+    )
+
+
+def unresolved(depth: float) -> str:
+    """Return what to say when a press to `depth` mm moves no vertex of the pad."""
+    return (
+        f"motion: expected a contact that the mesh resolves, but at a depth of {depth:.3g} mm it "
+        "is smaller than a facet of the pad; press deeper, or take a finer mesh "
+        "(finger.resolution) or hertz"
     )
 
 

@@ -220,12 +220,13 @@ def deepest(scene: Scene) -> float:
     return half_space(scene).depth(scene.motion.peak / NEWTON_PER_MILLINEWTON)
 
 
-def _widest(scene: Scene) -> float:
+def widest(scene: Scene) -> float:
+    """Return the largest contact radius in mm."""
     return float(half_space(scene).radius(np.array(deepest(scene))))
 
 
 def _thinness(scene: Scene) -> float:
-    return _widest(scene) / scene.finger.pulp
+    return widest(scene) / scene.finger.pulp
 
 
 def _doubts_of_size(scene: Scene) -> list[str]:
@@ -238,7 +239,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
         doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
-    steep = _widest(scene) / smallest_radius(scene.indenter)
+    steep = widest(scene) / smallest_radius(scene.indenter)
     if steep > STEEP:
         doubts.append(
             f"contact radius / radius of the object = {steep:.2g} > {STEEP:g}: it is no paraboloid"

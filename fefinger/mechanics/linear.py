@@ -4,11 +4,11 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, hertz
 from fefinger.mechanics._notes import apart
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene import Ellipsoid, Flat, Scene, Sphere
 
 
 name = "linear"
@@ -36,6 +36,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         found.append(Refusal(name, "accuracy", reason))
+    found += [Refusal(name, "accuracy", reason) for reason in too_small(scene)]
     press = _evidence.solid_press(scene)
     part, limit = _evidence.small_strain_part(scene), _evidence.solid_reach(press)
     if part > limit:
@@ -47,6 +48,21 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
             reason = f"finger.{layer}.law = {law!r}: small strain is measured for {LAW!r} only"
             found.append(Refusal(name, "accuracy", reason))
     return tuple(found)
+
+
+def too_small(scene: Scene) -> tuple[str, ...]:
+    """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        return ()
+    facet = _evidence.FACETS[scene.finger.resolution]
+    facets = hertz.widest(scene) / facet
+    if facets >= _evidence.FEWEST:
+        return ()
+    reason = (
+        f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
+        f"{_evidence.FEWEST:g}: the mesh is too coarse for it"
+    )
+    return (reason,)
 
 
 def cost(scene: Scene) -> float:

@@ -4,7 +4,7 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, linear
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
@@ -29,10 +29,11 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
-    if radius >= least:
-        return ()
-    reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
-    return (Refusal(name, "accuracy", reason),)
+    doubts = linear.too_small(scene)
+    if radius < least:
+        reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
+        doubts = (reason, *doubts)
+    return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
 
 
 def cost(scene: Scene) -> float:
@@ -47,8 +48,6 @@ def error(scene: Scene) -> tuple[float, str]:
 
 def coarser(scene: Scene) -> Scene | None:
     """Return the scene on the next coarser mesh, if that is at hand."""
-    from fefinger.mechanics import linear
-
     return linear.coarser(scene)
 
 
