@@ -247,7 +247,8 @@ def _touching(weights: tuple[float, ...], radius: float) -> Findings:
     middle = corners.mean(axis=1)
     chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]
     x, y, _ = (np.array(weights) @ chosen).tolist()
-    forces, found = [], {}
+    forces = []
+    found: dict[str, tuple[float, float]] = {}
     for aside in (0.0, 1e-9):
         settings = {"indenter": Sphere(radius, (x + aside, y)), "motion": Ramp(60, 0.4)}
         scene, response = answered("condensed", settings)

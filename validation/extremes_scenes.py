@@ -133,10 +133,10 @@ def _depths() -> Iterator[Trial]:
     deep = {"indenter": Sphere(5), "motion": ramp(60, 0.6 * PULP)}
     yield from _each(ALL[1:], "depth", "ball of 5 mm, 60% of the tissue", None, **deep)
     for force in (1e-9, 1e-3, 1.0, 100.0):
-        motion = ForceRampHold(10 * force, force, hold=1.0, corner=0.0)
+        push = ForceRampHold(10 * force, force, hold=1.0, corner=0.0)
         wants = ANSWERED if force <= 1 else None
-        yield from _each(SIMPLE, "force", f"{force:g} N", wants, motion=motion)
-        yield from _each(MESHED, "force", f"{force:g} N", None, motion=motion)
+        yield from _each(SIMPLE, "force", f"{force:g} N", wants, motion=push)
+        yield from _each(MESHED, "force", f"{force:g} N", None, motion=push)
 
 
 def _radii() -> Iterator[Trial]:
@@ -173,11 +173,12 @@ def _speeds() -> Iterator[Trial]:
     """Ramps at 1e-4 to 1e4 mm/s, steps of 1e-6 to 1e3 s, and sharp corners."""
     for speed in (1e-4, 1e-2, 1e3, 1e4):
         motion = RampHold(speed, 0.6, hold=1.0, corner=min(0.01, 0.3 / speed))
-        yield from _each(ALL, "speed", f"{speed:g} mm/s", motion=motion)
+        who = SIMPLE if speed == 1e-2 else ALL
+        yield from _each(who, "speed", f"{speed:g} mm/s", motion=motion)
     for step in (1e-6, 1e3):
         times = step * np.arange(9)
-        motion = Sampled(tuple(times), tuple(0.6 * np.minimum(np.arange(9) / 4, 1.0)))
-        yield from _each(ALL, "time step", f"samples every {step:g} s", motion=motion)
+        samples = Sampled(tuple(times), tuple(0.6 * np.minimum(np.arange(9) / 4, 1.0)))
+        yield from _each(ALL, "time step", f"samples every {step:g} s", motion=samples)
     jump = Sampled((0.0, 1.0), (0.6, 0.6))
     yield from _each(ALL, "time step", "a jump to 0.6 mm", motion=jump)
     yield from _each(ALL, "time step", "a hold of 1e6 s", motion=RampHold(60, 0.6, hold=1e6))
@@ -189,10 +190,12 @@ def _tissues() -> Iterator[Trial]:
         both = {"skin": Tissue(136, poisson, 1.0), "subcutaneous": Tissue(80, poisson)}
         yield from _each(("hertz", "layered", "linear"), "poisson", f"{poisson:g}", **both)
         wants = ANSWERED if poisson < 0.5 else REFUSED
-        yield from _each(("condensed",), "poisson", f"{poisson:g}", wants, **both)
+        few = () if poisson in (0.3, 0.49) else ("condensed",)  # each builds an operator
+        yield from _each(few, "poisson", f"{poisson:g}", wants, **both)
     for contrast in (1e-9, 1e-3, 1e3, 1e9):
         both = {"skin": Tissue(80 * contrast, 0.48, 1.0), "subcutaneous": Tissue(80, 0.48)}
-        yield from _each(ALL[1:], "contrast", f"skin {contrast:g} times the pulp", None, **both)
+        who = ALL[1:] if contrast in (1e-9, 1e9) else ALL[1:4]
+        yield from _each(who, "contrast", f"skin {contrast:g} times the pulp", None, **both)
     for modulus in (1e-6, 1e9):
         both = {"skin": Tissue(1.7 * modulus, 0.48, 1.0), "subcutaneous": Tissue(modulus, 0.48)}
         yield from _each(ALL[1:], "modulus", f"{modulus:g} kPa", **both)
@@ -200,12 +203,24 @@ def _tissues() -> Iterator[Trial]:
         own = {"skin": Tissue(136, 0.48, thickness)}
         yield from _each(("hertz", "layered"), "skin", f"{thickness:g} mm thick", None, **own)
     for size in (1.0, 1e3):
-        own = {"width": 1.6 * size, "thickness": size, "skin": Tissue(136, 0.48, 0.1 * size)}
-        own |= {"motion": ramp(6 * size, 0.06 * size), "pad_radius": 1.4 * size}
-        few = {"ask": {"strain": False}} | own
-        yield from _each(("hertz", "layered"), "size", f"a finger {size:g} mm thick", **few)
-        yield from _each(("layered",), "size", f"{size:g} mm, strain", REFUSED, **own)
-        yield from _each(MESHED, "size", f"a finger {size:g} mm thick", REFUSED, **own)
+        whole = _sized(size)
+        for strain in (True, False):
+            name = f"a finger {size:g} mm thick{', strain' if strain else ''}"
+            settings = whole | {"ask": {"strain": strain}}
+            wants = ANSWERED if not strain else None
+            yield from _each(("hertz", "layered"), "size", name, wants, **settings)
+        yield from _each(MESHED, "size", f"a finger {size:g} mm thick", REFUSED, **whole)
+
+
+def _sized(size: float) -> dict[str, Any]:
+    """Return a finger `size` mm thick, and a press to 6 % of that."""
+    return {
+        "width": 1.6 * size,
+        "thickness": size,
+        "pad_radius": 1.4 * size,
+        "skin": Tissue(136, 0.48, 0.1 * size),
+        "motion": ramp(6 * size, 0.06 * size),
+    }
 
 
 def _series() -> Iterator[Trial]:
@@ -225,14 +240,14 @@ def _motions() -> Iterator[Trial]:
     yield from _each(ALL, "lost contact", "a sinusoid of 1 mm about 0.4 mm", motion=lost)
     graze = RampSinusoid(20, 0.4, amplitude=0.4, frequency=4, cycles=3)
     yield from _each(ALL, "lost contact", "a sinusoid that just leaves", motion=graze)
-    for speed in (0.01, 1e3):
+    for speed in (1.0, 1e3):
         motion = Trapezoid(speed, 0.6, hold=0.1, corner=min(0.01, 0.3 / speed))
         yield from _each(ALL, "lost contact", f"in and out at {speed:g} mm/s", motion=motion)
     swing = ForceRampSinusoid(5, 0.5, amplitude=0.4999, frequency=4, cycles=3)
     yield from _each(ALL, "lost contact", "a force that nearly leaves", motion=swing)
     for frequency in (1e-4, 1e4):
-        motion = Sinusoid(amplitude=0.3, frequency=frequency, cycles=3)
-        yield from _each(ALL, "frequency", f"{frequency:g} Hz", motion=motion)
+        wave = Sinusoid(amplitude=0.3, frequency=frequency, cycles=1)
+        yield from _each(ALL, "frequency", f"{frequency:g} Hz", motion=wave)
     many = Sinusoid(amplitude=0.3, frequency=200, cycles=1000)
     yield from _each(SIMPLE, "cycles", "1e3 cycles at 200 Hz", motion=many)
     most = Sinusoid(amplitude=0.3, frequency=200, cycles=100_000)
@@ -241,14 +256,12 @@ def _motions() -> Iterator[Trial]:
 
 def _solid() -> Iterator[Trial]:
     """Return the edges of finite strain, few because each takes seconds."""
-    answers = {
+    answers: dict[str, dict[str, Any]] = {
         "0.1 mm": {"motion": ramp(60, 0.1)},
         "at 1e4 mm/s": {"motion": ramp(1e4, 0.3)},
-        "at 1e-4 mm/s": {"motion": ramp(1e-4, 0.3)},
         "poisson 0": {"skin": Tissue(136, 0, 1.0), "subcutaneous": Tissue(80, 0)},
         "poisson 0.5": {"skin": Tissue(136, 0.5, 1.0), "subcutaneous": Tissue(80, 0.5)},
         "1e-6 kPa": {"skin": Tissue(1.7e-6, 0.48, 1.0), "subcutaneous": Tissue(1e-6, 0.48)},
-        "10 terms, 1e-6 to 1e6 1/s": {"prony": SERIES["10 terms, 1e-6 to 1e6 1/s"]},
         "G(inf) = 1e-6": {"prony": SERIES["G(inf) = 1e-6"]},
         "in and out": {"motion": Trapezoid(20, 0.4, hold=0.0)},
     }
@@ -256,11 +269,10 @@ def _solid() -> Iterator[Trial]:
         yield from _each(
             ("solid",), "finite strain", name, **({"motion": ramp(60, 0.3)} | settings)
         )
-    either = {
+    either: dict[str, dict[str, Any]] = {
         "1e-6 mm": {"motion": ramp(60, 1e-6)},
         "60% of the tissue": {"motion": ramp(60, 0.6 * PULP)},
         "ball of 0.1 mm": {"indenter": Sphere(0.1)},
-        "ball of 1 m": {"indenter": Sphere(1e3)},
         "skin 1e9 times the pulp": {"skin": Tissue(8e10, 0.48, 1.0)},
         "skin 1e-9 of the pulp": {"skin": Tissue(8e-8, 0.48, 1.0)},
         "a law that stiffens by exp(1e3 (I1 - 3))": {
@@ -281,16 +293,16 @@ def _twins() -> Iterator[Trial]:
         yield Trial(name, "twins", "everything 1e6 times faster", partial(_faster, name), ANSWERED)
     for name in MESHED:
         yield Trial(name, "twins", "tilted to the other side", partial(_mirrored, name), ANSWERED)
-    for edge, settings in {
+    pairs: dict[str, dict[str, Any]] = {
         "skin 1e3 times the pulp": {"skin": Tissue(8e4, 0.48, 1.0)},
         "a sinusoid that loses contact": {
             "motion": RampSinusoid(20, 0.4, amplitude=1.0, frequency=4, cycles=3)
         },
         "a ball of 3 mm off the middle": {"indenter": Sphere(3, (2.0, 1.0))},
-    }.items():
-        yield Trial(
-            "condensed", "twins", f"linear, {edge}", partial(_condensed, settings), ANSWERED
-        )
+    }
+    for edge, settings in pairs.items():
+        ask = partial(_condensed, settings)
+        yield Trial("condensed", "twins", f"linear, {edge}", ask, ANSWERED)
 
 
 def _forces(name: str, one: dict[str, Any], two: dict[str, Any], scale: float) -> Findings:
@@ -312,17 +324,8 @@ def _stiffer(name: str) -> Findings:
 
 
 def _larger(name: str) -> Findings:
-    def sized(k: float) -> dict[str, Any]:
-        return {
-            "width": 16 * k,
-            "thickness": 10 * k,
-            "pad_radius": 14 * k,
-            "skin": Tissue(136, 0.48, k),
-            "motion": ramp(60 * k, 0.6 * k),
-            "ask": {"strain": False},
-        }
-
-    return _forces(name, sized(1.0), sized(1e3), 1e6)
+    force = {"ask": {"strain": False}}
+    return _forces(name, _sized(10.0) | force, _sized(1e4) | force, 1e6)
 
 
 def _faster(name: str) -> Findings:

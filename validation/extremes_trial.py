@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from types import FrameType
 from typing import Literal
 
@@ -29,9 +28,11 @@ WORST = 1e6
 THEORY = "theory"
 """The group of trials that call theory, not scenes."""
 
-ANSWERED, REFUSED, FAILED = "answered", "refused", "failed"
-
 Kind = Literal["answered", "refused", "failed"]
+
+ANSWERED: Kind = "answered"
+REFUSED: Kind = "refused"
+FAILED: Kind = "failed"
 
 
 class TookTooLongError(Exception):
@@ -62,9 +63,22 @@ class Ending:
     text: str
 
 
-@cache
+_ENDED: dict[Trial, Ending] = {}
+
+
+def ended(trial: Trial) -> bool:
+    """Return whether a trial has run."""
+    return trial in _ENDED
+
+
 def ending(trial: Trial) -> Ending:
-    """Run a trial."""
+    """Return how a trial ends; it runs once."""
+    if trial not in _ENDED:
+        _ENDED[trial] = _run(trial)
+    return _ENDED[trial]
+
+
+def _run(trial: Trial) -> Ending:
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:

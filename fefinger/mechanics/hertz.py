@@ -97,7 +97,8 @@ class HalfSpace:
 
         strain = np.zeros((len(depth), len(r), 4))
         for row, reached in zip(strain, depth, strict=True):
-            if reached > 0:
+            # Deeper nodes are those of a force that has crept for longer than it was held.
+            if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
                 row[:] = self._hooke(field.stress(r, z)).T
         return strain

@@ -122,7 +122,8 @@ class Prony:
         one rate count as one, the others have k = 0 and lam = v, as those without weight.
         """
         v, place = np.unique(np.array(self.v), return_inverse=True)
-        w = np.bincount(place, self.weights[1:], len(v)) if len(v) else np.empty(0)
+        w = np.zeros(len(v))
+        np.add.at(w, place, self.weights[1:])
         whole = np.flatnonzero(w > _NOTHING)
         k, lam = np.zeros(len(self.v)), np.sort(self.v)
         if len(whole):
@@ -144,10 +145,9 @@ def _inverted(w0: float, w: NDArray[np.float64], v: NDArray[np.float64]) -> NDAr
             return float(w0 - w @ ((pole + t) / (ahead - t)))
 
         low = residual(half, below, v - below) < 0
-        pole, ends = (below, (0.0, half)) if low else (v[j], (-half, 0.0))
-        ahead = v - pole
-        # An end on a pole stands for the infinity there.
-        ends = tuple(end or math.copysign(_NOTHING * v[j], sum(ends)) for end in ends)
+        pole, far = (below, half) if low else (v[j], -half)
+        near = math.copysign(_NOTHING * v[j], far)  # stands for the pole, where it is infinite
+        ahead, ends = v - pole, sorted((near, far))
         t = brentq(residual, *ends, args=(pole, ahead), xtol=1e-300, rtol=1e-15, maxiter=5000)
         lam = pole + t
         out[:, j] = 1.0 / (lam * (w * v) @ (ahead - t) ** -2.0), lam
