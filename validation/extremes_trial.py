@@ -104,7 +104,7 @@ def _judged(findings: Findings) -> Ending:
     ratios = {name: _ratio(*found) for name, found in findings.items()}
     worst = max(ratios, key=ratios.__getitem__)
     kind: Kind = ANSWERED if ratios[worst] <= 1 else FAILED
-    text = f"{', '.join(ratios)}; nearest to its limit: {worst}"
+    text = f"with {', '.join(ratios)}; nearest to its limit: {worst}"
     if kind == FAILED:
         value, limit = findings[worst]
         text = f"answered, but {worst}: {value:.3g} > {limit:.3g}"
