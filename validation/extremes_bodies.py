@@ -185,7 +185,7 @@ def _contacts() -> Iterator[Row]:
         for tie in (False, True):
             name = f"flexibilities 1 to {spread:g}{', gaps of exactly nothing' if tie else ''}"
             yield "complementarity", name, partial(_complementarity, spread, tie), None
-    for force in (2.0, 5.0):
+    for force in (2.0, 3.5):
         name = f"candidates that grow, {force:g} N"
         yield "rim of the candidates", name, partial(_grown, force), None
 
@@ -217,11 +217,11 @@ def _grown(force: float) -> Findings:
     """Press by a force until the contact meets the rim of its first candidates, then by depth."""
     elastic = Prony((1.0,), ())
     pushed = answered(
-        "condensed",
+        "linear",
         {"prony": elastic, "motion": ForceRampHold(10 * force, force, hold=0.1, corner=0.0)},
     )
     depth = float(pushed[1].depth[-1])
-    moved = answered("condensed", {"prony": elastic, "motion": ramp(60, depth)})
+    moved = answered("linear", {"prony": elastic, "motion": ramp(60, depth)})
     same = off(moved[1].force[-1], force, 1e-6)
     return invariants(*pushed) | invariants(*moved) | {"the same by depth": same}
 

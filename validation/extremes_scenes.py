@@ -12,6 +12,7 @@ from fefinger.validation.extremes_trial import ANSWERED, REFUSED, Findings, Kind
 from fefinger.mechanics import get
 from fefinger.plan import choose
 from fefinger.records import Response
+from fefinger.run import run
 from fefinger.scene import (
     Ask,
     Ellipsoid,
@@ -175,6 +176,9 @@ def _speeds() -> Iterator[Trial]:
         motion = RampHold(speed, 0.6, hold=1.0, corner=min(0.01, 0.3 / speed))
         who = SIMPLE if speed == 1e-2 else ALL
         yield from _each(who, "speed", f"{speed:g} mm/s", motion=motion)
+    for speed in (60.0, 1e4):
+        name = f"{speed:g} mm/s, and whether inertia is warned of"
+        yield Trial("hertz", "speed", name, partial(_warned, speed), ANSWERED)
     for step in (1e-6, 1e3):
         times = step * np.arange(9)
         samples = Sampled(tuple(times), tuple(0.6 * np.minimum(np.arange(9) / 4, 1.0)))
@@ -182,6 +186,14 @@ def _speeds() -> Iterator[Trial]:
     jump = Sampled((0.0, 1.0), (0.6, 0.6))
     yield from _each(ALL, "time step", "a jump to 0.6 mm", motion=jump)
     yield from _each(ALL, "time step", "a hold of 1e6 s", motion=RampHold(60, 0.6, hold=1e6))
+
+
+def _warned(speed: float) -> Findings:
+    """Return whether the result warns of waves of a fast ramp, and of no slow one."""
+    made = scene("hertz", motion=ramp(speed, 0.6))
+    result = run(made, mechanics="hertz")
+    told = any("not quasi-static" in note for note in result.notes)
+    return {"warned": (float(told != (speed > 1e3)), 0.0)}
 
 
 def _tissues() -> Iterator[Trial]:

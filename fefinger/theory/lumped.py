@@ -11,11 +11,10 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import exprel
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
-from fefinger.theory.relaxation import Prony, creep_integral
+from fefinger.theory.relaxation import Prony, creep_integral, exprel
 
 
 LARGEST = 600.0
@@ -123,7 +122,7 @@ def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: Array
         return pulled
     decay, gain = _gains(spring, prony, time, position)
     weights = np.array(prony.weights)
-    ramp = _mean_decay(np.multiply.outer(np.diff(time), np.array(prony.v)))
+    ramp = exprel(-np.multiply.outer(np.diff(time), np.array(prony.v)))
     elastic = spring.force(position).tolist()
     memory, surface, out = np.full(len(prony.v), elastic[0]), elastic[0], [elastic[0]]
     for i, (before, after) in enumerate(pairwise(elastic)):
@@ -200,13 +199,8 @@ def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[
     growth = (spring.m * change)[:, None]
     gain = (spring.b * np.exp(spring.m * y[:-1]) * change)[:, None]
     gain = gain * np.exp(np.maximum(growth, -within) - np.multiply.outer(after, rates))
-    gain = gain * _mean_decay(np.abs(growth + within))
+    gain = gain * exprel(-np.abs(growth + within))
     return np.exp(-np.multiply.outer(step, rates)), gain
-
-
-def _mean_decay(x: Array) -> Array:
-    """Return (1 - e^-x) / x for x >= 0, the mean of e^-s over s from 0 to x."""
-    return np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)
 
 
 def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:

@@ -17,6 +17,8 @@ SUM_LIMITS = (0.98, 1.02)
 
 _ROUNDING = 1e-9
 
+_HALVINGS = 64
+
 _NOTHING = 1e-60
 """Weight that counts as none, and part of an interval that counts as its end."""
 
@@ -134,24 +136,34 @@ class Prony:
 
 def _inverted(w0: float, w: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return k and lam (2, n) for weights w (n,) at rising rates v (n,), see `Prony.creep`."""
-    from scipy.optimize import brentq
-
     out = np.empty((2, len(v)))
     for j, below in enumerate(np.append(0.0, v[:-1])):
         half = (v[j] - below) / 2
-
-        def residual(t: float, pole: float, ahead: NDArray[np.float64]) -> float:
-            """Return w0 - sum w_i lam / (v_i - lam) at lam = pole + t; `ahead` is v - pole."""
-            return float(w0 - w @ ((pole + t) / (ahead - t)))
-
-        low = residual(half, below, v - below) < 0
-        pole, far = (below, half) if low else (v[j], -half)
-        near = math.copysign(_NOTHING * v[j], far)  # stands for the pole, where it is infinite
-        ahead, ends = v - pole, sorted((near, far))
-        t = brentq(residual, *ends, args=(pole, ahead), xtol=1e-300, rtol=1e-15, maxiter=5000)
-        lam = pole + t
-        out[:, j] = 1.0 / (lam * (w * v) @ (ahead - t) ** -2.0), lam
+        low = _residual(half, below, v - below, w0, w) < 0
+        pole, side = (below, 1.0) if low else (v[j], -1.0)
+        ahead = v - pole
+        # From far below rounding to the middle; halved in its logarithm.
+        near, far = _NOTHING * v[j], half
+        for _ in range(_HALVINGS):
+            t = math.sqrt(near * far)
+            above = side * _residual(side * t, pole, ahead, w0, w) > 0
+            near, far = (t, far) if above else (near, t)
+        lam = pole + side * t
+        out[:, j] = 1.0 / (lam * (w * v) @ (ahead - side * t) ** -2.0), lam
     return out
+
+
+def _residual(
+    t: float, pole: float, ahead: NDArray[np.float64], w0: float, w: NDArray[np.float64]
+) -> float:
+    """Return w0 - sum w_i lam / (v_i - lam) at lam = pole + t; `ahead` is v - pole."""
+    return float(w0 - w @ ((pole + t) / (ahead - t)))
+
+
+def exprel(z: ArrayLike) -> NDArray[np.float64]:
+    """Return (exp(z) - 1) / z, 1 at 0, with all digits."""
+    z = np.asarray(z, float)
+    return np.where(z != 0, np.expm1(z) / np.where(z != 0, z, 1.0), 1.0)
 
 
 def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
@@ -186,7 +198,7 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     weights = np.array(prony.weights)
     x = np.multiply.outer(step, np.array(prony.v))
     decay = np.exp(-x)[:, :, None]
-    ramp = np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)[:, :, None]
+    ramp = exprel(-x)[:, :, None]
     memory = np.repeat(flat[:1], len(prony.v), axis=0)
     out = weights[0] * flat
     out[0] += weights[1:] @ memory
@@ -229,9 +241,8 @@ def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[
     _, k, lam = prony.creep()
     x = np.multiply.outer(np.diff(time), lam)
     forgotten = -np.expm1(-x)
-    part = np.divide(forgotten, x, out=np.ones_like(x), where=x > 0)
     # 1 - (1 - e^-x) / x by its series where the difference would cancel.
-    late = np.where(x < 1e-4, x / 2 - x**2 / 6, 1.0 - part)
+    late = np.where(x < 1e-4, x / 2 - x**2 / 6, 1.0 - exprel(-x))
     flat = signal.reshape(len(time), -1)
     crept = np.zeros((len(lam), flat.shape[1]))
     out = flat.copy()
