@@ -17,16 +17,17 @@ from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import depth_at
+from fefinger.fem.single import Single
 from fefinger.fem.sliding import Sliding
-from fefinger.fem.solve import System, factor
-from fefinger.fem.spaces import Array
+from fefinger.fem.solve import System, rough
+from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import EQUILIBRIUM
 
 
 ITERATIONS = 120
-PATIENCE = 25  # iterations of one step before its factor is renewed
-FEW = 12  # iterations of a step that a good factor takes
-RENEWAL = 60  # iterations beyond FEW, over steps, that a new factor is worth
+PATIENCE = 10  # iterations of one step between looks at its factor
+FEW = 6  # iterations of a step that a good factor takes
+RENEWAL = 25  # iterations beyond FEW, over steps, that a new factor is worth
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
@@ -64,9 +65,10 @@ class Equilibrium:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors = 0, 0
-        self._excess = 0
+        self._excess, self._whole = 0, True
         at_rest = np.zeros(body.space.n_unknowns)
-        self._factored = _Factored(system, contact.gaps(at_rest, 0.0)[1], 1.0)
+        first = rough(body.space, system.matrix, system)
+        self._factored = _Factored(first, system.free, contact.gaps(at_rest, 0.0)[1], 1.0)
 
     def find(self, start: State, asked: Asked) -> State:
         """Return the equilibrium near `start`.
@@ -76,6 +78,21 @@ class Equilibrium:
         ConvergenceError
             If it is not reached; the step was too large for the body or the contact.
         """
+        try:
+            return self._search(start, asked)
+        except ConvergenceError:
+            if not self._whole:
+                raise
+        self._whole = False
+        self._renew(start, asked.memory, self.contact.gaps(start.values, start.depth)[1])
+        try:
+            return self._search(start, asked)
+        except ConvergenceError:
+            self._whole = True  # the definite tangent did no better
+            raise
+
+    def _search(self, start: State, asked: Asked) -> State:
+        """Iterate from `start` with the tangent of the present kind."""
         state, sound = start, start
         if asked.control == "depth":
             state = replace(state, depth=asked.target)
@@ -94,9 +111,9 @@ class Equilibrium:
             gaps, loads = self.contact.gaps(state.values, state.depth)
             error = self._error(state, asked, inner, gaps, loads @ state.pressure)
             if error <= EQUILIBRIUM:
-                self._excess += max(0, count - FEW)
                 return state
-            if count % PATIENCE == PATIENCE - 1 or self._excess > RENEWAL:
+            self._excess += count >= FEW
+            if count % PATIENCE == 0 and self._excess > RENEWAL:
                 self._renew(state, asked.memory, loads)
                 mixing = _Anderson(MEMORY)
             state = self._step(state, asked, inner, gaps, loads, mixing)
@@ -128,22 +145,21 @@ class Equilibrium:
         return worst if np.isfinite(worst) else np.inf
 
     def _renew(self, state: State, memory: Memory, loads: sparse.csc_matrix) -> None:
-        """Factor the tangent of the state, made definite.
+        """Factor the tangent of the state.
 
         Raises
         ------
         ConvergenceError
             If it is singular.
         """
-        matrix = self.body.tangent(state.values, memory, whole=False)
-        system, space = self.system, self.body.space
+        matrix = self.body.tangent(state.values, memory, whole=self._whole)
         try:
-            renewed = factor(space, matrix, system.fixed, system.dissection)
+            renewed = rough(self.body.space, matrix, self.system)
         except InputError as error:
             # The body at rest was factored, so that it is this iterate that has gone astray.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
-        self._factored = _Factored(renewed, loads, float(memory.gains.mean()))
+        self._factored = _Factored(renewed, self.system.free, loads, float(memory.gains.mean()))
         self.factors, self._excess = self.factors + 1, 0
 
     def _step(
@@ -164,7 +180,7 @@ class Equilibrium:
         alone = softer * held.solve(loads @ state.pressure - inner)
         free = gaps + state.depth * travel + loads.T @ alone
         while True:
-            solver, columns = held.contact(near)
+            solver = held.contact(near)
             pressure, depth = np.zeros(len(travel)), state.depth
             past = softer * (solver.flexibility @ state.pressure[near])
             if asked.control == "depth":
@@ -173,7 +189,7 @@ class Equilibrium:
                 depth, pressure[near], _ = depth_at(
                     solver, 1 / softer, free[near] - past, travel[near], asked.target, depth
                 )
-            change = alone + softer * columns @ (pressure - state.pressure)[near]
+            change = alone + held.moved(softer * (pressure - state.pressure))
             left = gaps + (state.depth - depth) * travel + loads.T @ change
             missed = ~near & (left < 0)
             if not missed.any():
@@ -183,36 +199,47 @@ class Equilibrium:
 
 
 class _Factored:
-    """A factored tangent with the loads and the gain of its time, and the columns of Z so far."""
+    """A factored tangent with the loads and the gain of its time, and the rows of Z' so far."""
 
-    def __init__(self, system: System, loads: sparse.csc_matrix, gain: float) -> None:
-        self.free, self.loads, self.gain = system.free, loads, gain
-        self.factor = system.factor.single()
+    def __init__(
+        self, rough: Single, free: Integers, loads: sparse.csc_matrix, gain: float
+    ) -> None:
+        self.rough, self.free, self.loads, self.gain = rough, free, loads, gain
         self.known = np.full(loads.shape[1], -1, dtype=np.int64)
-        self.columns = np.empty((loads.shape[0], 0))
+        self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
+        self.flexibility = np.empty((0, 0))
         self._near = np.zeros(loads.shape[1], dtype=np.bool_)
-        self._contact: tuple[Complementarity, Array] | None = None
+        self._solver: Complementarity | None = None
 
     def solve(self, right: Array) -> Array:
         """Return K0^-1 `right` (n,) or (n, k) to single precision, zero where prescribed."""
         scale = float(np.abs(right).max(initial=0.0)) or 1.0
         answer = np.zeros_like(right)
-        answer[self.free] = scale * self.factor.solve(right[self.free] / scale)
+        answer[self.free] = scale * self.rough.solve(right[self.free] / scale)
         return answer
 
-    def contact(self, near: NDArray[np.bool_]) -> tuple[Complementarity, Array]:
-        """Return the contact of the candidates `near` and their columns of Z (n, n_near)."""
-        if self._contact is not None and np.array_equal(near, self._near):
-            return self._contact
+    def contact(self, near: NDArray[np.bool_]) -> Complementarity:
+        """Return the contact of the candidates `near`."""
+        if self._solver is not None and np.array_equal(near, self._near):
+            return self._solver
         new = np.flatnonzero(near & (self.known < 0))
         if len(new):
-            self.known[new] = self.columns.shape[1] + np.arange(len(new))
-            self.columns = np.hstack([self.columns, self.solve(self.loads[:, new].toarray())])
-        columns = self.columns[:, self.known[near]]
-        flexibility = self.loads[:, np.flatnonzero(near)].T @ columns
-        solver = Complementarity((flexibility + flexibility.T) / 2)
-        self._near, self._contact = near, (solver, columns)
-        return self._contact
+            self.known[new] = len(self.columns) + np.arange(len(new))
+            found = self.solve(self.loads[:, new].toarray()).T.astype(np.float32)
+            self.columns = np.concatenate([self.columns, found])
+            order = np.argsort(self.known)[-len(self.columns) :]
+            self.flexibility = self.loads[:, order].T @ self.columns.T
+        where = self.known[near]
+        flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
+        self._near, self._solver = near, Complementarity((flexibility + flexibility.T) / 2)
+        return self._solver
+
+    def moved(self, pressure: Array) -> Array:
+        """Return what a change of pressure (n_candidates,) moves, Z times it."""
+        weights = np.zeros(len(self.columns), dtype=np.float32)
+        seen = self.known >= 0
+        weights[self.known[seen]] = pressure[seen]
+        return np.asarray(weights @ self.columns, dtype=np.float64)
 
 
 class _Anderson:

@@ -22,6 +22,8 @@ from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import SINGULAR_PIVOT
 
 
+Floats = NDArray[np.floating]
+
 UNEVEN = 0.15  # how far from half the cells a part may be cut: 1.2 to 1.7 times fewer entries
 LEAF = 48  # cells in the smallest part: smaller ones cost more in Python than they save
 
@@ -79,20 +81,6 @@ class Factor:
         """Number of entries stored."""
         return sum(f.lower.size + f.below.size for f in self.fronts)
 
-    def single(self) -> "Single":
-        """Return the factor in single precision, half as large and faster to apply to one load."""
-        fronts = [f.front for f in self.fronts]
-        table = np.array([(f.start, f.pressure, f.stop, len(f.rest)) for f in fronts])
-        rest = np.concatenate([f.rest for f in fronts])
-        sizes = [f.lower.size + f.below.size for f in self.fronts]
-        values = np.empty(sum(sizes), dtype=np.float32)
-        start = 0
-        for front in self.fronts:
-            for block in (front.lower, front.below):
-                values[start : start + block.size] = block.ravel(order="F")
-                start += block.size
-        return Single(self.order, table, rest, values)
-
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
         work = right[self.order].reshape(len(right), -1)
@@ -115,75 +103,6 @@ class Factor:
             own = slice(f.front.start, f.front.stop)
             known = f.signs * work[own] - f.below.T @ work[f.front.rest]
             work[own] = dtrsm(1.0, f.lower, known, lower=1, trans_a=1)
-
-
-@dataclass(frozen=True)
-class Single:
-    """L and D in single precision, streamed through once forward and once backward.
-
-    table (n_fronts, 4): start, pressure, stop and number of rest; rest: all of these; values: the
-    pivots and the rows below them, front by front and column by column.
-    """
-
-    order: Integers
-    table: Integers
-    rest: Integers
-    values: NDArray[np.float32]
-
-    def solve(self, right: Array) -> Array:
-        """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
-        work = np.ascontiguousarray(right[self.order].reshape(len(right), -1).T, dtype=np.float32)
-        for row in work:
-            _stream(self.table, self.rest, self.values, row)
-        answer = np.empty((len(right), len(work)))
-        answer[self.order] = work.T
-        return answer.reshape(right.shape)
-
-
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz", "arcp"})
-def _stream(
-    table: Integers, rest: Integers, values: NDArray[np.float32], work: NDArray[np.float32]
-) -> None:
-    """Solve L D L' x = work in place, by columns."""
-    most = 0
-    for f in range(len(table)):
-        most = max(most, table[f, 3])
-    part = np.empty(most, dtype=np.float32)
-    place = first = 0
-    for f in range(len(table)):
-        start, stop, m = table[f, 0], table[f, 2], table[f, 3]
-        n = stop - start
-        part[:m] = 0.0
-        own = work[start:stop]
-        for j in range(n):
-            column = values[place + j * n : place + (j + 1) * n]
-            x = own[j] / column[j]
-            own[j] = x
-            for i in range(j + 1, n):
-                own[i] -= column[i] * x
-            below = values[place + n * n + j * m : place + n * n + (j + 1) * m]
-            for i in range(m):
-                part[i] += below[i] * x
-        for i in range(m):
-            work[rest[first + i]] -= part[i]
-        place, first = place + n * n + n * m, first + m
-    for f in range(len(table) - 1, -1, -1):
-        start, pressure, stop, m = table[f, 0], table[f, 1], table[f, 2], table[f, 3]
-        n = stop - start
-        place, first = place - n * n - n * m, first - m
-        for i in range(m):
-            part[i] = work[rest[first + i]]
-        own = work[start:stop]
-        for j in range(n - 1, -1, -1):
-            column = values[place + j * n : place + (j + 1) * n]
-            below = values[place + n * n + j * m : place + n * n + (j + 1) * m]
-            total = np.float32(0.0)
-            for i in range(m):
-                total += below[i] * part[i]
-            for i in range(j + 1, n):
-                total += column[i] * own[i]
-            known = own[j] if start + j < pressure else -own[j]
-            own[j] = (known - total) / column[j]
 
 
 def dissect(
@@ -253,10 +172,10 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
         place[front.rest] = n + np.arange(m)
         columns = np.zeros((n + m, n), order="F")
         rest = np.zeros((m, m), order="F")
-        _gather(columns, arranged, front, place)
+        gather(columns, arranged, front, place)
         for part in front.parts:
             where = place[dissection.fronts[part].rest]
-            _add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
+            add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
         place[front.start : front.stop] = -1
         place[front.rest] = -1
         split = front.pressure - front.start
@@ -309,7 +228,7 @@ def _members(unknowns: Integers) -> Integers:
     return found[found >= 0]
 
 
-def _gather(columns: Array, matrix: sparse.csr_matrix, front: Front, place: Integers) -> None:
+def gather(columns: Floats, matrix: sparse.csr_matrix, front: Front, place: Integers) -> None:
     """Put the matrix entries of the pivots' rows into the columns of the front."""
     block = slice(matrix.indptr[front.start], matrix.indptr[front.stop])
     lengths = np.diff(matrix.indptr[front.start : front.stop + 1])
@@ -320,7 +239,7 @@ def _gather(columns: Array, matrix: sparse.csr_matrix, front: Front, place: Inte
 
 
 @njit(cache=True)
-def _add_lower(columns: Array, rest: Array, update: Array, where: Integers, own: int) -> None:
+def add_lower(columns: Floats, rest: Floats, update: Floats, where: Integers, own: int) -> None:
     """Add the lower triangle of a part's Schur complement; its first `own` rows are pivots here."""
     n = columns.shape[1]
     for j in range(own):

@@ -15,6 +15,7 @@ from fefinger.fem.equilibrium import Asked, Equilibrium, State
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import Relaxation
 from fefinger.fem.spaces import Array, Integers
+from fefinger.fem.threads import one_thread
 
 
 HALVINGS = 6
@@ -72,6 +73,7 @@ class Path:
     value: Callable[[float], float]
 
 
+@one_thread
 def follow(
     equilibrium: Equilibrium,
     history: StressHistory,

@@ -152,7 +152,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def lacking(scene: Scene) -> list[str]:
     """Return what of a scene no contact of one sphere with one flat body has a place for."""
-    unable = [*apart(scene), *too_long(scene.motion, fast="FAII" in scene.ask.spikes)]
+    unable = [*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes)]
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):

@@ -58,7 +58,7 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
     unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
-    unable += [*apart(scene), *too_long(scene.motion, fast=False, most=MOST)]
+    unable += [*apart(scene.finger), *too_long(scene.motion, fast=False, most=MOST)]
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
     if unable:

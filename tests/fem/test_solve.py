@@ -43,6 +43,37 @@ def test_the_multifrontal_factor_agrees_with_scipy(
     assert answer[:, 0] == pytest.approx(system.solve(loads[:, 0]), rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.parametrize("poisson", [0.3, 0.5])
+@pytest.mark.parametrize("leaf", [4, 48, 10_000])
+def test_the_rough_factor_takes_indefinite_matrices_and_one_or_many_loads(
+    space: Space, poisson: float, leaf: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(multifrontal, "LEAF", leaf)
+    matrix = stiffness(space, {1: Elastic(5.0, poisson)})
+    system = solve.factor(space, matrix, clamped(space))
+    n = space.n_displacements
+    bent = matrix - sparse.diags(np.where(np.arange(space.n_unknowns) < n, 0.15, 0.0))
+    block = bent[system.free[system.free < n]][:, system.free[system.free < n]].toarray()
+    assert np.linalg.eigvalsh(block)[0] < -0.01
+    rough = solve.rough(space, bent.tocsr(), system)
+    reduced = bent.tocsr()[system.free][:, system.free]
+    exact = np.random.default_rng(0).normal(size=(len(system.free), 3))
+    loads = reduced @ exact
+    found = np.zeros_like(exact)
+    for _ in range(8):
+        found += rough.solve(loads - reduced @ found)
+    assert np.linalg.norm(found - exact) < 1e-8 * np.linalg.norm(exact)
+    alone, among = rough.solve(loads[:, 0]), rough.solve(loads)[:, 0]
+    assert np.linalg.norm(alone - among) < 0.02 * np.linalg.norm(among)
+
+
+def test_a_singular_matrix_has_no_rough_factor(space: Space) -> None:
+    matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
+    system = solve.factor(space, matrix, clamped(space))
+    with pytest.raises(InputError, match="singular"):
+        solve.rough(space, 0 * matrix, system)
+
+
 def test_reactions_balance_the_load(space: Space) -> None:
     system = solve.factor(space, stiffness(space, {1: Elastic(5.0, 0.49)}), clamped(space))
     loads = np.zeros(space.n_unknowns)
