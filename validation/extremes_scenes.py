@@ -311,7 +311,7 @@ def _twins() -> Iterator[Trial]:
         "a sinusoid that loses contact": {
             "motion": RampSinusoid(20, 0.4, amplitude=1.0, frequency=4, cycles=3)
         },
-        "a ball of 3 mm off the middle": {"indenter": Sphere(3, (2.0, 1.0))},
+        "a ball of 6 mm off the middle": {"indenter": Sphere(6, (2.0, 1.0))},
     }
     for edge, settings in pairs.items():
         ask = partial(_condensed, settings)
