@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fefinger as ff
+from fefinger import validation_report
 from fefinger.checks import InputError
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics._timeline import time_grid, too_long
@@ -315,3 +316,9 @@ def test_the_suite_has_its_trials_and_tells_what_came_out():
     ((caption, drawn),) = extremes_drawings.figures(every)
     assert "answered with every invariant kept" in caption
     assert len(drawn.axes) == 1
+
+
+def test_what_was_told_is_on_the_page():
+    case = suites.cases("extremes", quick=True)[0]
+    record = suites.as_json({"extremes": (suites.Outcome(case, 0.0, "", "refused: a sentence"),)})
+    assert "refused: a sentence" in validation_report.html(record, {}, {})

@@ -27,7 +27,7 @@ def _caption(count: int, kinds: Counter[Any]) -> str:
     return (
         f"{count} trials at the edges by who answers and by what is extreme: {kinds[ANSWERED]} "
         f"answered with every invariant kept (green), {kinds[REFUSED]} refused in a sentence "
-        f"(blue), {kinds[FAILED]} failed (red). Each cell gives their numbers in this order."
+        f"(blue), {kinds[FAILED]} failed (red). The numbers in a cell are those of its trials."
     )
 
 
@@ -43,11 +43,11 @@ def _table(done: Sequence[Trial]) -> Any:
             total, left = sum(cell.values()), column - 0.45
             for kind, number in cell.items():
                 if number:
-                    axis.barh(row, 0.9 * number / total, 0.8, left, color=COLORS[kind])
-                    left += 0.9 * number / total
-            if total:
-                told = " ".join(str(number) for number in cell.values() if number)
-                axis.text(column, row, told, ha="center", va="center", fontsize=7, color=INK)
+                    wide = 0.9 * number / total
+                    axis.barh(row, wide, 0.8, left, align="center", color=COLORS[kind])
+                    place = {"x": left + wide / 2, "y": row, "s": str(number)}
+                    axis.text(**place, ha="center", va="center", fontsize=7, color=INK)
+                    left += wide
     axis.set_xticks(np.arange(len(groups)), groups)
     axis.set_yticks(np.arange(len(edges)), edges)
     axis.set(xlim=(-0.6, len(groups) - 0.4), ylim=(len(edges) - 0.4, -0.6))
