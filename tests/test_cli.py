@@ -172,7 +172,14 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
 
 def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_path):
     suites = pytest.importorskip("fefinger.validation.suites")
-    cases = {"name": "n", "value": 1.0, "expected": 1.0, "tolerance": 0.1, "unit": "N"}
+    cases = {
+        "name": "n",
+        "value": 1.0,
+        "expected": 1.0,
+        "tolerance": 0.1,
+        "unit": "N",
+        "failure": "",
+    }
 
     def outcome(verdict):
         return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
