@@ -73,7 +73,7 @@ def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> N
 
 
 def test_at_its_steps_the_answer_is_what_was_solved_to_the_last_bit():
-    motion = ff.Trapezoid(0.0046825, 0.55848, hold=0.0, corner=0.0)
+    motion = Trapezoid(0.0046825, 0.55848, hold=0.0, corner=0.0)
     steps = stride(motion, time_grid(motion, fast=False))
     values = np.sqrt(np.random.default_rng(8).uniform(0, 1, len(steps.chosen)))
     values[-1] = 0.0
