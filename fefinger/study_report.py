@@ -43,6 +43,7 @@ def html(study: "Study") -> str:
     swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
     return page.render(
         "study.html",
+        data=("table.csv", "study.json"),
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {swept}.",
         lines=(MEANING, ARRAY),

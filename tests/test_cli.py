@@ -209,7 +209,7 @@ def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     assert main([*command, "--field", "pressure", "--time", "0.5"]) == 0
     (((_, path), options),) = drawn
     assert path == picture
-    assert options == {"field": "pressure", "time": 0.5}
+    assert options == {"field": "pressure", "time": 0.5, "limits": None}
     assert main([*command, "--time", "99"]) == 2
     assert "--time: expected a finite number s at least 0 and at most 5" in capsys.readouterr().err
 

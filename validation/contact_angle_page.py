@@ -47,6 +47,7 @@ def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
     """Return the page."""
     return page.render(
         "study.html",
+        data=("contact-angle.csv",),
         title="Contact angle, 0 to 60 degrees",
         answer=answer(rows),
         lines=(MEANING, ARRAY),
