@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.indenter import ANGLES
-from fefinger.mechanics import _axisymmetric
+from fefinger.machine import slowness
+from fefinger.mechanics import _axisymmetric, _tradeoff
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized
@@ -143,7 +144,8 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     depth, radius = scene.motion.peak, half_space(scene).relative_radius
     if scene.motion.control == "depth" and depth > radius:
         unable.append(f"depth / relative radius = {depth / radius:.3g} > 1: Hertz ends there")
-    doubts = [*_doubts_of_size(scene), *doubts_of_place(scene)]
+    measured = not unable and _tradeoff.stated(name, scene) is not None
+    doubts = [] if measured else [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
@@ -165,15 +167,19 @@ def lacking(scene: Scene) -> list[str]:
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s, from a count of operations."""
     steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    return 0.05 + 5e-5 * steps
+    return (0.05 + 5e-5 * steps) * slowness({})
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, and where it comes from.
 
-    The bone makes the force 1 + 1.127 chi times that of Hertz, and more where chi is not small; the
-    skin leaves the modulus open between those of the two tissues.
+    That is the measured one. Where none is, the bone makes the force 1 + 1.127 chi times that of
+    Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
+    two tissues.
     """
+    found = _tradeoff.stated(name, scene)
+    if found is not None:
+        return found.error, found.source
     stiffer = STIFFENING * _thinness(scene)
     modulus, _ = tissue(scene.finger)
     ends = (scene.finger.skin.modulus, scene.finger.subcutaneous.modulus)

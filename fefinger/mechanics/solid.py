@@ -4,7 +4,7 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence, linear
+from fefinger.mechanics import _evidence, _tradeoff, linear
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
@@ -28,8 +28,10 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     unable = too_long(scene.motion, fast="FAII" in scene.ask.spikes)
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     doubts = linear.too_small(scene)
+    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+        return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
+    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         doubts = (reason, *doubts)
@@ -43,7 +45,8 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
-    return _evidence.solid_error(scene)
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    return _evidence.solid_error(scene) if found is None else (found.error, found.source)
 
 
 def coarser(scene: Scene) -> Scene | None:
