@@ -52,9 +52,9 @@ def run(
     plan = choose(scene, mechanics)
     chosen, solved = get(plan.mechanics), settled(scene, plan)
     try:
-        response = chosen.respond(solved, progress)
+        response = _warned(scene, chosen.respond(solved, progress))
     except Stopped as stop:
-        raise Stopped(str(stop), _kept(scene, plan, stop.reached)) from stop
+        raise Stopped(str(stop), _kept(scene, plan, _warned(scene, stop.reached))) from stop
     stages = Stages(progress)
     with stages.stage("neural"):
         spikes = fire(scene, response) if scene.ask.spikes else None
@@ -70,6 +70,16 @@ def run(
         seconds={**response.seconds, **stages.seconds},
         provenance=_provenance(scene) | response.sources,
     )
+
+
+def _warned(scene: "Scene", response: "Response") -> "Response":
+    """Return the response with a note where it was not slow enough for statics."""
+    from dataclasses import replace
+
+    from fefinger.waves import quasistatic
+
+    found = quasistatic(scene, response.time, response.depth)
+    return replace(response, notes=response.notes + found)
 
 
 def _kept(scene: "Scene", plan: "Plan", response: "Response") -> "Result":

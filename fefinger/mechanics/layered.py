@@ -98,7 +98,7 @@ def contact(scene: Scene) -> "Layered":
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: what it has no place for, and what was not measured."""
-    unable = [item.reason for item in hertz.refuse(scene) if item.about == "ability"]
+    unable = hertz.lacking(scene)
     try:
         bone = stack(scene.finger).thickness
     except InputError as error:

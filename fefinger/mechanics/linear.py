@@ -4,10 +4,11 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence, _tradeoff
+from fefinger.mechanics import _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart
+from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene import Ellipsoid, Flat, Scene, Sphere
 
 
 name = "linear"
@@ -29,8 +30,10 @@ LAW = "neo-hookean"
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    found = [Refusal(name, "ability", reason) for reason in apart(scene.finger)]
-    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+    unable = (*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    found = [Refusal(name, "ability", reason) for reason in unable]
+    found += [Refusal(name, "accuracy", reason) for reason in too_small(scene)]
+    if unable or _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(found)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
@@ -47,6 +50,21 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
             reason = f"finger.{layer}.law = {law!r}: small strain is measured for {LAW!r} only"
             found.append(Refusal(name, "accuracy", reason))
     return tuple(found)
+
+
+def too_small(scene: Scene) -> tuple[str, ...]:
+    """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        return ()
+    facet = _evidence.FACETS[scene.finger.mesh]
+    facets = hertz.widest(scene) / facet
+    if facets >= _evidence.FEWEST:
+        return ()
+    reason = (
+        f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
+        f"{_evidence.FEWEST:g}: the mesh is too coarse for it"
+    )
+    return (reason,)
 
 
 def cost(scene: Scene) -> float:

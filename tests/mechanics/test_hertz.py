@@ -13,8 +13,8 @@ from fefinger.mechanics._axisymmetric import Touch, turned
 from fefinger.records import Sites
 from fefinger.theory import ting
 from fefinger.theory.hertz import Hertz
-from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.ting import creep_integral, radius_nodes
+from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
+from fefinger.theory.ting import radius_nodes
 
 
 FINGER = ff.Finger.subject("a.h.")

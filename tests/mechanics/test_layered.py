@@ -12,8 +12,7 @@ from fefinger.checks import InputError
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
 from fefinger.theory.indentation import paraboloid
-from fefinger.theory.relaxation import hereditary_integral
-from fefinger.theory.ting import creep_integral
+from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
 FINGER = ff.Finger.subject("a.h.")
