@@ -209,7 +209,7 @@ def _subject(subject: str) -> Iterator[Case]:
         0.06 * bulk.m,
         "1/mm",
         "Table 2.1",
-        reason="6 % of m, half of what a digit in b moves it by",
+        reason="three standard deviations of m that VAF_k leaves over these forces",
     )
     for frequency in FREQUENCIES:
         for what, limit in PRINTED.items():
