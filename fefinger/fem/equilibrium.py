@@ -25,9 +25,9 @@ from fefinger.tolerances import EQUILIBRIUM
 
 
 ITERATIONS = 120
-PATIENCE = 10  # iterations of one step between looks at its factor
+PATIENCE = 25  # iterations of one step before its factor is renewed
 FEW = 6  # iterations of a step that a good factor takes
-RENEWAL = 25  # iterations beyond FEW, over steps, that a new factor is worth
+RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
@@ -111,9 +111,9 @@ class Equilibrium:
             gaps, loads = self.contact.gaps(state.values, state.depth)
             error = self._error(state, asked, inner, gaps, loads @ state.pressure)
             if error <= EQUILIBRIUM:
+                self._excess += max(0, count - FEW) ** 2
                 return state
-            self._excess += count >= FEW
-            if count % PATIENCE == 0 and self._excess > RENEWAL:
+            if self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1:
                 self._renew(state, asked.memory, loads)
                 mixing = _Anderson(MEMORY)
             state = self._step(state, asked, inner, gaps, loads, mixing)
@@ -231,7 +231,8 @@ class _Factored:
             self.flexibility = self.loads[:, order].T @ self.columns.T
         where = self.known[near]
         flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
-        self._near, self._solver = near, Complementarity((flexibility + flexibility.T) / 2)
+        symmetric = (flexibility + flexibility.T) / 2
+        self._near, self._solver = near, Complementarity(symmetric, any_sign=True)
         return self._solver
 
     def moved(self, pressure: Array) -> Array:
