@@ -11,6 +11,7 @@ import click
 
 
 if TYPE_CHECKING:
+    from fefinger.cache import Entry
     from fefinger.mesh.record import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Progress, Result
@@ -186,9 +187,9 @@ def validation_summary(record: dict[str, Any]) -> str:
         (
             suite["suite"],
             case["name"],
-            f"{case['value']:.6g}",
+            "none" if case["failure"] else f"{case['value']:.6g}",
             f"{case['expected']:.6g} +- {case['tolerance']:.2g} {case['unit']}",
-            case["verdict"],
+            " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]
         for case in suite["cases"]
@@ -208,3 +209,32 @@ def bench_summary(record: dict[str, Any]) -> str:
         for figure in record["figures"]
     ]
     return table(rows, ("figure", "value", "baseline", "ratio"))
+
+
+def cache_record(entry: "Entry") -> dict[str, Any]:
+    """Return what `cache --json` prints of one entry."""
+    from datetime import UTC, datetime
+
+    return {
+        "kind": entry.kind,
+        "what": entry.what,
+        "MB": round(entry.size / 1e6, 1),
+        "used": datetime.fromtimestamp(entry.used, UTC).isoformat(timespec="seconds"),
+        "paths": [str(path) for path in entry.paths],
+    }
+
+
+def cache_summary(record: dict[str, Any]) -> str:
+    """Return what is kept and what was removed as text."""
+    rows = [
+        (entry["kind"], f"{entry['MB']:.1f}", entry["used"][:16], entry["what"])
+        for entry in record["entries"]
+    ]
+    total = sum(entry["MB"] for entry in record["entries"])
+    lines = [f"{record['folder']}: {len(rows)} kept, {total:.0f} MB"]
+    if record["removed"]:
+        freed = sum(entry["MB"] for entry in record["removed"])
+        lines.append(f"{len(record['removed'])} removed, {freed:.0f} MB")
+    if rows:
+        lines.append(table(rows, ("kind", "MB", "last used", "what")))
+    return "\n".join(lines)

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import library
-from fefinger.checks import InputError
+from fefinger import films, library
 from fefinger.fem.body import Solid
-from fefinger.fem.probe import inside
+from fefinger.fem.probe import inside, tensors
 from fefinger.mechanics import _operator
 from fefinger.neural.streaming import Afferents
 from fefinger.realtime import afferents
@@ -43,7 +42,6 @@ COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6ca
 PLACES = 16  # of the pad, with one unit of each type below
 WINDOW = 2.0  # s of spikes on screen
 LARGEST_PRESSURE, LARGEST_STRAIN = 60.0, 0.35  # kPa and 1, the ends of the color bars
-INTERACTIVE = ("qt", "tk", "gtk", "wx", "macosx", "nbagg", "webagg", "widget")
 
 
 @dataclass(frozen=True)
@@ -73,23 +71,16 @@ class Show:
         solid = _operator.operator(finger, half=True)
         self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
         self.organs = end_organs(solid)
-        drawn = solid.space.points[self.section]
-        count = len(drawn)
-        sites = Sites(
-            points=np.concatenate([self.organs.points, drawn]),
-            normals=np.concatenate([self.organs.normals, np.tile([0.0, 0.0, -1.0], (count, 1))]),
-            depths=np.concatenate([self.organs.depths, np.zeros(count)]),
-            types=self.organs.types + ("SAI",) * count,
-        )
         angles = [angle for _, _, angle in SCRIPT]
-        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=sites)
+        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=self.organs)
+        self.drawn = self.rolling.strains(solid.space.points[self.section])
         self.units: Afferents = afferents(finger, solid, self.organs)
 
     def frames(self) -> Iterator[Frame]:
         """Step through the script, and stop at every frame of it."""
         times, depths, angles = np.array(SCRIPT).T
         spikes: list[tuple[int, float]] = []
-        count, seconds, organs = round(times[-1] / DT), 0.0, len(self.organs.types)
+        count, seconds = round(times[-1] / DT), 0.0
         self.rolling.reset()
         self.units.reset()
         for k in range(count + 1):
@@ -98,7 +89,7 @@ class Show:
             angle = float(np.interp(at, times, angles))
             started = time.perf_counter()
             now = self.rolling.step(depth, angle, DT if k else 0.0)
-            self.units.step(now.strain[:organs], DT if k else 0.0)
+            self.units.step(now.strain, DT if k else 0.0)
             seconds += time.perf_counter() - started
             spikes += self.units.fired()
             if k % round(FRAME / DT) == 0:
@@ -108,7 +99,7 @@ class Show:
                     angle=angle,
                     force=now.force,
                     pressure=now.pressure.copy(),
-                    strain=now.strain[organs:].astype(np.float64),
+                    strain=(self.drawn @ self.rolling.elastic).reshape(-1, 6),
                     spikes=tuple(spikes),
                     steps=k + 1,
                     seconds=seconds,
@@ -132,64 +123,93 @@ def end_organs(solid: Solid) -> Sites:
     return Sites(below[kept], outward, deep, tuple(types.tolist()))
 
 
+def compressive(strain: Array) -> Array:
+    """Return max(0, -smallest principal strain) of (n, 6)."""
+    return np.maximum(0.0, -np.linalg.eigvalsh(tensors(strain))[:, 0])
+
+
+def said(frame: Frame) -> str:
+    """Return the line on screen: where the plate is, and how fast the machine is."""
+    return (
+        f"{frame.time:.2f} s   {frame.depth:.2f} mm at {frame.angle:.0f}°   {frame.force:.2f} N   "
+        f"{frame.rate:.0f} steps/s = {frame.rate * DT:.2f} x real time"
+    )
+
+
+def section_triangles(show: Show) -> NDArray[np.int64]:
+    """Return the triangles of the medial section, in the numbers of `show.section`."""
+    space = show.rolling.solid.space
+    return _within(space.scalar.mesh.facets.T, show.section, len(space.points))
+
+
+def _within(faces: NDArray[np.int64], kept: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the faces that have all corners among `kept`, in their numbers."""
+    number = np.full(count, -1)
+    number[kept] = np.arange(len(kept))
+    inside = number[faces]
+    return inside[(inside >= 0).all(axis=1)]
+
+
 class Picture:
-    """The three panels, drawn over and over."""
+    """The three panels of a recording, drawn over and over."""
 
-    def __init__(self, show: Show, figure: Any) -> None:
-        self.show, self.figure = show, figure
-        self.title = figure.suptitle("")
-        top, middle, bottom = figure.subplots(3, 1, height_ratios=(3, 3, 2))
-        self.pressure, self.strain, self.raster = top, middle, bottom
-        points = show.rolling.solid.space.points[show.rolling.vertices]
-        mirrored = np.concatenate([points, points * [1.0, -1.0, 1.0]])
-        self.dots = top.scatter(
-            mirrored[:, 0],
-            mirrored[:, 1],
-            c=np.zeros(len(mirrored)),
-            s=26,
-            cmap="magma",
-            vmin=0,
-            vmax=LARGEST_PRESSURE,
+    def __init__(self, show: Show) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self.show, self.figure = show, Figure(figsize=(7, 8.5), dpi=80, layout="constrained")
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.title = self.figure.suptitle("")
+        top, middle, bottom = self.figure.subplots(3, 1, height_ratios=(3, 3, 2))
+        solid, vertices = show.rolling.solid, show.rolling.vertices
+        triangles = _within(solid.pad, vertices, len(solid.space.points))
+        x, y, _ = solid.space.points[vertices].T
+        both = np.concatenate([triangles, triangles + len(x)])
+        self.pressure = self._field(
+            top, (np.tile(x, 2), np.concatenate([y, -y])), both, "magma", LARGEST_PRESSURE
         )
-        figure.colorbar(self.dots, ax=top, label="pressure, kPa")
-        top.set(aspect="equal", ylabel="y, mm", title="pad, from below")
-        self._draw_section(np.zeros(len(show.section)))
-        bottom.set(xlabel="time, s", ylabel="unit", ylim=(-1, len(show.organs.types)))
-        colors = [COLORS[kind] for kind in show.organs.types]
-        self.spikes = bottom.scatter([], [], s=6, marker="|")
-        self.colors = np.array(colors)
+        self.figure.colorbar(self.pressure, ax=top, label="pressure, kPa")
+        top.set(ylabel="y, mm", title="pad, from below")
+        x, _, z = solid.space.points[show.section].T
+        self.strain = self._field(
+            middle, (x, z), section_triangles(show), "viridis", LARGEST_STRAIN
+        )
+        self.figure.colorbar(self.strain, ax=middle, label="compressive strain")
+        middle.set(ylabel="z, mm", xlabel="x, mm", title="medial section")
+        self._draw_raster(bottom)
+
+    def _field(
+        self,
+        axes: Any,
+        at: tuple[Array, Array],
+        triangles: NDArray[np.int64],
+        colors: str,
+        top: float,
+    ) -> Any:
+        axes.set(aspect="equal")
+        return axes.tripcolor(
+            *at, triangles, np.zeros(len(at[0])), shading="gouraud", cmap=colors, vmin=0, vmax=top
+        )
+
+    def _draw_raster(self, axes: Any) -> None:
+        axes.set(xlabel="time, s", ylabel="unit", ylim=(-1, len(self.show.organs.types)))
+        self.raster, self.spikes = axes, axes.scatter([], [], s=6, marker="|")
+        self.colors = np.array([COLORS[kind] for kind in self.show.organs.types])
         for kind, color in COLORS.items():
-            bottom.plot([], [], "|", color=color, label=kind)
-        bottom.legend(loc="upper left", ncols=4, fontsize="small", frameon=False)
+            axes.plot([], [], "|", color=color, label=kind)
+        axes.legend(loc="upper left", ncols=4, fontsize="small", frameon=False)
 
-    def _draw_section(self, values: Array) -> None:
-        solid, section = self.show.rolling.solid, self.show.section
-        number = np.full(len(solid.space.points), -1)
-        number[section] = np.arange(len(section))
-        faces = solid.space.scalar.mesh.facets.T
-        triangles = number[faces]
-        triangles = triangles[(triangles >= 0).all(axis=1)]
-        x, _, z = solid.space.points[section].T
-        self.field = self.strain.tripcolor(
-            x, z, triangles, values, shading="gouraud", cmap="viridis", vmin=0, vmax=LARGEST_STRAIN
-        )
-        self.figure.colorbar(self.field, ax=self.strain, label="compressive strain")
-        self.strain.set(aspect="equal", ylabel="z, mm", xlabel="x, mm", title="medial section")
-
-    def draw(self, frame: Frame) -> None:
-        """Bring the panels up to date."""
-        self.dots.set_array(np.tile(frame.pressure, 2))
-        from fefinger.fem.probe import tensors
-
-        self.field.set_array(np.maximum(0.0, -np.linalg.eigvalsh(tensors(frame.strain))[:, 0]))
+    def draw(self, frame: Frame) -> NDArray[np.uint8]:
+        """Bring the panels up to date and return them, (height, width, 3)."""
+        self.pressure.set_array(np.tile(frame.pressure, 2))
+        self.strain.set_array(compressive(frame.strain))
         recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]
         self.spikes.set_offsets(np.array(recent).reshape(-1, 2))
         self.spikes.set_color(self.colors[[unit for _, unit in recent]] if recent else [])
         self.raster.set_xlim(frame.time - WINDOW, frame.time + 0.05)
-        self.title.set_text(
-            f"{frame.time:.2f} s   {frame.depth:.2f} mm at {frame.angle:.0f}°   "
-            f"{frame.force:.2f} N   {frame.rate:.0f} steps/s = {frame.rate * DT:.2f} x real time"
-        )
+        self.title.set_text(said(frame))
+        self.canvas.draw()
+        return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
 
 def record(finger: Finger, path: Path) -> Frame:
@@ -198,48 +218,16 @@ def record(finger: Finger, path: Path) -> Frame:
     Raises
     ------
     InputError
-        For another kind of file, or an MP4 where there is no ffmpeg.
+        For another kind of file, or an MP4 without the extra `film`.
     """
-    from matplotlib import animation
-    from matplotlib.figure import Figure
-
-    writers: dict[str, Any] = {".gif": animation.PillowWriter, ".mp4": animation.FFMpegWriter}
-    writer = writers.get(path.suffix.lower())
-    if writer is None:
-        message = f"-o: expected a file that ends in .gif or .mp4, received {path.name!r}"
-        raise InputError(message)
-    if not writer.isAvailable():
-        message = f"-o: no ffmpeg was found to write {path.name!r}; install it, or write a .gif"
-        raise InputError(message)
+    films.check(path, "-o")
     show = Show(finger)
-    figure = Figure(figsize=(7, 8.5), layout="constrained")
-    picture, output = Picture(show, figure), writer(fps=round(1 / FRAME))
-    with output.saving(figure, str(path), dpi=80):
+    picture, last = Picture(show), list[Frame]()
+
+    def pictures() -> Iterator[NDArray[np.uint8]]:
         for frame in show.frames():
-            picture.draw(frame)
-            output.grab_frame()
-    return frame
+            last[:] = [frame]
+            yield picture.draw(frame)
 
-
-def watch(finger: Finger) -> Frame:
-    """Show the finger in a window, as fast as it goes, and return the last frame.
-
-    Raises
-    ------
-    InputError
-        Where no window can be opened.
-    """
-    from matplotlib import pyplot
-
-    if not pyplot.get_backend().lower().startswith(INTERACTIVE):
-        message = "live: expected a display for a window, found none; record with -o FILE.gif"
-        raise InputError(message)
-    show = Show(finger)
-    figure = pyplot.figure(figsize=(7, 8.5), layout="constrained")
-    picture = Picture(show, figure)
-    for frame in show.frames():
-        picture.draw(frame)
-        pyplot.pause(1e-3)
-        if not pyplot.fignum_exists(figure.number):
-            break
-    return frame
+    films.write(path, pictures(), round(1 / FRAME))
+    return last[0]

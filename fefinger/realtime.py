@@ -8,6 +8,7 @@ It is `mechanics/condensed` without a scene: the operator of the finger is built
 indenter is placed in about a second, and then no array is made from one step to the next.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -82,7 +83,8 @@ class Condensed:
     Raises
     ------
     InputError
-        If the indenter misses the pad, or a site lies outside the soft tissue.
+        If the indenter misses the pad, a site lies outside the soft tissue, or the tissues do not
+        relax as one.
     """
 
     def __init__(
@@ -167,7 +169,8 @@ class Condensed:
         Raises
         ------
         InputError
-            If contact reaches the rim of the candidates, beyond `deepest`.
+            If contact reaches the rim of the candidates, beyond `deepest`, or a number is not
+            finite.
         ConvergenceError
             If no contact is found.
         """
@@ -197,6 +200,8 @@ class Condensed:
         if self._stiffening is not None:
             message = "step_force: expected depth control, as t(u) is a function of the depth"
             raise InputError(message)
+        if not 0.0 <= force < math.inf:
+            number("force", force, at_least=0, unit="N")
         return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True, 1.0)
 
     def _advance(
@@ -207,9 +212,9 @@ class Condensed:
         stiffening: float,
         output: loop.Output | None = None,
     ) -> Step:
-        if not dt >= 0.0:
-            message = f"dt: expected a time of at least 0 s, received {dt!r}"
-            raise InputError(message)
+        if not (0.0 <= dt < math.inf and abs(target) < math.inf):
+            number("depth", target, unit="mm")
+            number("dt", dt, at_least=0, unit="s")
         state, memory = self._state, self._memory
         output = output or self._output
         loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))

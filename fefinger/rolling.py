@@ -1,9 +1,9 @@
 """A plate that rolls over a finger: the angle changes while the tissue remembers its traction.
 
 As the normal turns, so does the traction that the tissue remembers, so the history is one of
-vectors in the medial plane. The operator is that of `mechanics/condensed`; the flexibility along
-the plate's normal is a quadratic form in it, made anew in every step. That costs a few times a step
-of `realtime.Condensed`, where the indenter keeps its direction.
+vectors in the medial plane (`fem/turning.py`). The operator is that of `mechanics/condensed`. A
+step that turns costs a few times one of `realtime.Condensed`, where the indenter keeps its
+direction.
 """
 
 from collections.abc import Sequence
@@ -12,11 +12,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.spatial import ConvexHull
 
 from fefinger.checks import InputError, number
+from fefinger.fem import active, loop, turning
+from fefinger.fem.body import Reduced
 from fefinger.fem.condense import reduce
-from fefinger.fem.contact import Complementarity, Patch, patch, smooth_places
-from fefinger.fem.march import Relaxation
+from fefinger.fem.contact import Patch, patch, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
 from fefinger.fem.spaces import trace
@@ -50,7 +52,8 @@ class Rolling:
     Raises
     ------
     InputError
-        If an angle is not one of a plate, or a site lies outside the soft tissue.
+        If an angle is not one of a plate, a site lies outside the soft tissue, or the tissues do
+        not relax as one.
     """
 
     def __init__(
@@ -65,33 +68,48 @@ class Rolling:
         self.sites, self.angles = sites, (min(angles), max(angles))
         solid = self.solid = _operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
-        self._places = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE]
+        places = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(
+            -1, 2
+        )
+        self._outline = places[ConvexHull(places).vertices]
         every = [
             patch(solid.space, solid.pad, solid.normals, Obstacle(axis, np.zeros(3)), np.inf)
             for axis in np.eye(3)[list(PLANE)]
         ]
         chosen = self._candidates(every[0], _press.REACH * deepest)
         self.vertices = every[0].vertices[chosen]
-        self._weights = every[0].areas[chosen]
-        self._moments = np.array([each.gap[chosen] for each in every])
+        weights = every[0].areas[chosen]
+        moments = np.array([each.gap[chosen] for each in every])
         loads = sparse.hstack([each.loads[:, chosen] for each in every]).tocsc()
         places = sparse.hstack([each.places[:, chosen] for each in every]).tocsc()
-        both = replace(every[0], vertices=np.tile(self.vertices, 2), loads=loads, places=places)
-        probe = strain_at(solid.space, sites.points, medial=True)
-        reduced = reduce(solid, both, probe)
-        n = len(self.vertices)
-        self._flexibility = reduced.flexibility.reshape(2, n, 2, n)
-        self._strain, self._prony = reduced.strain, finger.prony
-        self._rim = self._on_rim()
-        empty = np.zeros(n), np.zeros((len(sites.points), 6))
-        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *empty)
+        both = np.tile(self.vertices, 2)
+        self._both = replace(every[0], vertices=both, loads=loads, places=places)
+        reduced, n = self._reduced(sites.points), len(self.vertices)
+        self._rows = np.ascontiguousarray(reduced.strain.T)
+        self._plate = turning.plate(reduced.flexibility.reshape(2, n, 2, n), moments, weights)
+        self._state = active.active(np.zeros((n, n)))  # made when the plate has an angle
+        prony, nothing = finger.prony, np.zeros(2 * n)
+        factors = np.array(prony.weights[1:]) / prony.weights[0]
+        self._memory = loop.memory(nothing, nothing, factors, np.array(prony.v))
+        self._along = solid.space.points[self.vertices, 0]
+        self._rim = np.flatnonzero(self._on_rim())
+        self._strain = np.zeros(6 * len(sites.points))
+        strain = self._strain.reshape(-1, 6)
+        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
         self.reset()
+
+    @property
+    def elastic(self) -> Array:
+        """Traction (2n,) kPa along x and z of the linear body at the present displacement."""
+        return self._memory.elastic
+
+    def strains(self, points: Array) -> Array:
+        """Return the strains (6 n_points, 2n) at points mm in the half under a unit `elastic`."""
+        return self._reduced(points).strain
 
     def reset(self) -> None:
         """Take the plate off, and let the tissue forget."""
-        self._active = np.zeros(len(self.vertices), dtype=np.bool_)
-        weights, rates = np.array(self._prony.weights), np.array(self._prony.v)
-        self._memory = Relaxation(weights, rates, 2 * len(self.vertices))
+        loop.reset(self._state, self._memory)
 
     def step(self, depth: float, angle: float, dt: float) -> Step:
         """Move the plate to `depth` mm beyond its first touch at `angle` degrees in `dt` s.
@@ -104,34 +122,31 @@ class Rolling:
             If no contact is found.
         """
         number("angle", angle, at_least=self.angles[0], at_most=self.angles[1], unit="degrees")
+        depth, dt = number("depth", depth, unit="mm"), number("dt", dt, at_least=0, unit="s")
         normal = direction(Flat(angle))[list(PLANE)]
-        first = float((self._places @ normal).min())
-        g, past = self._memory.history(dt)
-        n = len(self.vertices)
-        full = self._flexibility.reshape(2 * n, 2 * n)
-        remembered = normal @ (full @ past).reshape(2, n) / g
-        free = normal @ self._moments - (first + depth) * self._weights - remembered
-        solver = Complementarity(np.einsum("c,d,cidj->ij", normal, normal, self._flexibility))
-        solver.active = self._active
-        pressure = g * solver.solve(free)
-        self._active = solver.active
-        elastic = (np.outer(normal, pressure).ravel() - past) / g
-        self._memory.advance(dt, elastic)
-        return self._read(depth, pressure, elastic)
+        first = float((self._outline @ normal).min())
+        x, z = normal.tolist()
+        state, memory, plate = self._state, self._memory, self._plate
+        loop.check(turning.step(state, memory, plate, dt, x, z, first + depth))
+        turning.strains(memory, plate, self._rows, self._strain)
+        return self._read(depth)
 
-    def _read(self, depth: float, pressure: Array, elastic: Array) -> Step:
-        if (pressure[self._rim] > 0).any():
+    def _reduced(self, points: Array) -> Reduced:
+        """Return what the body does at points under unit tractions of both directions."""
+        probe = strain_at(self.solid.space, points, medial=True)
+        return reduce(self.solid, self._both, probe)
+
+    def _read(self, depth: float) -> Step:
+        now, plate = self.now, self._plate
+        if (now.pressure[self._rim] > 0).any():
             message = "step: contact reached the rim of the candidates; make `deepest` larger"
             raise InputError(message)
-        points = self.solid.space.points[self.vertices]
-        weights, now = pressure * self._weights, self.now
+        weights = now.pressure * plate.weights
         total = float(weights.sum())
         now.depth, now.force = depth, 2 * total * NEWTON_PER_MILLINEWTON
-        now.contact_area = 2 * float(self._weights[pressure > 0].sum())
-        now.x = float(weights @ points[:, 0]) / total if total > 0 else np.nan
+        now.contact_area = 2 * float(plate.weights[now.pressure > 0].sum())
+        now.x = float(weights @ self._along) / total if total > 0 else np.nan
         now.y = 0.0 if total > 0 else np.nan
-        now.pressure[:] = pressure
-        now.strain[:] = (self._strain @ elastic).reshape(-1, 6)
         return now
 
     def _candidates(self, every: Patch, reach: float) -> NDArray[np.bool_]:
@@ -140,7 +155,7 @@ class Rolling:
         nearest = np.full(len(points), np.inf)
         for angle in np.arange(self.angles[0], self.angles[1] + 1.0, 1.0):
             normal = direction(Flat(min(angle, self.angles[1])))[list(PLANE)]
-            first = float((self._places @ normal).min())
+            first = float((self._outline @ normal).min())
             nearest = np.minimum(nearest, points @ normal - first)
         return nearest <= reach
 

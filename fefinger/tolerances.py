@@ -7,6 +7,10 @@ FACTOR_COMPRESSIBILITY = 1e-6
 """Compressibility, against the shear compliance, with which an incompressible body is factored;
 refinement removes its effect, at a rate of about this number per step."""
 
+REDUCED_COMPRESSIBILITY = 1e-13
+"""The same for a body that is condensed, which cannot be refined: it changes displacements by 2e-12
+and strains by 5e-12 of the largest, and is far above rounding."""
+
 SINGULAR_PIVOT = 1e-12
 """Pivot, against the diagonal entry it came from, below which nothing is left of the stiffness."""
 

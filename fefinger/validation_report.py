@@ -77,7 +77,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Give one row per case; a note that holds for several in a row follows the last of them."""
     for case, following in zip(cases, [*cases[1:], {}], strict=True):
         limit = case["tolerance"]
-        notes = {key: case.get(key, "") for key in ("erratum", "reason")}
+        notes = {key: case.get(key, "") for key in ("failure", "erratum", "reason")}
         printed = case.get("printed")
         yield {
             "name": case["name"],
@@ -91,8 +91,10 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         } | {key: "" if following.get(key) == note else note for key, note in notes.items()}
 
 
-def _number(value: float, tolerance: float) -> str:
+def _number(value: float | None, tolerance: float) -> str:
     """Return a value with the digits that its tolerance can tell apart, six at most."""
+    if value is None:
+        return "none"
     if not math.isfinite(value) or not tolerance > 0:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(tolerance))

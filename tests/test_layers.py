@@ -46,7 +46,7 @@ ONLY = {
     "pytetwild": "fefinger.mesh",
     "trimesh": "fefinger.mesh",
     "skfem": "fefinger.fem",
-    "pyvista": "fefinger.view",
+    "pyvista": ("fefinger.view", "fefinger.live_window"),
     "vtk": "fefinger.view",
     "vtkmodules": ("fefinger.view", "fefinger.mesh.surface_file"),
 }

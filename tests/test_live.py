@@ -11,6 +11,8 @@ from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.fem.probe import strain_at
 from fefinger.finger import Finger
+from fefinger.live_window import Window, watch
+from fefinger.view import renderer_available
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse")
@@ -48,8 +50,42 @@ def test_it_is_recorded_with_the_rate(tmp_path: Path, capsys: pytest.CaptureFixt
         assert np.asarray(picture.convert("RGB")).std() > 10
 
 
-def test_what_cannot_be_shown_gets_a_sentence(tmp_path: Path) -> None:
+def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    file = tmp_path / "show.mp4"
+    live.record(FINGER, file)
+    frames = imageio_ffmpeg.read_frames(str(file))
+    size = next(frames)["size"]
+    pictures = [np.frombuffer(frame, np.uint8) for frame in frames]
+    assert size == (560, 680)
+    assert len(pictures) == 4
+    assert pictures[0].std() > 10
+    assert not np.array_equal(pictures[0], pictures[-1])
+
+
+def test_a_window_shows_what_is_recorded() -> None:
+    if renderer_available():
+        pytest.skip("no renderer here")
+    show = live.Show(FINGER)
+    window = Window(show, off_screen=True)
+    pictures = []
+    for frame in show.frames():
+        window.draw(frame)
+        pictures.append(window.plotter.screenshot(return_img=True).astype(float))
+    window.plotter.close()
+    top, bottom = slice(0, 600), slice(660, 880)
+    assert np.abs(pictures[-1][top] - pictures[0][top]).max() > 50  # pressure and strain
+    assert np.abs(pictures[-1][bottom] - pictures[0][bottom]).max() > 50  # spikes
+    assert window.pad["pressure, kPa"].max() == frame.pressure.max() > 0
+    assert "steps/s" in window.text.GetText(2)
+
+
+def test_what_cannot_be_shown_gets_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(InputError, match=r"ends in \.gif or \.mp4"):
         live.record(FINGER, tmp_path / "show.avi")
-    with pytest.raises(InputError, match=r"record with -o FILE\.gif"):
-        live.watch(FINGER)
+    for display in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(display, raising=False)
+    with pytest.raises(InputError, match=r"[Rr]ecord with -o FILE\.gif"):
+        watch(FINGER)

@@ -1,17 +1,20 @@
 """A finger that is driven from a loop."""
 
 import tracemalloc
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 import fefinger as ff
 from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
 from fefinger.mechanics import condensed
 from fefinger.mechanics._touch import direction
+from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.profiles import Ellipsoid
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
@@ -119,6 +122,34 @@ def test_a_step_makes_no_array() -> None:
     assert peak - before < finger.now.strain.nbytes / 2
 
 
+def test_compiled_steps_make_no_array_either(finger: Condensed) -> None:
+    """Count what is counted: one record for every array that is passed, and none made inside."""
+    leaky = finger.afferents()
+    axons = finger.afferents(membrane=HodgkinHuxley())
+
+    def step() -> None:
+        finger.step(0.5, 1e-3)
+        finger.step_force(0.3, 1e-3)
+        finger.step(-0.1, 1e-3)
+        for units in (leaky, axons):
+            units.step(finger.now.strain, 1e-3)
+
+    once = arrays(finger._state, finger._memory, finger._output)
+    each = arrays(leaky.state)
+    passed = 3 * once + 2 * (each + 1) + (each + 1) + (each + 3)
+    step()
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats().alloc
+    step()
+    made = rtsys.get_allocation_stats().alloc - before
+    _nrt_python.memsys_disable_stats()
+    assert made == passed
+
+
+def arrays(*records: tuple) -> int:
+    return sum(isinstance(entry, np.ndarray) for record in records for entry in record)
+
+
 def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> None:
     inside = np.array([[0.5, 0.7, 1.5], [0.5, -0.7, 1.5]])
     normals = np.tile([0.0, 0.0, -1.0], (2, 1))
@@ -176,9 +207,54 @@ def test_what_cannot_be_placed_gets_a_sentence(options: dict, words: str) -> Non
         Condensed(FINGER, **options)
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"relaxation": "deviatoric"}, "finger.relaxation = 'deviatoric'.* use the mechanics"),
+        (
+            {"skin": replace(FINGER.skin, prony=ff.Prony((0.5, 0.5), (1.0,)))},
+            "finger.skin.prony: set.* use the mechanics 'solid'",
+        ),
+    ],
+)
+def test_tissues_that_relax_apart_are_refused(changes: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Condensed(replace(FINGER, **changes))
+    with pytest.raises(InputError, match=words):
+        ff.Rolling(replace(FINGER, **changes), sites=Sites.__new__(Sites))
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (lambda f: f.step(np.nan, 1e-3), "depth: expected a finite number"),
+        (lambda f: f.step(0.1, -1e-3), "dt: expected"),
+        (lambda f: f.step(0.1, np.inf), "dt: expected a finite"),
+        (lambda f: f.step_contact(np.inf, 1e-3), "depth: expected a finite number"),
+        (lambda f: f.step_force(-0.1, 1e-3), "force: expected .* at least 0"),
+        (lambda f: f.step_force(np.nan, 1e-3), "force: expected a finite number"),
+    ],
+)
+def test_numbers_that_cannot_be_stepped_to_get_a_sentence(
+    finger: Condensed, step: Callable, words: str
+) -> None:
+    finger.reset()
+    with pytest.raises(InputError, match=words):
+        step(finger)
+
+
+def test_the_force_asked_for_is_the_force_found(finger: Condensed) -> None:
+    finger.reset()
+    for force in (0.05, 0.4, 0.4, 0.1, 0.0, 0.2):
+        step = finger.step_force(force, 5e-3)
+        assert step.force == pytest.approx(force, rel=1e-8, abs=1e-15)
+    depth = step.depth
+    elastic = Condensed(replace(FINGER, prony=ff.Prony((1.0,), ())), ff.Flat(30), deepest=1.2)
+    rested = finger.step_force(0.2, 1e4)
+    assert rested.depth > depth
+    assert elastic.step(finger.step_force(0.2, 1e4).depth, 0.0).force == pytest.approx(0.2, 1e-6)
+
+
 def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
     with pytest.raises(InputError, match="reaches their rim"):
         finger.step(3.0, 1e-3)
-    finger.reset()
-    with pytest.raises(InputError, match="dt: expected"):
-        finger.step(0.1, -1e-3)

@@ -8,6 +8,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.checks import InputError
+from fefinger.fem import active
+from fefinger.fem.contact import Complementarity
+from fefinger.fem.march import Relaxation
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
 from fefinger.rolling import Rolling
@@ -40,6 +43,34 @@ def test_a_plate_that_keeps_its_angle_is_the_condensed_one(rolling: Rolling) -> 
         assert found.strain == pytest.approx(expected.strain, rel=1e-9, abs=1e-12)
 
 
+def test_steps_repeat_the_same_mathematics_without_shortcuts(rolling: Rolling) -> None:
+    n, worst = len(rolling.vertices), 0.0
+    plate, weights = rolling._plate, np.array(FINGER.prony.weights)
+    memory, full = Relaxation(weights, np.array(FINGER.prony.v), 2 * n), rolling._plate.columns
+    angles = 25 + 9 * np.sin(np.linspace(0, 12, 120))
+    for k, angle in enumerate(angles.tolist()):
+        depth = 0.5 + 0.6 * np.sin(0.3 * k)
+        found = rolling.step(depth, angle, 4e-3).pressure
+        g, past = memory.history(4e-3)
+        normal = np.array([-np.sin(np.radians(angle)), np.cos(np.radians(angle))])
+        travel = depth + (rolling._outline @ normal).min()
+        flexibility = np.einsum("c,d,cidj->ij", normal, normal, full.reshape(2, n, 2, n))
+        free = normal @ (plate.moments - (full @ past).reshape(2, n) / g) - travel * plate.weights
+        exact = g * Complementarity(flexibility).solve(free)
+        memory.advance(4e-3, (np.outer(normal, exact).ravel() - past) / g)
+        worst = max(worst, np.abs(found - exact).max() / max(exact.max(), 1.0))
+    assert worst < 1e-10
+    assert rolling.elastic == pytest.approx(memory.elastic, abs=1e-9)
+    assert 0 < rolling._state.counts[active.REBUILT] < 60  # most steps refine what they have
+
+
+def test_strains_elsewhere_are_those_of_sites(rolling: Rolling) -> None:
+    for angle, depth in zip(np.linspace(15, 33, 50).tolist(), DEPTHS.tolist(), strict=True):
+        now = rolling.step(depth, angle, 3e-3)
+    found = (rolling.strains(INSIDE) @ rolling.elastic).reshape(-1, 6)
+    assert found == pytest.approx(now.strain, rel=1e-9, abs=1e-12)
+
+
 def test_without_memory_the_way_does_not_matter() -> None:
     elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
     rolling = Rolling(elastic, angles=(15, 35), deepest=1.2, sites=SITES)
@@ -66,5 +97,7 @@ def test_in_a_long_rest_the_tissue_forgets_the_way(rolling: Rolling) -> None:
 def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: Rolling) -> None:
     with pytest.raises(InputError, match="angle: expected"):
         rolling.step(0.5, 50.0, 1e-3)
+    with pytest.raises(InputError, match="depth: expected a finite"):
+        rolling.step(np.nan, 20.0, 1e-3)
     with pytest.raises(InputError, match="reached the rim"):
         rolling.step(3.0, 20.0, 1e-3)

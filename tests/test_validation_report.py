@@ -1,17 +1,21 @@
 """The page of validations says what every case found, and needs no other file."""
 
 import json
+import math
 import re
 from typing import Any
 
 import pytest
+from fefinger.validation import suites
+from fefinger.validation.case import Case
 
-from fefinger import figures, validation_report
+from fefinger import console, figures, validation_report
+from fefinger.checks import InputError
 
 
 def case(name: str, verdict: str, **changes: Any) -> dict[str, Any]:
     numbers = {"value": 1.234567, "expected": 1.2, "tolerance": 0.05, "printed": None}
-    words = {"unit": "N", "source": "Eq. 2.1", "erratum": "", "reason": ""}
+    words = {"unit": "N", "source": "Eq. 2.1", "erratum": "", "reason": "", "failure": ""}
     return {"name": name, "verdict": verdict} | numbers | words | changes
 
 
@@ -94,3 +98,22 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
     links = re.findall(r'(?:src|href)="([^"]*)"', html)
     assert links == ["#one", "#two", *[link for link in links if link.startswith("data:image/svg")]]
     assert len(links) == 3
+
+
+def test_a_case_that_breaks_fails_alone_and_is_told(monkeypatch):
+    def breaks() -> float:
+        msg = "depth: expected less than the tissue"
+        raise InputError(msg)
+
+    def made(name, measure):
+        return Case("thesis", name, measure, 1.0, 0.1, "N", "Eq. 2.1")
+
+    todo = (made("broken", breaks), made("good", lambda: 1.05), made("lost", lambda: math.nan))
+    monkeypatch.setattr(suites, "cases", lambda suite, *, quick: todo)
+    record = suites.as_json(suites.run(["thesis"]))
+    found = record["suites"][0]["cases"]
+    assert [case["verdict"] for case in found] == ["fail", "pass", "fail"]
+    assert [case["value"] for case in found] == [None, 1.05, None]
+    assert json.loads(json.dumps(record, allow_nan=False)) == record
+    assert "fail InputError: depth: expected less" in console.validation_summary(record)
+    assert "Not measured: InputError: depth" in validation_report.html(record, {}, {})

@@ -31,10 +31,11 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A Case that has been measured."""
+    """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN."""
 
     case: Case
     value: float
+    failure: str = ""
 
     @property
     def verdict(self) -> Verdict:

@@ -14,6 +14,7 @@ from fefinger.checks import ConvergenceError
 from fefinger.fem import active
 from fefinger.library import pawluk_relaxation
 from fefinger.mechanics import condensed, linear
+from fefinger.mechanics._press import WHOLE_MESH, press
 from fefinger.motion import ForceTrapezoid, Motion, RampHold, RampSinusoid, Trapezoid
 from fefinger.realtime import Condensed
 from fefinger.records import Response
@@ -27,6 +28,10 @@ from fefinger.theory.ting import press_by_depth, radius_nodes
 
 Array = NDArray[np.float64]
 
+SAME_MESH = replace(WHOLE_MESH, touch=lambda indenter: None)
+"""`linear` on the mesh of the operator, where its own would follow the touch."""
+
+INCOMPRESSIBLE = "plate, Poisson's ratio 0.5"
 PRESSES: dict[str, tuple[Indenter, Motion]] = {
     "plate, ramp and hold": (Flat(30), RampHold(60, 1.2, hold=1)),
     "tilted plate, in and out of contact": (
@@ -35,6 +40,7 @@ PRESSES: dict[str, tuple[Indenter, Motion]] = {
     ),
     "sphere, off center, by force": (Sphere(5, at=(1, 1)), ForceTrapezoid(2, 0.3, hold=0.5)),
     "sphere, in and out": (Sphere(5), Trapezoid(20, 0.8, hold=0.2)),
+    INCOMPRESSIBLE: (Flat(30), RampHold(60, 1.2, hold=1)),
 }
 ELASTIC = Prony((1.0,), ())
 STEPS, DT = 10_000, 1e-3
@@ -48,6 +54,15 @@ def finger(resolution: str) -> Finger:
     return replace(scenes.load("flat-press").finger, resolution=resolution)
 
 
+def pressed_finger(resolution: str, name: str) -> Finger:
+    """Return the finger of one of the presses."""
+    chosen = finger(resolution)
+    if name != INCOMPRESSIBLE:
+        return chosen
+    skin, under = (replace(each, poisson=0.5) for each in (chosen.skin, chosen.subcutaneous))
+    return replace(chosen, skin=skin, subcutaneous=under)
+
+
 @cache
 def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> Condensed:
     """Return that finger under a plate, ready to be stepped."""
@@ -57,20 +72,20 @@ def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> C
 
 
 @cache
-def answers(resolution: str, press: str) -> tuple[Response, Response]:
-    """Return what `linear` and `condensed` answer."""
-    indenter, motion = PRESSES[press]
-    scene = Scene(
-        finger=finger(resolution), indenter=indenter, motion=motion, ask=Ask(fields=False)
-    )
-    return linear.respond(scene), condensed.respond(scene)
+def answers(resolution: str, name: str) -> tuple[Response, Response]:
+    """Return what `linear` and `condensed` answer on one mesh."""
+    indenter, motion = PRESSES[name]
+    chosen = pressed_finger(resolution, name)
+    scene = Scene(finger=chosen, indenter=indenter, motion=motion, ask=Ask(fields=False))
+    exact = press(scene, mechanics=linear.name, notes=linear.NOTES, method=SAME_MESH)
+    return exact, condensed.respond(scene)
 
 
-def difference(resolution: str, press: str, quantity: str) -> float:
+def difference(resolution: str, name: str, quantity: str) -> float:
     """Return the largest difference in any step, over the largest value in that step."""
     exact, found = (
         np.asarray(getattr(each, quantity)).reshape(len(each.time), -1)
-        for each in answers(resolution, press)
+        for each in answers(resolution, name)
     )
     scale = np.abs(exact).max(axis=1)
     touched = scale > 1e-6 * scale.max()
@@ -146,6 +161,24 @@ def swept(resolution: str) -> tuple[float, float, float]:
     return lowest, deepest, float(np.abs(runs[0] - runs[1]).max())
 
 
+def forces(pressed: Condensed) -> Array:
+    """Return the forces (STEPS,) of the sweep."""
+    pressed.reset()
+    return np.array([pressed.step_contact(depth, DT).force for depth in sweep().tolist()])
+
+
+@cache
+def exact_forces() -> Array:
+    """Return the forces of the sweep on the standard mesh."""
+    return forces(stepped("standard", tilt=10.0))
+
+
+def traded(rough: Condensed) -> float:
+    """Return the largest error of the force of something cheaper in %, over the peak."""
+    exact = exact_forces()
+    return float(100 * np.abs(forces(rough) - exact).max() / exact.max())
+
+
 def work(resolution: str, prony: Prony | None) -> float:
     """Return the work of the indenter that energy does not account for, over all of it.
 
@@ -195,14 +228,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _agreement("coarse" if quick else "standard")
     yield from _theory(quick=quick)
     yield from _physics("coarse" if quick else "standard")
+    if not quick:
+        yield from _trades()
 
 
 def _agreement(resolution: str) -> Iterator[Case]:
-    for press in PRESSES:
+    for name in PRESSES:
         for quantity in ("depth", "force", "pressure", "strain"):
-            name = f"{quantity} in every step, {press}"
-            measure = partial(difference, resolution, press, quantity)
-            yield Case("condensed", name, measure, 0.0, 1e-10, "1", "linear on the same mesh")
+            title = f"{quantity} in every step, {name}"
+            measure = partial(difference, resolution, name, quantity)
+            yield Case("condensed", title, measure, 0.0, 1e-10, "1", "linear on the same mesh")
 
 
 def _theory(*, quick: bool) -> Iterator[Case]:
@@ -218,6 +253,32 @@ def _theory(*, quick: bool) -> Iterator[Case]:
         name = f"bonded layer as thick as the contact radius, nu {nu:g}"
         error, exact = partial(layer_error, nu, 6), "exact layer, theory/indentation"
         yield Case("condensed", name, error, 0.0, 0.2, "%", exact, reason="the mesh")
+
+
+def _trades() -> Iterator[Case]:
+    steps, source = f"over {STEPS} steps, whole finger", "the standard mesh, a tolerance of 1e-10"
+    yield Case(
+        "condensed",
+        f"force on the coarse mesh {steps}",
+        lambda: traded(stepped("coarse", tilt=10.0)),
+        0.0,
+        3.0,
+        "%",
+        source,
+        reason="what a step that is several times cheaper costs",
+    )
+    for tolerance in (1e-6, 1e-4):
+        rough = partial(Condensed, finger("standard"), Flat(30, 10.0), deepest=1.5)
+        yield Case(
+            "condensed",
+            f"force with a contact tolerance of {tolerance:g} {steps}",
+            lambda rough=rough, tolerance=tolerance: traded(rough(tolerance=tolerance)),
+            0.0,
+            1e3 * tolerance,
+            "%",
+            source,
+            reason="penetration over the largest gap that counts as none",
+        )
 
 
 def _physics(resolution: str) -> Iterator[Case]:

@@ -1,5 +1,6 @@
 """The suites by name, and how they are run."""
 
+import math
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
@@ -42,10 +43,19 @@ def run(
         done = []
         for number, case in enumerate(todo):
             progress(suite, number / len(todo))
-            done.append(Outcome(case, float(case.measure())))
+            done.append(_measured(case))
         progress(suite, 1.0)
         outcomes[suite] = tuple(done)
     return outcomes
+
+
+def _measured(case: Case) -> Outcome:
+    """Measure a case; one that breaks fails by itself and costs no other."""
+    try:
+        value = float(case.measure())
+    except Exception as error:  # whatever it is, it is told
+        return Outcome(case, math.nan, f"{type(error).__name__}: {error}")
+    return Outcome(case, value, "" if math.isfinite(value) else f"the measure gave {value}")
 
 
 def as_json(outcomes: dict[str, tuple[Outcome, ...]]) -> dict[str, Any]:
@@ -62,7 +72,7 @@ def _record(outcome: Outcome) -> dict[str, Any]:
     case = outcome.case
     return {
         "name": case.name,
-        "value": outcome.value,
+        "value": None if outcome.failure else outcome.value,
         "expected": case.expected,
         "tolerance": case.tolerance,
         "unit": case.unit,
@@ -70,5 +80,6 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "printed": case.printed,
         "erratum": case.erratum,
         "reason": case.reason,
+        "failure": outcome.failure,
         "verdict": outcome.verdict,
     }

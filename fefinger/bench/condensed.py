@@ -2,7 +2,8 @@
 
 A whole finger under a tilted plate, so that neither symmetry nor half a mesh helps: ramp, hold, 8
 Hz sinusoid and retraction in 10 000 steps of 1 ms. A step is timed in processor time of its thread
-and in wall time, which counts what else the machine did. Baselines: the steps of `linear` for
+and in wall time, which counts what else the machine did. Baselines: SuperLU for the operator, a
+factor in the same order and a solution for every unknown of the pad; the steps of `linear` for
 contact, and its answer for agreement.
 """
 
@@ -17,13 +18,19 @@ from numpy.typing import NDArray
 
 from fefinger import scenes
 from fefinger.bench import Figure, Progress
+from fefinger.bench.fem import superlu_factor
 from fefinger.fem import active, loop
+from fefinger.fem.body import body
+from fefinger.fem.condense import palmar
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.threads import one_thread
-from fefinger.mechanics import _kept, _operator
+from fefinger.mechanics import _kept, _operator, _press, _touch
 from fefinger.mesh.ready import ready
+from fefinger.mesh.record import FingerMesh
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
+from fefinger.rolling import Rolling
 from fefinger.scene import Finger, Flat
 
 
@@ -36,7 +43,9 @@ STEPS, DT = 10_000, 1e-3
 TYPES = {"FAI": 0.6, "SAI": 0.8, "SAII": 1.8, "FAII": 2.5}  # end organs and their depths in mm
 EACH = 250
 COMPARED = 600
-TOLERANCES = (1e-6, 1e-4)
+TOLERANCES = (1e-8, 1e-6, 1e-4)
+LOADS = 128  # of those that SuperLU would have to solve, timed
+ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 
 
 @one_thread
@@ -54,8 +63,10 @@ def figures(progress: Progress) -> list[Figure]:
     found += [*_stepping("strains in double precision", double), *_contact(double)]
     progress("condensed", 0.7)
     found += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
-    found += _spiking(single)
-    found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger, sites)]
+    for membrane in (IntegrateAndFire(), HodgkinHuxley()):
+        found += _spiking(single, membrane)
+    found += _rolling(finger, sites)
+    found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
     return found
 
 
@@ -92,13 +103,30 @@ def _building(finger: Finger) -> list[Figure]:
         seconds += time.perf_counter() - started
     processor = time.process_time() - processor
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    unknowns = len(built.matrix)
+    name = "operator, whole finger"
     return [
-        Figure("operator, whole finger: wall, built and written", seconds, "s"),
-        Figure("operator, whole finger: processor, built and written", processor, "s"),
+        Figure(f"{name}: wall, built and written", seconds, "s"),
+        Figure(f"{name}: processor, built and written", processor, "s", _superlu(finger, mesh)),
         Figure("operator: memory at the peak", peak, "MB"),
-        Figure("operator: unknowns on the half of the pad", len(built.matrix), "1"),
+        Figure("operator: unknowns on the half of the pad", unknowns, "1"),
         Figure("operator: entries kept", 2 * (built.matrix.size + _entries(built)), "1"),
     ]
+
+
+def _superlu(finger: Finger, mesh: FingerMesh) -> float:
+    """Return the CPU seconds of SuperLU for both parities: a factor and all loads of the pad.
+
+    The factor and LOADS of the loads are timed, on the even half.
+    """
+    solid = body(mesh, _press.tissues(finger), _press.held(finger))
+    factor, factoring = superlu_factor(solid.system)
+    count = 3 * len(palmar(solid))
+    loads = np.zeros((len(solid.system.free), LOADS))
+    loads[np.arange(LOADS), np.arange(LOADS)] = 1.0
+    started = time.process_time()
+    factor.solve(loads)
+    return 2 * (factoring + (time.process_time() - started) * count / LOADS)
 
 
 def _entries(built: _operator.Compliance) -> int:
@@ -141,22 +169,44 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
     ]
 
 
-def _spiking(finger: Condensed) -> list[Figure]:
-    """Time the steps with an integrate-and-fire unit behind every end organ."""
-    units, fired = finger.afferents(), 0
+def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> list[Figure]:
+    """Time the steps with a unit behind every end organ."""
+    units, fired = finger.afferents(membrane=membrane), 0
     seconds = np.empty(STEPS)
     _warm(finger)
-    units.step(finger.now.strain, 0.0)
+    units.step(finger.step(DEPTH / 2, DT).strain, DT)
+    finger.reset()
     units.reset()
     for k, depth in enumerate(motion().tolist()):
         begun = time.thread_time()
         fired += units.step(finger.step(depth, DT).strain, DT)
         seconds[k] = time.thread_time() - begun
-    name = f"with {len(units.types)} integrate-and-fire units"
+    name = f"with {len(units.types)} {type(membrane).__name__} units"
     return [
         Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
         Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
         Figure(f"{name}: spikes", fired, "1"),
+    ]
+
+
+def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
+    """Time the steps of a plate that turns from one of ANGLES to the other and back."""
+    folded = replace(sites, points=_touch.folded(sites.points))
+    rolling = Rolling(finger, angles=ANGLES, deepest=1.1, sites=folded)
+    angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
+    seconds = np.empty(TURNS)
+    for _ in range(2):  # compiles
+        rolling.reset()
+        for k, angle in enumerate(angles):
+            begun = time.thread_time()
+            rolling.step(1.0, angle, DT)
+            seconds[k] = time.thread_time() - begun
+    vertices = float(np.count_nonzero(rolling.now.pressure))
+    name = "a plate that turns, half a finger"
+    return [
+        Figure(f"{name}: vertices in contact at the end", vertices, "1"),
+        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
     ]
 
 
@@ -233,18 +283,22 @@ def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
     return found
 
 
-def _coarser(finger: Finger, sites: Sites) -> list[Figure]:
+def _coarser(finger: Finger) -> list[Figure]:
     """Trade the mesh against the error: the coarse one against the standard one."""
-    rough = Condensed(replace(finger, resolution="coarse"), PLATE, deepest=DEPTH + AMPLITUDE)
     exact = Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE)
-    rough.reset()
+    coarse = replace(finger, resolution="coarse")
+    rough = Condensed(coarse, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites)
     begun = time.thread_time()
     forces = _forces(rough)
     seconds = (time.thread_time() - begun) / STEPS
     error = float(np.abs(forces - _forces(exact)).max() / forces.max())
+    strains = [each.step(DEPTH, DT).strain for each in (rough, exact)]
+    worst = float(np.abs(strains[0] - strains[1]).max() / np.abs(strains[1]).max())
+    name = "coarse mesh, against the standard one"
     return [
         Figure("coarse mesh: step, mean, processor", 1e3 * seconds, "ms"),
-        Figure("coarse mesh: force against the standard one", error, "1"),
+        Figure(f"{name}: error of the force", error, "1"),
+        Figure(f"{name}: error of the strains under first touch, over the largest", worst, "1"),
     ]
 
 

@@ -1,6 +1,7 @@
 """The commands of `fefinger`, one file each; what they need is imported when they run."""
 
 from fefinger.commands.bench import bench
+from fefinger.commands.cache import cache
 from fefinger.commands.explain import explain
 from fefinger.commands.fit import fit
 from fefinger.commands.live import live
@@ -12,5 +13,5 @@ from fefinger.commands.validate import validate
 from fefinger.commands.view import view
 
 
-COMMANDS = (run, explain, scenes, mesh, spikes, view, live, fit, validate, bench)
+COMMANDS = (run, explain, scenes, mesh, spikes, view, live, fit, validate, bench, cache)
 """In the order of the help."""

@@ -18,10 +18,11 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     from fefinger import live as shows
     from fefinger.files import output_folder
     from fefinger.finger import Finger
+    from fefinger.live_window import watch
 
     finger = Finger.subject(subject, resolution=resolution)
     if output is None:
-        last = shows.watch(finger)
+        last = watch(finger)
     else:
         output_folder(Path(output).parent)
         last = shows.record(finger, Path(output))

@@ -2,8 +2,9 @@
 
 The inverse H of the active block of F is kept, and follows the active set by bordering: a vertex
 that joins or leaves costs two products with H, where a new Cholesky factor costs k / 6 of them.
-Every solution starts from the last one and its own residual, so that rounding in H does not add up;
-H is made anew where the residual says that it has.
+Every solution starts from the last one and is refined by its own residual, so that H need not be
+exact: rounding does not add up, and F may change a little from step to step. H is made anew where
+the residual no longer falls fast.
 """
 
 from typing import NamedTuple
@@ -21,7 +22,8 @@ EXCHANGES = 500  # as in `contact`: PATIENCE block exchanges without progress, t
 PATIENCE = 12
 CORRECTIONS = 60
 RESIDUAL = 1e-13  # of the largest offset, above which a solution is refined
-REFINEMENTS = 2
+FALLING = 0.05  # what has to be left of a residual, or H is made anew
+REFINED = 1e-10  # of the largest offset: a residual that no longer falls from there is a failure
 
 DONE, ENDLESS, SINGULAR, MISSED = 0, 1, 2, 3
 
@@ -168,7 +170,7 @@ def _rebuild(s: Active) -> bool:
 
 
 @njit(cache=True)
-def _product(s: Active) -> None:
+def product(s: Active) -> None:
     """Put F x into `moved`."""
     k = s.counts[K]
     for i in range(k):
@@ -178,28 +180,36 @@ def _product(s: Active) -> None:
 
 
 @njit(cache=True)
+def _residual(s: Active, offset: Array) -> float:
+    """Put -(F x + b) of the active set into `work`; return its largest entry."""
+    largest = 0.0
+    for i in range(s.counts[K]):
+        j = s.where[i]
+        s.work[0, i] = -(offset[j] + s.moved[j])
+        largest = max(largest, abs(s.work[0, i]))
+    return largest
+
+
+@njit(cache=True)
 def _balance(s: Active, offset: Array, scale: float) -> bool:
     """Make F x + b zero on the active set, from the present x; False if F is not definite."""
-    k = s.counts[K]
-    for attempt in range(REFINEMENTS + 2):
-        largest = 0.0
-        for i in range(k):
-            j = s.where[i]
-            s.work[0, i] = -(offset[j] + s.moved[j])
-            largest = max(largest, abs(s.work[0, i]))
-        if attempt > 0 and largest <= RESIDUAL * scale:
-            return True
-        if attempt == REFINEMENTS and not _rebuild(s):
-            return False
-        if attempt == REFINEMENTS:  # H was made in the same work space
-            for i in range(k):
-                j = s.where[i]
-                s.work[0, i] = -(offset[j] + s.moved[j])
+    last, fresh = np.inf, False
+    largest = _residual(s, offset)
+    while True:
+        if not largest <= FALLING * last:
+            if fresh:
+                return largest <= REFINED * scale
+            if not _rebuild(s):
+                return False
+            fresh = True
+            _residual(s, offset)  # H was made in the same work space
         _times_inverse(s, s.work[0], s.work[1])
-        for i in range(k):
+        for i in range(s.counts[K]):
             s.x[s.where[i]] += s.work[1, i]
-        _product(s)
-    return True
+        product(s)
+        last, largest = largest, _residual(s, offset)
+        if largest <= RESIDUAL * scale:
+            return True
 
 
 @njit(cache=True)
@@ -246,7 +256,7 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
         for i in range(first, count):
             j = s.wrong[i]
             if s.place[j] < 0:
-                if not _join(s, j):
+                if not _join(s, j) and not (_rebuild(s) and _join(s, j)):
                     return SINGULAR
             else:
                 _leave(s, j)

@@ -22,9 +22,10 @@ from fefinger.fem import multifrontal
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.solve import is_compressible
+from fefinger.fem.solve import compressible
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
+from fefinger.tolerances import REDUCED_COMPRESSIBILITY
 
 
 BLOCK = 96  # columns swept through the fronts at once
@@ -102,11 +103,12 @@ def palmar(solid: Solid) -> Integers:
 def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> Compliance:
     """Reduce a solid whose unknowns `fixed` are zero to the palmar part of its pad.
 
+    Incompressible tissue keeps a compressibility that is next to none.
+
     Raises
     ------
     InputError
-        If the fixed unknowns leave a rigid motion free, or a tissue is incompressible, which
-        needs a solution that is refined.
+        If the fixed unknowns leave a rigid motion free.
     """
     space = solid.space
     is_free = np.ones(space.n_unknowns, dtype=np.bool_)
@@ -119,13 +121,7 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
         int(is_free[: space.n_displacements].sum()),
         last=np.sort(kept[kept >= 0]),
     )
-    matrix = stiffness(space, tissues)
-    if not is_compressible(space, matrix):
-        message = (
-            "tissue.poisson: expected less than 0.49999 for a body that is condensed, received "
-            f"{max(tissue.poisson for tissue in tissues.values()):g}; lower it, or use 'linear'"
-        )
-        raise InputError(message)
+    matrix = compressible(space, stiffness(space, tissues), REDUCED_COMPRESSIBILITY)
     free = np.flatnonzero(is_free)
     factored = multifrontal.factor(matrix[free][:, free].tocsr(), dissection)
     inverse, _ = dpotri(factored.fronts[-1].lower, lower=1)

@@ -148,14 +148,14 @@ def step(s: Active, m: Memory, dt: float, target: float, by_force: bool, stiffen
 
     `stiffening` is t at the end of the step; the contact pressure is then in s.x, t q in m.elastic.
     """
-    g = _recall(m, dt)
+    g = recall(m, dt)
     if by_force:
         failed = _reach(s, m, g, target)
     else:
         m.depth[0] = target
         failed = _press(s, m, g * stiffening, target)
     if failed == DONE:
-        _remember(s, m, dt, g)
+        remember(m, s.x, s.moved, dt, g)
     return failed
 
 
@@ -166,7 +166,7 @@ def _gain(m: Memory, k: int, dt: float) -> float:
 
 
 @njit(cache=True)
-def _recall(m: Memory, dt: float) -> float:
+def recall(m: Memory, dt: float) -> float:
     """Put h and F h into `past` and `moved_past`; return g."""
     total = 0.0
     m.past[:] = 0.0
@@ -184,17 +184,17 @@ def _recall(m: Memory, dt: float) -> float:
 
 
 @njit(cache=True)
-def _remember(s: Active, m: Memory, dt: float, g: float) -> None:
-    """Accept the pressure at the end of the step."""
+def remember(m: Memory, pressure: Array, moved: Array, dt: float, g: float) -> None:
+    """Accept p and F p at the end of the step."""
     for k in range(len(m.rates)):
         gain, decay = _gain(m, k, dt), np.exp(-m.rates[k] * dt)
         for j in range(len(m.past)):
-            y, moved = (s.x[j] - m.past[j]) / g, (s.moved[j] - m.moved_past[j]) / g
+            y, z = (pressure[j] - m.past[j]) / g, (moved[j] - m.moved_past[j]) / g
             m.terms[k, j] = decay * m.terms[k, j] + gain * (y - m.elastic[j])
-            m.moved_terms[k, j] = decay * m.moved_terms[k, j] + gain * (moved - m.moved_elastic[j])
+            m.moved_terms[k, j] = decay * m.moved_terms[k, j] + gain * (z - m.moved_elastic[j])
     for j in range(len(m.past)):
-        m.elastic[j] = (s.x[j] - m.past[j]) / g
-        m.moved_elastic[j] = (s.moved[j] - m.moved_past[j]) / g
+        m.elastic[j] = (pressure[j] - m.past[j]) / g
+        m.moved_elastic[j] = (moved[j] - m.moved_past[j]) / g
 
 
 @njit(cache=True)

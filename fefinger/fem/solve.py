@@ -110,7 +110,7 @@ def factor(
             space.points[space.vertices].mean(axis=1),
             int(is_free[: space.n_displacements].sum()),
         )
-    neighbor = _compressible(space, matrix)[free][:, free].tocsr()
+    neighbor = compressible(space, matrix)[free][:, free].tocsr()
     factored = multifrontal.factor(neighbor, dissection)
     return System(matrix, free, held, matrix[free][:, free].tocsr(), factored, dissection)
 
@@ -123,27 +123,29 @@ def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Sin
     InputError
         If it is singular.
     """
-    neighbor = _compressible(space, matrix)[system.free][:, system.free].tocsr()
+    neighbor = compressible(space, matrix)[system.free][:, system.free].tocsr()
     return single.factor(neighbor, system.dissection)
 
 
 def is_compressible(space: Space, matrix: sparse.csr_matrix) -> bool:
     """Return whether the matrix can be factored as it is, so that its solutions need no mending."""
-    return not _lacking(space, matrix).any()
+    return not _lacking(space, matrix, FACTOR_COMPRESSIBILITY).any()
 
 
-def _compressible(space: Space, matrix: sparse.csr_matrix) -> sparse.csr_matrix:
-    """Return the matrix with at least FACTOR_COMPRESSIBILITY on the diagonal of the pressures."""
-    shift = _lacking(space, matrix)
+def compressible(
+    space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
+) -> sparse.csr_matrix:
+    """Return the matrix with at least that compressibility on the diagonal of the pressures."""
+    shift = _lacking(space, matrix, least)
     return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
 
 
-def _lacking(space: Space, matrix: sparse.csr_matrix) -> Array:
+def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
     """Return what each unknown's diagonal (n_unknowns,) lacks of that compressibility."""
     pressure = np.arange(space.n_displacements, space.n_unknowns)
     coupling = abs(matrix[pressure][:, : space.n_displacements])
-    least = FACTOR_COMPRESSIBILITY * np.asarray(coupling.sum(axis=1)).ravel()
+    wanted = least * np.asarray(coupling.sum(axis=1)).ravel()
     present = -matrix.diagonal()[pressure]
     shift = np.zeros(space.n_unknowns)
-    shift[pressure] = np.maximum(least - present, 0.0)
+    shift[pressure] = np.maximum(wanted - present, 0.0)
     return shift

@@ -65,9 +65,14 @@ def linear_seconds(scene: Scene) -> float:
 
 
 @cache
+def _condensed_report() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(report(CONDENSED_REPORT))
+    return found
+
+
 def condensed() -> dict[str, Any]:
     """Return the cost of the operator of `condensed` and of its use, by resolution."""
-    measured: dict[str, Any] = json.loads(report(CONDENSED_REPORT))["resolutions"]
+    measured: dict[str, Any] = _condensed_report()["resolutions"]
     return measured
 
 
@@ -91,12 +96,29 @@ def linear_error(scene: Scene) -> tuple[float, str]:
     It is the sum of the errors of the mesh and of small strain, which do not know of each other.
     """
     mesh, press = linear_mesh_error(scene)
+    return _with_small_strain(scene, mesh, f"reports/{LINEAR_REPORT}, {press}")
+
+
+def condensed_error(scene: Scene) -> tuple[float, str]:
+    """Return the measured error of the force of `condensed`, and its source, as `linear_error`.
+
+    Its mesh is that of the 30 degree plate and does not follow the touch.
+    """
+    measured: dict[str, dict[str, float | None]] = _condensed_report()["force_error"]["presses"]
+    errors = measured[scene.finger.resolution]
+    press = linear_press(scene.indenter, tuple(errors))
+    error = errors[press]
+    mesh = float("inf") if error is None else error
+    return _with_small_strain(scene, mesh, f"reports/{CONDENSED_REPORT}, {press}")
+
+
+def _with_small_strain(scene: Scene, mesh: float, source: str) -> tuple[float, str]:
     strain = small_strain_error(scene)
-    source = (
-        f"reports/{LINEAR_REPORT}, {press}: {mesh:.2g} of the mesh; reports/{SOLID_REPORT}, "
-        f"{solid_press(scene)}: {strain:.2g} of small strain"
+    both = (
+        f"{source}: {mesh:.2g} of the mesh; reports/{SOLID_REPORT}, {solid_press(scene)}: "
+        f"{strain:.2g} of small strain"
     )
-    return mesh + strain, source
+    return mesh + strain, both
 
 
 def linear_mesh_error(scene: Scene) -> tuple[float, str]:

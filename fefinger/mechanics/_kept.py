@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from fefinger import cache
 from fefinger.checks import InputError
 from fefinger.scene import Finger
 
@@ -42,9 +43,7 @@ def parities(*, half: bool) -> tuple[bool, ...]:
 
 def root() -> Path:
     """Return the folder of all operators."""
-    from platformdirs import user_cache_path
-
-    return user_cache_path("fefinger") / "operators"
+    return cache.root() / "operators"
 
 
 def folder(identity: dict[str, Any]) -> Path:

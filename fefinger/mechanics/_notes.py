@@ -1,6 +1,6 @@
 """Notes that several mechanics leave with their answers."""
 
-from fefinger.scene import Finger, Scene
+from fefinger.scene import Finger
 from fefinger.theory.relaxation import Prony
 
 
@@ -12,9 +12,8 @@ def normalized(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).",)
 
 
-def apart(scene: Scene) -> tuple[str, ...]:
-    """Return what keeps a mechanics that relaxes all stress with one function from a scene."""
-    finger = scene.finger
+def apart(finger: Finger) -> tuple[str, ...]:
+    """Return what keeps a mechanics that relaxes all stress with one function from a finger."""
     found = []
     if finger.relaxation != "whole":
         found.append(f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress")

@@ -2,17 +2,15 @@
 
 import hashlib
 import json
-import os
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
+from fefinger import cache
 from fefinger.checks import InputError
 from fefinger.fem import condense as reduction
 from fefinger.fem import loop
@@ -22,7 +20,8 @@ from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.fem.spaces import Array
-from fefinger.mechanics._kept import folder, identity, parities, root
+from fefinger.mechanics._kept import folder, identity, parities
+from fefinger.mechanics._notes import apart
 from fefinger.mechanics._press import Method, held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
@@ -40,8 +39,12 @@ def operator(
     Raises
     ------
     InputError
-        If the cache holds something else under the hash of this finger.
+        If the tissues of the finger do not relax as one, so that no step of it would be right; or
+        the cache holds something else under the hash of this finger.
     """
+    for reason in apart(finger):
+        message = f"{reason}; use the mechanics 'solid'"
+        raise InputError(message)
     mesh = ready(finger, half=True)
     own = solid(mesh, (1, 2))
     body = own if half else solid(ready(finger, half=False), (1, 2))
@@ -106,21 +109,23 @@ def reduced(
         digest.update(np.ascontiguousarray(array).tobytes())
     names = ("flexibility", "strain", "approach")
     digest.update(" ".join(names).encode())
-    place = root().parent / "patches" / digest.hexdigest()[:16]
+    place = cache.root() / "patches" / digest.hexdigest()[:16]
+    cache.touch(place)
     with suppress(OSError, ValueError):
         found = (np.load(place / f"{name}.npy", mmap_mode="r") for name in names)
         return Reduced(patch, *(array.view(np.ndarray) for array in found))
     made = reduction.reduce(solid, patch, probe())
     if None not in known:
-        with suppress(OSError), _appearing(place) as new:
+        with suppress(OSError), cache.appearing(place) as new:
             for name in names:
                 np.save(new / f"{name}.npy", getattr(made, name))
+        cache.limit("patches")
     return made
 
 
 def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None:
     """Write a compliance into a folder, which appears complete or not at all."""
-    with _appearing(place) as new:
+    with cache.appearing(place) as new:
         (new / "identity.json").write_text(json.dumps(identity, indent=1), encoding="utf-8")
         fronts = compliance.fronts
         np.save(new / "order.npy", compliance.order)
@@ -142,11 +147,17 @@ def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
     """Return one parity of a finger, from the cache or built and put there."""
     identified = identity(finger, odd=odd)
     if identified is not None and folder(identified).is_dir():
-        return read(folder(identified), identified)
+        cache.touch(folder(identified))
+        try:
+            return read(folder(identified), identified)
+        except InputError:
+            if folder(identified).is_dir():
+                raise  # else it was pruned in the meantime
     built = build(finger, mesh, odd=odd)
     if identified is not None:
         with suppress(OSError):  # without room for it, it is built again the next time
             write(built, folder(identified), identified)
+            cache.limit("operators")
     return built
 
 
@@ -164,19 +175,6 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
         signs = np.ones((n, 1))
         signs[pressure - begin :] = -1.0
         yield Eliminated(front, lower, under, signs)
-
-
-@contextmanager
-def _appearing(place: Path) -> Iterator[Path]:
-    """Yield a folder to fill, which then appears in its place, unless another did before."""
-    place.parent.mkdir(parents=True, exist_ok=True)
-    path = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
-    try:
-        yield path
-        with suppress(OSError):  # another process was faster
-            os.rename(path, place)
-    finally:
-        shutil.rmtree(path, ignore_errors=True)
 
 
 METHOD = Method(

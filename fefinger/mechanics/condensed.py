@@ -1,8 +1,9 @@
 """The answer of `linear`, from a finger that was reduced once to its pad and its end organs.
 
 The operator (`fem/condense.py`) is built once per finger and kept; contact then runs in compiled
-steps (`fem/loop.py`). Same mesh, same contact, same relaxation: what differs from `linear` is
-rounding.
+steps (`fem/loop.py`). Same contact, same relaxation: on the same mesh it differs from `linear` by
+rounding. One operator serves every indenter, so its mesh is that of the 30 degree plate, where the
+mesh of `linear` follows the touch.
 """
 
 from dataclasses import replace
@@ -19,22 +20,10 @@ NOTES = (
     "The body was reduced once to its pad; the reduction is exact, and is used again.",
 )
 
-STIFFEST = 0.49999
-"""Poisson's ratio above which the factor needs refinement, which a reduced body cannot have."""
-
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return why it should not answer: as `linear`, and for tissue that is incompressible."""
-    found = [replace(refusal, mechanics=name) for refusal in linear.refuse(scene)]
-    for layer in ("skin", "subcutaneous"):
-        poisson = getattr(scene.finger, layer).poisson
-        if poisson > STIFFEST:
-            reason = (
-                f"finger.{layer}.poisson = {poisson:g} > {STIFFEST:g}: an incompressible body is "
-                "solved by refinement, which a reduced one cannot have"
-            )
-            found.append(Refusal(name, "ability", reason))
-    return tuple(found)
+    """Return why it should not answer, as `linear`."""
+    return tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
 
 
 def cost(scene: Scene) -> float:
@@ -43,13 +32,13 @@ def cost(scene: Scene) -> float:
 
 
 def error(scene: Scene) -> tuple[float, str]:
-    """Return the expected relative error of the force, that of `linear`, and its source."""
-    return _evidence.linear_error(scene)
+    """Return the expected relative error of the force, of mesh and small strain, and its source."""
+    return _evidence.condensed_error(scene)
 
 
 def coarser(scene: Scene) -> Scene | None:
     """Return the scene on the next coarser mesh, if that is at hand."""
-    return linear.coarser(scene)
+    return linear.coarser(scene, follow=False)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:

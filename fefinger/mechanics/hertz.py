@@ -136,7 +136,7 @@ def half_space(scene: Scene) -> HalfSpace:
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
-    unable = list(apart(scene))
+    unable = list(apart(scene.finger))
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):

@@ -29,7 +29,7 @@ LAW = "neo-hookean"
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    found = [Refusal(name, "ability", reason) for reason in apart(scene)]
+    found = [Refusal(name, "ability", reason) for reason in apart(scene.finger)]
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
@@ -57,8 +57,11 @@ def error(scene: Scene) -> tuple[float, str]:
     return _evidence.linear_error(scene)
 
 
-def coarser(scene: Scene) -> Scene | None:
-    """Return the scene on the next coarser mesh, if that is at hand."""
+def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
+    """Return the scene on the next coarser mesh, if that is at hand.
+
+    `follow`: that is the mesh that follows the touch.
+    """
     from dataclasses import replace
 
     from fefinger.mechanics._touch import meshed_at
@@ -68,7 +71,7 @@ def coarser(scene: Scene) -> Scene | None:
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)
-    at = meshed_at(scene.indenter)
+    at = meshed_at(scene.indenter) if follow else None
     return replace(scene, finger=finger) if at_hand(finger, at) else None
 
 

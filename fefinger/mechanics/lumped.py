@@ -54,7 +54,7 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
     unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
-    unable += apart(scene)
+    unable += apart(scene.finger)
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
     if unable:

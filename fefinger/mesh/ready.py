@@ -6,6 +6,7 @@ from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
 
+from fefinger import cache
 from fefinger.checks import InputError
 from fefinger.mesh import files
 from fefinger.mesh.recipe import Recipe, Touch
@@ -64,9 +65,7 @@ def data_folder() -> Path:
 
 def cached_path(recipe: Recipe) -> Path:
     """Return where the user's cache keeps the mesh of a recipe."""
-    from platformdirs import user_cache_path
-
-    return user_cache_path("fefinger") / "meshes" / f"{recipe.key()[:16]}.vtu"
+    return cache.root() / "meshes" / f"{recipe.key()[:16]}.vtu"
 
 
 def _cached(recipe: Recipe) -> FingerMesh | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fefinger.neural.generators import LARGEST_CURRENT
 from fefinger.neural.membranes._integrate_and_fire import _eventful
+from fefinger.neural.membranes._lanes import LANES, interval
 
 
 if TYPE_CHECKING:
@@ -56,21 +57,11 @@ def _current(s: "State", i: int, x: float) -> float:
 
 
 @njit(cache=True)
-def step(
-    s: "State",
-    strain: NDArray[np.floating],
-    dt: float,
-    substeps: int,
-    numbers: tuple[float, float, float],
-) -> int:
-    """Take every unit on by dt ms; return the number of spikes, or -1 where they had no room.
-
-    numbers: threshold in uA/cm², time constant and refractory time in ms.
-    """
-    threshold, tau, refractory = numbers
-    part, fired, full = dt / substeps, 0, False
+def currents(s: "State", strain: NDArray[np.floating], dt: float) -> None:
+    """Bring x_in, end organs and generator currents to the end of a step of dt ms."""
+    substeps = len(s.levels) - 1
+    part = dt / substeps
     for i in range(len(s.x)):
-        s.counts[i] = 0
         before = s.x[i]
         if s.drive[i] == 0:
             s.x[i] = s.length[i] * _compressive(strain[i])
@@ -80,20 +71,37 @@ def step(
         if dt == 0.0:
             s.modes[i, 0] += change
             s.modes[i, 1] += change
-            s.current[i] = _current(s, i, s.x[i])
+            s.levels[:, i] = _current(s, i, s.x[i])
             continue
+        s.levels[0, i] = s.levels[substeps, i]
         p, q = 1e-3 * s.pole[i, 0], 1e-3 * s.pole[i, 1]
         fade, wane = math.exp(-p * part), math.exp(-q * part)
         grow, rise = change / dt * (1.0 - fade) / p, change / dt * (1.0 - wane) / q
         for k in range(substeps):
             s.modes[i, 0] = fade * s.modes[i, 0] + grow
             s.modes[i, 1] = wane * s.modes[i, 1] + rise
-            current = _current(s, i, before + change * (k + 1) / substeps)
-            begin, level = s.clock[0] + k * part, s.current[i] / threshold
-            steep = (current - s.current[i]) / (threshold * part)
-            s.current[i] = current
+            s.levels[k + 1, i] = _current(s, i, before + change * (k + 1) / substeps)
+
+
+@njit(cache=True)
+def integrate_and_fire(
+    s: "State", units: NDArray[np.float64], numbers: tuple[float, float, float], dt: float
+) -> int:
+    """Take integrate-and-fire units on by dt ms; return the spikes, or -1 where they had no room.
+
+    units (n, 3): potential, highest potential, ms when free. numbers: threshold in uA/cm², time
+    constant and refractory time in ms.
+    """
+    threshold, tau, refractory = numbers
+    substeps = len(s.levels) - 1
+    part = dt / substeps
+    s.counts[:] = 0
+    for i in range(len(s.x)):
+        for k in range(substeps if dt > 0.0 else 0):
+            begin, level = s.clock[0] + k * part, s.levels[k, i] / threshold
+            steep = (s.levels[k + 1, i] - s.levels[k, i]) / (threshold * part)
             s.counts[i] = _eventful(
-                s.membrane[i],
+                units[i],
                 begin,
                 begin + part,
                 level,
@@ -103,7 +111,48 @@ def step(
                 s.spikes[i],
                 s.counts[i],
             )
-        fired += s.counts[i]
-        full = full or s.counts[i] > s.spikes.shape[1]
+    return _told(s, dt)
+
+
+@njit(cache=True)
+def hodgkin_huxley(
+    s: "State",
+    units: NDArray[np.float64],
+    last: NDArray[np.float64],
+    how: tuple[float, bool, float, float],
+    rest: NDArray[np.float64],
+    block: tuple[float, float, float],
+    dt: float,
+) -> int:
+    """Take Hodgkin-Huxley units on by dt ms; return the spikes, or -1 where they had no room.
+
+    units (n_blocks, :) and last (n_blocks,) of LANES units each; how, rest and block as in
+    `membranes._lanes`.
+    """
+    substeps = len(s.levels) - 1
+    part = dt / substeps
+    s.counts[:] = 0
+    for b in range(len(units)):
+        own = slice(b * LANES, min((b + 1) * LANES, len(s.x)))
+        for k in range(substeps):
+            last[b] = interval(
+                units[b],
+                s.levels[k, own],
+                s.levels[k + 1, own],
+                s.clock[0] + k * part,
+                part,
+                last[b],
+                how,
+                rest,
+                block,
+                s.spikes[own],
+                s.counts[own],
+            )
+    return _told(s, dt)
+
+
+@njit(cache=True)
+def _told(s: "State", dt: float) -> int:
+    """Move the clock on, and return the number of spikes, or -1 where they had no room."""
     s.clock[0] += dt
-    return -1 if full else fired
+    return -1 if s.counts.max() > s.spikes.shape[1] else s.counts.sum()

@@ -1,11 +1,11 @@
 """Afferent units that are stepped with the skin: strain in, spikes out, one step at a time.
 
-The same drives, end organs and generators as `afferents`, behind integrate-and-fire membranes, in
-compiled steps that make no array.
+The same drives, end organs and generators as `afferents`, before membranes that integrate and fire
+or those of Hodgkin and Huxley, in compiled steps that make no array.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from fefinger.neural.afferents import displacements
 from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
 from fefinger.neural.endorgans import END_ORGANS, TYPES
 from fefinger.neural.gains import GAINS
-from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
 
 
 Array = NDArray[np.float64]
@@ -28,12 +28,12 @@ SUBSTEPS = 4
 
 
 class State(NamedTuple):
-    """The units between two steps.
+    """The units between two steps, but for their membranes.
 
     drive (n,) a place in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
     (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, rad/s; modes (n, 2)
-    and x (n,) mm, the last x_in; current (n,) uA/cm²; membrane (n, 3): potential, highest
-    potential, ms when free; spikes (n, ROOM) ms and counts (n,) of the last step; clock (1,) ms.
+    and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², the generator currents in the
+    last step; spikes (n, ROOM) ms and counts (n,) of it; clock (1,) ms.
     """
 
     drive: NDArray[np.int64]
@@ -45,11 +45,63 @@ class State(NamedTuple):
     pole: Array
     modes: Array
     x: Array
-    current: Array
-    membrane: Array
+    levels: Array
     spikes: Array
     counts: NDArray[np.int64]
     clock: Array
+
+
+class Stepped(Protocol):
+    """Membranes that are stepped."""
+
+    def reset(self) -> None:
+        """Go back to rest."""
+
+    def step(self, state: State, dt: float) -> int:
+        """Go on by dt ms; return the number of spikes, or -1 where they had no room."""
+
+
+class _Leaky:
+    """Units that integrate and fire."""
+
+    def __init__(self, membrane: IntegrateAndFire, n: int) -> None:
+        self.units = np.zeros((n, 3))
+        self.numbers = (
+            membrane.threshold,
+            1e3 * membrane.time_constant,
+            1e3 * membrane.refractory,
+        )
+
+    def reset(self) -> None:
+        self.units[:] = 0.0
+
+    def step(self, state: State, dt: float) -> int:
+        from fefinger.neural import _streaming as compiled
+
+        return int(compiled.integrate_and_fire(state, self.units, self.numbers, dt))
+
+
+class _Axons:
+    """Hodgkin-Huxley units, in blocks."""
+
+    def __init__(self, membrane: HodgkinHuxley, n: int, method: str, dt: float | None) -> None:
+        from fefinger.neural.membranes import _lanes
+
+        choice("method", method, METHODS[:2])
+        self.how = (membrane.step_ms(dt), method == "splitting", membrane.speed, 1.0)
+        self.rest, self.block = membrane.rest(), membrane.block
+        blocks = -(-n // _lanes.LANES)
+        self.resting = _lanes.at_rest(self.rest)
+        self.units, self.last = np.tile(self.resting, (blocks, 1)), np.zeros(blocks)
+
+    def reset(self) -> None:
+        self.units[:], self.last[:] = self.resting, 0.0
+
+    def step(self, state: State, dt: float) -> int:
+        from fefinger.neural import _streaming as compiled
+
+        numbers = self.how, self.rest, self.block
+        return int(compiled.hodgkin_huxley(state, self.units, self.last, *numbers, dt))
 
 
 class Afferents:
@@ -62,16 +114,20 @@ class Afferents:
     lengths
         mm of skin displacement that a unit of drive stands for, per type.
     membrane
-        An IntegrateAndFire, by default that of thesis 4.3.1 as `membranes` has it.
+        An IntegrateAndFire, by default that of thesis 4.3.1 as `membranes` has it, or a
+        HodgkinHuxley.
     drives
         Drive per type, where it is not the default; "compressive" or "tangent".
     substeps
         Samples of the generator current in each step; it is linear between them.
+    method, dt
+        How HodgkinHuxley is integrated: "splitting" or "runge-kutta", and its longest step in s,
+        as `HodgkinHuxley.fire`.
 
     Raises
     ------
     InputError
-        Unknown types, a drive that has no compiled form, or normals that do not fit.
+        Unknown types, a drive or membrane that has no compiled form, or normals that do not fit.
     """
 
     def __init__(
@@ -80,18 +136,20 @@ class Afferents:
         normals: ArrayLike,
         lengths: Mapping[str, float],
         *,
-        membrane: IntegrateAndFire | None = None,
+        membrane: IntegrateAndFire | HodgkinHuxley | None = None,
         drives: Mapping[str, str] | None = None,
         substeps: int = SUBSTEPS,
+        method: str = "splitting",
+        dt: float | None = None,
     ) -> None:
         self.types = tuple(choice("types", kind, TYPES) for kind in types)
-        self.membrane, self.substeps = membrane or IntegrateAndFire(), substeps
         chosen = {**DEFAULT_DRIVE, **(drives or {})}
         n = len(self.types)
         normals = np.asarray(normals, float)
         if normals.shape != (n, 3):
             message = f"normals: expected ({n}, 3) for {n} units, received {normals.shape}"
             raise InputError(message)
+        self.membranes = _stepped(membrane or IntegrateAndFire(), n, method, dt)
         organs = {kind: END_ORGANS[kind].partial_fractions() for kind in set(self.types)}
         share, pole = np.zeros((n, 2)), np.ones((n, 2))
         for i, kind in enumerate(self.types):
@@ -107,8 +165,7 @@ class Afferents:
             pole=pole,
             modes=np.zeros((n, 2)),
             x=np.zeros(n),
-            current=np.zeros(n),
-            membrane=np.zeros((n, 3)),
+            levels=np.zeros((substeps + 1, n)),
             spikes=np.zeros((n, ROOM)),
             counts=np.zeros(n, dtype=np.int64),
             clock=np.zeros(1),
@@ -150,8 +207,9 @@ class Afferents:
 
     def reset(self) -> None:
         """Go back to rest, at time 0."""
-        for name in ("modes", "x", "current", "membrane", "counts", "clock"):
+        for name in ("modes", "x", "levels", "counts", "clock"):
             getattr(self.state, name)[...] = 0
+        self.membranes.reset()
 
     def step(self, strain: NDArray[np.floating], dt: float) -> int:
         """Take the strain (n, 6), xx yy zz xy yz xz, reached after `dt` s; return the spikes fired.
@@ -160,19 +218,30 @@ class Afferents:
         """
         from fefinger.neural import _streaming as compiled
 
-        membrane = self.membrane
-        numbers = membrane.threshold, 1e3 * membrane.time_constant, 1e3 * membrane.refractory
-        fired = compiled.step(self.state, strain, 1e3 * dt, self.substeps, numbers)
+        compiled.currents(self.state, strain, 1e3 * dt)
+        fired = self.membranes.step(self.state, 1e3 * dt)
         if fired < 0:
             message = f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
             raise InputError(message)
-        return int(fired)
+        return fired
 
     def fired(self) -> list[tuple[int, float]]:
         """Return the number of the unit and the time in s of every spike of the last step."""
         state = self.state
         units = np.flatnonzero(state.counts).tolist()
         return [(i, 1e-3 * t) for i in units for t in state.spikes[i, : state.counts[i]].tolist()]
+
+
+def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped:
+    if isinstance(membrane, IntegrateAndFire):
+        return _Leaky(membrane, n)
+    if isinstance(membrane, HodgkinHuxley):
+        return _Axons(membrane, n, method, dt)
+    message = (
+        "membrane: expected IntegrateAndFire or HodgkinHuxley for units that are stepped, received "
+        f"{type(membrane).__name__}; use neural.afferents on the whole strain"
+    )
+    raise InputError(message)
 
 
 def _code(kind: str, drive: str) -> int:

@@ -8,7 +8,7 @@ from fefinger.neural.afferents import displacements
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
-from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.streaming import Afferents
 
 
@@ -47,6 +47,16 @@ def streamed(units: Afferents, rows: np.ndarray) -> list[np.ndarray]:
     return [np.array(each) for each in fired]
 
 
+def solved(tensors: np.ndarray, membrane: object, substeps: int, **how: object) -> tuple:
+    """Return the spike times of the same units, their currents sampled likewise, in one go."""
+    x_in = displacements(tensors, NORMALS, TYPES, **REFERENCE)
+    fine = np.linspace(0, TIME[-1], substeps * (len(TIME) - 1) + 1)
+    currents = [
+        transduce(kind, TIME, x_in[:, i], gain=GAINS[kind], at=fine) for i, kind in enumerate(TYPES)
+    ]
+    return membrane.fire(fine, np.transpose(currents), stimulus_driven=False, **how).times
+
+
 @pytest.mark.parametrize(
     ("substeps", "precision", "close"),
     [(20, np.float64, 1e-9), (4, np.float64, 1e-4), (20, np.float32, 1e-5)],
@@ -54,13 +64,8 @@ def streamed(units: Afferents, rows: np.ndarray) -> list[np.ndarray]:
 def test_units_fire_as_those_that_are_solved_at_once(
     substeps: int, precision: type, close: float
 ) -> None:
-    tensors, membrane = strain(), IntegrateAndFire()
-    x_in = displacements(tensors, NORMALS, TYPES, **REFERENCE)
-    fine = np.linspace(0, TIME[-1], 20 * (len(TIME) - 1) + 1)
-    currents = [
-        transduce(kind, TIME, x_in[:, i], gain=GAINS[kind], at=fine) for i, kind in enumerate(TYPES)
-    ]
-    expected = membrane.fire(fine, np.transpose(currents)).times
+    tensors = strain()
+    expected = solved(tensors, IntegrateAndFire(), 20)
     units = Afferents.of(TYPES, NORMALS, substeps=substeps, **REFERENCE)
     found = streamed(units, voigt(tensors).astype(precision))
     assert sum(map(len, found)) > 20
@@ -68,6 +73,26 @@ def test_units_fire_as_those_that_are_solved_at_once(
         assert a == pytest.approx(b, abs=close)
     units.reset()
     again = streamed(units, voigt(tensors).astype(precision))
+    assert all(np.array_equal(a, b) for a, b in zip(found, again, strict=True))
+
+
+@pytest.mark.parametrize("method", ["splitting", "runge-kutta"])
+@pytest.mark.parametrize("copies", [1, 2, 5])
+def test_hodgkin_huxley_units_fire_as_those_that_are_solved_at_once(
+    method: str, copies: int
+) -> None:
+    tensors, membrane = strain(), HodgkinHuxley(2.0)
+    expected = solved(tensors, membrane, 4, method=method, dt=2.5e-5) * copies
+    types, normals = TYPES * copies, np.tile(NORMALS, (copies, 1))
+    how = {"membrane": membrane, "method": method, "dt": 2.5e-5}
+    units = Afferents.of(types, normals, substeps=4, **how, **REFERENCE)
+    rows = np.tile(voigt(tensors), (1, copies, 1))
+    found = streamed(units, rows)
+    assert sum(map(len, found)) > 20 * copies
+    for a, b in zip(found, expected, strict=True):
+        assert a == pytest.approx(b, abs=1e-9)
+    units.reset()
+    again = streamed(units, rows)
     assert all(np.array_equal(a, b) for a, b in zip(found, again, strict=True))
 
 
@@ -85,6 +110,9 @@ def test_equal_principal_strains_are_no_trouble() -> None:
         ({"drives": {"SAI": "energy"}}, "drives.SAI: expected one of compressive, tangent"),
         ({"types": ("SAX",)}, "types: expected one of"),
         ({"normals": np.zeros((2, 3))}, r"normals: expected \(1, 3\)"),
+        ({"membrane": ConnorStevens()}, "membrane: expected .* received ConnorStevens"),
+        ({"membrane": HodgkinHuxley(), "method": "adaptive"}, "method: expected one of"),
+        ({"membrane": HodgkinHuxley(), "dt": 1.0}, "dt: expected .* at most 5e-05"),
     ],
 )
 def test_what_cannot_be_streamed_gets_a_sentence(options: dict, words: str) -> None:

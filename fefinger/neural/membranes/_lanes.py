@@ -222,7 +222,7 @@ def _spiked(
 
 
 @njit(cache=True)
-def _at_rest(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
+def _resting(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
     """Return whether no lane has current in this interval and all are at rest."""
     for i in range(LANES):
         if s[_START + i] != 0.0 or s[_END + i] != 0.0:
@@ -233,14 +233,69 @@ def _at_rest(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
     return True
 
 
+@njit(cache=True)
+def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a block of LANES units at rest."""
+    s = np.zeros(13 * LANES)
+    for row in range(4):
+        s[row * LANES : (row + 1) * LANES] = rest[row]
+    s[_PEAK : _PEAK + LANES] = rest[0]
+    s[_ARMED : _ARMED + LANES] = 1.0
+    return s
+
+
+@njit(cache=True, nogil=True)
+def interval(
+    s: NDArray[np.float64],
+    before: NDArray[np.float64],
+    after: NDArray[np.float64],
+    begin: float,
+    length: float,
+    last: float,
+    how: tuple[float, bool, float, float],
+    rest: NDArray[np.float64],
+    block: tuple[float, float, float],
+    spikes: NDArray[np.float64],
+    counts: NDArray[np.int64],
+) -> float:
+    """Take a block through an interval, from `begin` ms on, in which currents go linearly.
+
+    before, after: current (n,) at its ends. how: the longest step in ms, whether to split, the
+    factor on all rates, and 0 where sodium is frozen. last: the step before in ms; the last one of
+    this interval is returned. The rest as in `integrate`.
+    """
+    dt_max, split, slow, thaw = how
+    units = len(before)
+    lanes = LANES // 2 if units <= LANES // 2 else LANES
+    steps = math.ceil(length / dt_max - 1e-9)
+    for i in range(units):
+        s[_START + i], s[_END + i] = before[i], after[i]
+    if steps == 0 or _resting(s, rest):
+        return last
+    dt = length / steps
+    for j in range(steps):
+        if split:
+            hits = _split(s, (j + 0.5) / steps, 0.5 * (last + dt), dt, slow, thaw, block)
+        else:
+            hits = _runge_kutta(s, lanes, j / steps, 1.0 / steps, dt, slow, thaw, block)
+        last = dt
+        if hits > 0:
+            at = (j + (0.5 if split else 1.0)) / steps
+            for i in range(units):
+                if s[_HIT + i] > 0.5:
+                    if counts[i] < spikes.shape[1]:
+                        level = s[_START + i] + at * (s[_END + i] - s[_START + i])
+                        where = _spiked(s, i, slow, thaw, dt, level, split)
+                        spikes[i, counts[i]] = begin + dt * (j + where)
+                    counts[i] += 1
+    return last
+
+
 @njit(cache=True, nogil=True)
 def integrate(
     time: NDArray[np.float64],
     current: NDArray[np.float64],
-    dt_max: float,
-    split: bool,
-    divisor: float,
-    frozen: bool,
+    how: tuple[float, bool, float, float],
     rest: NDArray[np.float64],
     block: tuple[float, float, float],
     spikes: NDArray[np.float64],
@@ -248,44 +303,21 @@ def integrate(
 ) -> NDArray[np.float64]:
     """Integrate n <= 16 units from rest over time (n_t,) ms with current (n_t, n), linear between.
 
-    `split` takes the splitting, else Runge-Kutta. block: mV and uA/cm² above which a stay without
-    a spike is a block once it has lasted so many ms. Fills spikes (n, :) with crossing times in ms
-    and counts (n,), which go on counting where the spikes no longer fit. Returns (n, 6): v, n, m,
-    h at the end, the highest potential and the ms in block.
+    how: as `interval`, which splits or takes Runge-Kutta. block: mV and uA/cm² above which a stay
+    without a spike is a block once it has lasted so many ms. Fills spikes (n, :) with crossing
+    times in ms and counts (n,), which go on counting where the spikes no longer fit. Returns (n,
+    6): v, n, m, h at the end, the highest potential and the ms in block.
     """
-    slow, thaw, units = 1.0 / divisor, 0.0 if frozen else 1.0, len(counts)
-    lanes = LANES // 2 if units <= LANES // 2 else LANES
-    s = np.zeros(13 * LANES)
-    for row in range(4):
-        s[row * LANES : (row + 1) * LANES] = rest[row]
-    s[_PEAK : _PEAK + LANES] = rest[0]
-    s[_ARMED : _ARMED + LANES] = 1.0
-    last = 0.0
+    s, last = at_rest(rest), 0.0
     for k in range(len(time) - 1):
-        interval = time[k + 1] - time[k]
-        steps = math.ceil(interval / dt_max - 1e-9)
-        for i in range(units):
-            s[_START + i], s[_END + i] = current[k, i], current[k + 1, i]
-        if steps == 0 or _at_rest(s, rest):
-            continue
-        dt = interval / steps
-        for j in range(steps):
-            if split:
-                hits = _split(s, (j + 0.5) / steps, 0.5 * (last + dt), dt, slow, thaw, block)
-            else:
-                hits = _runge_kutta(s, lanes, j / steps, 1.0 / steps, dt, slow, thaw, block)
-            last = dt
-            if hits > 0:
-                at = (j + (0.5 if split else 1.0)) / steps
-                for i in range(units):
-                    if s[_HIT + i] > 0.5:
-                        if counts[i] < spikes.shape[1]:
-                            level = s[_START + i] + at * (s[_END + i] - s[_START + i])
-                            where = _spiked(s, i, slow, thaw, dt, level, split)
-                            spikes[i, counts[i]] = time[k] + dt * (j + where)
-                        counts[i] += 1
+        length = time[k + 1] - time[k]
+        last = interval(
+            s, current[k], current[k + 1], time[k], length, last, how, rest, block, spikes, counts
+        )
+    _, split, slow, thaw = how
     if split:
         _split(s, 0.0, 0.5 * last, 0.0, slow, thaw, block)
+    units = len(counts)
     ends = np.empty((units, 6))
     for i in range(units):
         for row in range(4):

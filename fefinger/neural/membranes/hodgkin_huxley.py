@@ -87,6 +87,17 @@ class HodgkinHuxley:
             low, high = (low, v) if outward else (v, high)
         return np.array([v, n, m, h])
 
+    @property
+    def block(self) -> tuple[float, float, float]:
+        """What counts as a block: mV, uA/cm² and the ms after which it does."""
+        return BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed
+
+    def step_ms(self, dt: float | None) -> float:
+        """Return the longest step in ms that `dt` in s (by default LARGEST_STEP) stands for."""
+        dt = LARGEST_STEP if dt is None else dt
+        dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
+        return 1e3 * min(dt, LARGEST_STEP / max(1.0, self.speed))
+
     def integrator(self, tolerance: float, seconds: float = 1.0) -> tuple[str, float]:
         """Return the cheapest method, and its step in s, whose spike times are good to `tolerance`.
 
@@ -144,10 +155,8 @@ class HodgkinHuxley:
                 raise InputError(msg)
             method, dt = self.integrator(tolerance, float(np.ptp(time)))
         method = choice("method", "runge-kutta" if method is None else method, METHODS)
-        dt = LARGEST_STEP if dt is None else dt
-        dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
         time_ms, columns = signals(time, current)
-        step = 1e3 * min(dt, LARGEST_STEP / max(1.0, self.speed))
+        step = self.step_ms(dt)
         run = partial(self._run, method, time_ms, columns, step)
         return fired(run, stimulus_driven=stimulus_driven)
 
@@ -160,25 +169,23 @@ class HodgkinHuxley:
         frozen: bool,
     ) -> Run:
         """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
-        block = (BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed)
         if method == "adaptive":
             from fefinger.neural.membranes import _adaptive
 
             unit = partial(
-                _adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), block
+                _adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), self.block
             )
             return in_blocks(unit, current, 1)
         from fefinger.neural.membranes import _lanes
 
-        rest, split = self.rest(), method == "splitting"
+        rest = self.rest()
+        how = (step, method == "splitting", self.speed, 0.0 if frozen else 1.0)
         room = int(2.0 * max(1.0, self.speed) * (time_ms[-1] - time_ms[0])) + 16
 
         def block_of(columns: NDArray[np.float64]) -> Run:
             n = columns.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
-            rows = _lanes.integrate(
-                time_ms, columns, step, split, 1.0 / self.speed, frozen, rest, block, spikes, counts
-            )
+            rows = _lanes.integrate(time_ms, columns, how, rest, self.block, spikes, counts)
             return trimmed(spikes, counts), rows
 
         return in_blocks(block_of, current, _lanes.LANES, by_onset=True)

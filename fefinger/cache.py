@@ -1,0 +1,147 @@
+"""The user's cache: meshes, operators and patches that were made once and are used again.
+
+What is in it appears complete or not at all, and leaves at once: whoever reads it while it is
+removed keeps what is open, and whoever comes later makes it anew.
+"""
+
+import json
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+
+KINDS = ("meshes", "operators", "patches")
+LIMITS_MB = {"operators": 10_000, "patches": 2000}
+"""What a kind may take, beyond which the least recently used of it goes: an operator is kept for
+every finger, a patch for every indenter and set of end organs."""
+
+ABANDONED = 24 * 3600.0
+"""Age in s of a part that was never finished, after which nobody is writing it any more."""
+
+DAY = 24 * 3600.0
+
+BUILDING, LEAVING = ".building-", ".leaving-"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something kept: its kind, what it is, its files or folder, bytes, and when it was used."""
+
+    kind: str
+    what: str
+    paths: tuple[Path, ...]
+    size: int
+    used: float
+
+
+def root() -> Path:
+    """Return the folder of the cache."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("fefinger")
+
+
+def entries() -> tuple[Entry, ...]:
+    """Return all that is kept, by kind and the last used first; and what was never finished."""
+    found = [entry for kind in KINDS for entry in _kept(kind)]
+    return tuple(sorted(found, key=lambda entry: (entry.kind, -entry.used)))
+
+
+def remove(chosen: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Remove entries, and return those that could be."""
+    return tuple(entry for entry in chosen if all([_gone(path) for path in entry.paths]))
+
+
+def unused(days: float) -> tuple[Entry, ...]:
+    """Return what has not been used for so many days, and what was abandoned."""
+    now = time.time()
+    least = {True: ABANDONED, False: days * DAY}
+    return tuple(e for e in entries() if now - e.used >= least[e.what == UNFINISHED])
+
+
+def touch(place: Path) -> None:
+    """Note that an entry is used."""
+    with suppress(OSError):
+        os.utime(place)
+
+
+@contextmanager
+def appearing(place: Path) -> Iterator[Path]:
+    """Yield a folder to fill, which then appears in its place, unless another did before."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    path = Path(tempfile.mkdtemp(dir=place.parent, prefix=BUILDING))
+    try:
+        yield path
+        with suppress(OSError):  # another process was faster
+            os.rename(path, place)
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def limit(kind: str) -> None:
+    """Remove what was used least recently of a kind, until the rest takes no more than it may.
+
+    The last used stays in any case, and what is being made.
+    """
+    finished = [entry for entry in _kept(kind) if entry.what != UNFINISHED]
+    last, *others = sorted(finished, key=lambda entry: -entry.used)
+    total = last.size
+    for entry in others:
+        total += entry.size
+        if total > 1e6 * LIMITS_MB[kind]:
+            remove([entry])
+
+
+UNFINISHED = "unfinished"
+
+
+def _kept(kind: str) -> Iterator[Entry]:
+    folder = root() / kind
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        with suppress(OSError):  # removed by another process in the meantime
+            if path.name.startswith((BUILDING, LEAVING)):
+                yield Entry(kind, UNFINISHED, (path,), _size(path), path.stat().st_mtime)
+            elif path.is_dir():
+                yield Entry(kind, _told(path), (path,), _size(path), path.stat().st_mtime)
+            elif path.suffix == ".json":
+                both = (path.with_suffix(".vtu"), path)
+                size = sum(each.stat().st_size for each in both)
+                what = str(json.loads(path.read_text(encoding="utf-8")).get("name", ""))
+                yield Entry(kind, what, both, size, path.stat().st_mtime)
+
+
+def _size(folder: Path) -> int:
+    return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+
+
+def _told(folder: Path) -> str:
+    """Return what an operator is of; patches have nothing to say."""
+    try:
+        identity = json.loads((folder / "identity.json").read_text(encoding="utf-8"))
+        ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
+        return (
+            f"{identity['parity']} half of mesh {identity['mesh_file_sha256'][:8]}, modulus ratio "
+            f"{identity['modulus_ratio']:.4g}, Poisson's ratios {ratios}"
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
+
+
+def _gone(path: Path) -> bool:
+    """Take a file or folder out of the cache at once, then delete it; return whether it went."""
+    if not path.is_dir():
+        with suppress(OSError):
+            path.unlink()
+        return not path.exists()
+    aside = path.with_name(f"{LEAVING}{os.getpid()}-{path.name.lstrip('.')}")
+    try:
+        os.rename(path, aside)
+    except OSError:  # gone already, or held by another process where that keeps a folder
+        return not path.exists()
+    shutil.rmtree(aside, ignore_errors=True)
+    return True

@@ -1,0 +1,76 @@
+"""Films from pictures: GIF with Pillow, MP4 with the extra `film` (imageio-ffmpeg)."""
+
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+
+
+Picture = NDArray[np.uint8]
+
+
+def check(path: str | PathLike[str], option: str) -> None:
+    """Raise InputError if no film can be written to `path`, which the user gave as `option`."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".gif", ".mp4"):
+        message = (
+            f"{option}: expected a file that ends in .gif or .mp4, received {Path(path).name!r}"
+        )
+        raise InputError(message)
+    if suffix == ".mp4":
+        try:
+            from imageio_ffmpeg import get_ffmpeg_exe
+
+            get_ffmpeg_exe()
+        except (ImportError, RuntimeError):
+            message = (
+                f"{option}: an MP4 needs imageio-ffmpeg, which is not there; "
+                "run `pip install 'fefinger[film]'`, or name a file that ends in .gif"
+            )
+            raise InputError(message) from None
+
+
+def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:
+    """Write pictures (h, w, 3) of one size to `path`, under a temporary name until complete."""
+    check(path, "film")
+    final = Path(path)
+    new = final.with_name(f".{final.stem}.new{final.suffix}")
+    try:
+        (_gif if final.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
+        new.replace(final)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:
+    """Write a GIF with one palette for all pictures, so that colors stay the same in time."""
+    from PIL import Image
+
+    every = [Image.fromarray(picture) for picture in pictures]
+    middle = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
+    palette = middle.quantize(colors=255, dither=Image.Dither.NONE)
+    first, *others = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in every]
+    duration = round(1000 / fps)
+    first.save(path, save_all=True, append_images=others, duration=duration, loop=0)
+
+
+def _mp4(path: Path, pictures: Iterable[Picture], fps: float) -> None:
+    """Write an MP4 (H.264) that browsers play; its sides are cut to even numbers of pixels."""
+    from imageio_ffmpeg import write_frames
+
+    writer: Any = None
+    try:
+        for picture in pictures:
+            height, width = (2 * (side // 2) for side in picture.shape[:2])
+            if writer is None:
+                writer = write_frames(str(path), (width, height), fps=fps, macro_block_size=2)
+                writer.send(None)
+            writer.send(np.ascontiguousarray(picture[:height, :width]))
+    finally:
+        if writer is not None:
+            writer.close()

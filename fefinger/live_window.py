@@ -1,0 +1,151 @@
+"""The window of `fefinger live`: half of the finger in space, and the spikes beneath it."""
+
+import os
+import sys
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+from fefinger.finger import Finger
+from fefinger.live import (
+    COLORS,
+    LARGEST_PRESSURE,
+    LARGEST_STRAIN,
+    WINDOW,
+    Frame,
+    Show,
+    compressive,
+    said,
+    section_triangles,
+)
+
+
+Array = NDArray[np.float64]
+
+SIZE = (900, 900)
+BAR: dict[str, Any] = {"color": "black", "height": 0.08, "width": 0.4, "n_labels": 3}
+NOWHERE = np.full(1, -1e3)  # a point beyond the axes: VTK draws no empty series
+
+
+class Window:
+    """The finger seen from below, cut open: pressure on the pad, strain in the section.
+
+    `off_screen` draws the same where there is no display.
+
+    Raises
+    ------
+    InputError
+        Where no window can be opened.
+    """
+
+    def __init__(self, show: Show, *, off_screen: bool = False) -> None:
+        require(off_screen=off_screen)
+        import pyvista as pv
+
+        self.show = show
+        plotter: Any = pv.Plotter(
+            off_screen=off_screen,
+            shape=(2, 1),
+            row_weights=[7, 3],
+            border=False,
+            window_size=list(SIZE),
+        )
+        plotter.set_background("white", all_renderers=True)
+        self.plotter = plotter
+        solid, made = show.rolling.solid, pv.PolyData.from_regular_faces
+        self.pad: Any = made(solid.space.points, np.asarray(solid.pad, int))
+        self.pad["pressure, kPa"] = np.zeros(len(solid.space.points))
+        triangles = np.asarray(section_triangles(show), int)
+        self.section: Any = made(solid.space.points[show.section], triangles)
+        self.section["compressive strain"] = np.zeros(len(show.section))
+        self._add_finger()
+        self._add_chart()
+        self.text = self.plotter.add_text("", color="black", font_size=10, name="said")
+        self.open = True
+        self.plotter.show(interactive_update=True, auto_close=False)
+        if not off_screen:
+            self.plotter.iren.add_observer("ExitEvent", self._close)
+
+    def draw(self, frame: Frame) -> None:
+        """Bring everything up to date, and let the user turn it."""
+        self.pad["pressure, kPa"][self.show.rolling.vertices] = frame.pressure
+        self.section["compressive strain"][:] = compressive(frame.strain)
+        for part in (self.pad, self.section):
+            part.Modified()
+        kinds = np.array(self.show.organs.types)
+        recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]
+        times, units = np.array(recent).reshape(-1, 2).T
+        for kind, series in self.series.items():
+            own = kinds[units.astype(int)] == kind
+            series.update(*((times[own], units[own]) if own.any() else (NOWHERE, NOWHERE)))
+        self.chart.x_range = [frame.time - WINDOW, frame.time + 0.05]
+        self.text.set_text("upper_left", said(frame))
+        self.plotter.update()
+
+    def _add_finger(self) -> None:
+        self.plotter.subplot(0, 0)
+        for part, scalars, top, colors, place in (
+            (self.pad, "pressure, kPa", LARGEST_PRESSURE, "YlOrRd", 0.07),
+            (self.section, "compressive strain", LARGEST_STRAIN, "viridis", 0.53),
+        ):
+            bar = {"title": scalars, "position_x": place, "position_y": 0.03, **BAR}
+            self.plotter.add_mesh(
+                part,
+                scalars=scalars,
+                clim=(0, top),
+                cmap=colors,
+                scalar_bar_args=bar,
+                ambient=0.5,
+            )
+        self.plotter.camera_position = [(0, -26, -32), (-6, 0, 2), (0, 0, 1)]
+        self.plotter.camera.zoom(1.2)
+
+    def _add_chart(self) -> None:
+        import pyvista as pv
+
+        self.plotter.subplot(1, 0)
+        self.chart: Any = pv.Chart2D(x_label="time, s", y_label="unit")
+        self.series = {
+            kind: self.chart.scatter(NOWHERE, NOWHERE, color=color, size=6, style="s", label=kind)
+            for kind, color in COLORS.items()
+        }
+        self.chart.y_range = [-1, len(self.show.organs.types)]
+        self.plotter.add_chart(self.chart)
+        self.plotter.subplot(0, 0)
+
+    def _close(self, *_: object) -> None:
+        self.open = False
+
+
+def watch(finger: Finger) -> Frame:
+    """Show the finger in a window, as fast as it goes, and return the last frame.
+
+    Raises
+    ------
+    InputError
+        Where no window can be opened.
+    """
+    require()
+    show = Show(finger)
+    window = Window(show)
+    for frame in show.frames():
+        window.draw(frame)
+        if not window.open:
+            break
+    return frame
+
+
+def require(*, off_screen: bool = False) -> None:
+    """Raise InputError where VTK cannot draw, or there is no display for a window."""
+    from fefinger.view import renderer_available
+
+    displays = ("DISPLAY", "WAYLAND_DISPLAY")
+    hidden = sys.platform.startswith("linux") and not any(map(os.environ.get, displays))
+    missing = renderer_available()
+    if hidden and not off_screen:
+        missing = "live: expected a display for a window, found none."
+    if missing:
+        message = f"{missing} Record with -o FILE.gif"
+        raise InputError(message)

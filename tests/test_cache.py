@@ -1,0 +1,124 @@
+"""What is kept to be used again: listed, pruned, limited, and safe while it is read."""
+
+import json
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import cache
+from fefinger.__main__ import main
+from fefinger.mechanics import _kept, _operator
+
+
+DAY = 24 * 3600.0
+
+
+@pytest.fixture
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return an empty cache."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / "fefinger"
+
+
+def keep(place: Path, *, days: float, megabytes: float = 1.0) -> Path:
+    """Keep an array that was last used so many days ago."""
+    with cache.appearing(place) as new:
+        np.save(new / "flexibility.npy", np.arange(int(megabytes * 125_000), dtype=float))
+    used = time.time() - days * DAY
+    os.utime(place, (used, used))
+    return place
+
+
+def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
+    assert cache.entries() == ()
+    keep(root / "patches" / "a", days=3)
+    keep(root / "operators" / "b", days=1, megabytes=2)
+    identity = {"parity": "odd", "mesh_file_sha256": "0123456789", "modulus_ratio": 0.5}
+    told = json.dumps(identity | {"poisson": [0.48, 0.5]})
+    (root / "operators" / "b" / "identity.json").write_text(told)
+    operator, patch = cache.entries()
+    assert (operator.kind, patch.kind) == ("operators", "patches")
+    expected = "odd half of mesh 01234567, modulus ratio 0.5, Poisson's ratios 0.48 and 0.5"
+    assert operator.what == expected
+    assert operator.size == pytest.approx(2e6, rel=1e-3)
+    assert time.time() - patch.used == pytest.approx(3 * DAY, abs=60)
+
+
+def test_what_was_not_used_for_days_is_pruned(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, new = keep(root / "patches" / "old", days=40), keep(root / "patches" / "new", days=2)
+    assert main(["cache"]) == 0
+    assert "2 kept, 2 MB" in capsys.readouterr().out
+    assert main(["cache", "--prune", "30", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert [entry["paths"] for entry in record["removed"]] == [[str(old)]]
+    assert [entry["paths"] for entry in record["entries"]] == [[str(new)]]
+    assert main(["cache", "--prune", "0"]) == 0
+    assert "0 kept, 0 MB\n1 removed, 1 MB" in capsys.readouterr().out
+    assert list((root / "patches").iterdir()) == []
+    assert main(["cache", "--prune", "-1"]) == 2
+
+
+def test_a_mesh_goes_with_its_sidecar(root: Path) -> None:
+    (root / "meshes").mkdir(parents=True)
+    for name, text in (("m.vtu", "mesh"), ("m.json", '{"name": "14x10x14-coarse"}')):
+        (root / "meshes" / name).write_text(text)
+    (mesh,) = cache.entries()
+    assert mesh.what == "14x10x14-coarse"
+    assert cache.remove([mesh]) == (mesh,)
+    assert list((root / "meshes").iterdir()) == []
+
+
+def test_who_reads_keeps_what_is_open(root: Path) -> None:
+    place = keep(root / "patches" / "read", days=0)
+    mapped = np.load(place / "flexibility.npy", mmap_mode="r")
+    assert len(cache.remove(cache.entries())) == 1
+    assert not place.exists()
+    assert mapped[-1] == len(mapped) - 1
+
+
+def test_what_is_being_made_is_left_alone_until_it_is_abandoned(root: Path) -> None:
+    with cache.appearing(root / "operators" / "x") as building:
+        (building / "values.npy").write_bytes(b"half")
+        assert cache.unused(0.0) == ()
+        os.utime(building, (0, 0))
+        (entry,) = cache.unused(1e9)
+        assert entry.what == cache.UNFINISHED
+
+
+def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(cache.LIMITS_MB, "patches", 2.5)
+    for days in (3, 1, 2, 0):
+        keep(root / "patches" / f"d{days}", days=days)
+    cache.limit("patches")
+    assert sorted(path.name for path in (root / "patches").iterdir()) == ["d0", "d1"]
+    monkeypatch.setitem(cache.LIMITS_MB, "patches", 0.5)
+    cache.limit("patches")
+    assert [path.name for path in (root / "patches").iterdir()] == ["d0"]
+
+
+def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    built = _operator.operator(finger, half=True)
+    place = _kept.folder(_kept.identity(finger, odd=False))
+    os.utime(place, (0, 0))
+    read = _operator.read
+
+    def late(where: Path, identity: dict) -> object:
+        assert time.time() - where.stat().st_mtime < DAY  # its use is noted before
+        cache.remove(cache.entries())
+        return read(where, identity)
+
+    monkeypatch.setattr(_operator, "read", late)
+    again = _operator.operator(finger, half=True)
+    assert np.array_equal(again.parts[0].compliance.matrix, built.parts[0].compliance.matrix)
+    assert place.is_dir()
