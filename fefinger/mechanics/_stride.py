@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Curve = Callable[[Array], Array]
 
-STRIDES = 10  # steps to the peak of the motion, of equal ways
-PACES = 10  # more of them, of equal times: tissue relaxes in slow corners
+STRIDES = 12  # steps to the peak of the motion, of equal ways
+PACES = 12  # more of them, of equal times: tissue relaxes in slow corners
 REST = 0.5  # a step of a rest, against the time that it has lasted
 STILL = 1e-9  # path against the peak that counts as none
 
