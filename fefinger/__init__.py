@@ -4,14 +4,15 @@
     scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.RampHold(60, 1.5, hold=5))
     result = ff.run(scene)
 
-Names are imported when they are used, so that importing the package costs nothing. Only `run` is
-bound at once: later it would be shadowed by the module of that name.
+Names are imported when they are used, so that importing the package costs nothing. Only `run` and
+`study` are bound at once: later they would be shadowed by the modules of those names.
 """
 
 import importlib
 from typing import TYPE_CHECKING, Any
 
 from fefinger.run import run as run
+from fefinger.study import study as study
 from fefinger.version import VERSION
 
 
@@ -77,7 +78,7 @@ _HOMES = {
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = sorted([*_HOME, "run"])
+__all__ = sorted([*_HOME, "run", "study"])
 
 
 def __getattr__(name: str) -> Any:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fefinger.mesh.record import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Progress, Result
+    from fefinger.study import Study
 
 
 @contextmanager
@@ -179,6 +180,41 @@ def spikes_summary(record: dict[str, Any]) -> str:
 
 def _short(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
+    """Return what `study --json` prints."""
+    return {
+        "scenes": study.scenes,
+        "reused": study.reused,
+        "failed": [{"scene": values, "error": error} for values, error in study.failures],
+        "over": list(study.over),
+        "rows": list(study.rows),
+        "files": files,
+    }
+
+
+STUDY = (
+    *("at", "force_N", "depth_mm", "contact_area_mm2", "peak_pressure_kPa", "shift_distal_mm"),
+    *("asymmetry", "ellipticity", "stiffness_N_per_mm", "spikes"),
+)
+"""Columns of a study that a terminal shows."""
+
+
+def study_summary(record: dict[str, Any]) -> str:
+    """Return the same as text: a table of the main columns, then what failed, then files."""
+    known = {name for row in record["rows"] for name in row}
+    shown = [*record["over"], *(name for name in STUDY if name in known)]
+    told = [row for row in record["rows"] if row["status"] == "done"]
+    rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in told]
+    below = [
+        ("failed", ", ".join(f"{k} = {v}" for k, v in each["scene"].items()), each["error"])
+        for each in record["failed"]
+    ]
+    below += [("file", file, "") for file in record["files"]]
+    done = record["scenes"] - len(record["failed"])
+    said = f"{done} of {record['scenes']} scenes, {record['reused']} of them from before"
+    return "\n".join([table(rows, shown), said, *([table(below)] if below else [])])
 
 
 def validation_summary(record: dict[str, Any]) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger import quantities
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
@@ -45,6 +46,7 @@ STYLE: Any = {
     "svg.hashsalt": "fefinger",
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
+RASTER = 200  # dots per inch of what is no line in an SVG
 SHORT = 0.25  # s: shorter spans are labelled in ms
 
 
@@ -66,7 +68,7 @@ def svg(drawn: Any) -> str:
     """Return the figure as SVG text."""
     buffer = io.StringIO()
     with style():
-        drawn.savefig(buffer, format="svg", metadata={"Date": None})
+        drawn.savefig(buffer, format="svg", metadata={"Date": None}, dpi=RASTER)
     return buffer.getvalue()
 
 
@@ -289,9 +291,10 @@ def pressure_map(result: Result) -> Any:
             pad.triangles[palmar],
             pressure,
             shading="gouraud",
-            cmap="OrRd",
+            cmap=quantities.SKIN_DEEP,
             vmin=0,
             vmax=max(float(pressure.max()), 1e-9),
+            rasterized=True,
         )
         axis.triplot(x, y, pad.triangles[palmar], color=STEEL, linewidth=0.25, alpha=0.5)
         if result.centroid is not None:

@@ -52,8 +52,9 @@ def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:
     from PIL import Image
 
     every = [Image.fromarray(picture) for picture in pictures]
-    middle = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
-    palette = middle.quantize(colors=255, dither=Image.Dither.NONE)
+    some = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
+    # By coverage: rare colors, such as the ends of the color bars, keep their own.
+    palette = some.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     first, *others = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in every]
     duration = round(1000 / fps)
     first.save(path, save_all=True, append_images=others, duration=duration, loop=0)

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, section
+from fefinger import figures, quantities, section
+from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
 
 
@@ -23,15 +24,6 @@ class Raster(NamedTuple):
 
     picture: Any
     extent: tuple[float, float, float, float]
-
-
-class Span(NamedTuple):
-    """Range of the color bar, its map, and which ends values lie beyond."""
-
-    low: float
-    high: float
-    colors: str
-    extend: str
 
 
 @dataclass(frozen=True)
@@ -49,7 +41,7 @@ class Medial:
     bone: Integers
     values: Array
     outlines: Integers
-    span: Span
+    span: quantities.Span
     indenter: Array
     organs: list[tuple[Array, str, str, bool]]
     field: str
@@ -62,23 +54,11 @@ class Medial:
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
 
 
-def span(values: Array, field: str) -> Span:
-    """Return the color range of a field: without the highest half percent, which sits at edges."""
-    if section.signed(field):
-        top = max(float(np.percentile(np.abs(values), 99.5)), 1e-12)
-        return Span(-top, top, "RdBu_r", "both")
-    if field == "pressure":
-        return Span(0.0, max(float(values.max()), 1e-12), "OrRd", "neither")
-    top = max(float(np.percentile(values, 99.5)), 1e-12)
-    return Span(0.0, top, "viridis", "max" if values.max() > top else "neither")
-
-
 def medial(result: Result, field: str, frame: int) -> Medial:
     """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
-    fields = result.fields
-    assert fields is not None
+    fields = quantities.fields_of(result)
     cut = section.cut(fields.points, fields.cells, fields.region)
-    values = cut.at(section.values(fields, field, frame))
+    values = cut.at(quantities.values(result, field, frame))
     rest, moved = cut.at(fields.points), cut.at(fields.displacement[frame])
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
@@ -90,7 +70,7 @@ def medial(result: Result, field: str, frame: int) -> Medial:
         bone=cut.triangles[~soft],
         values=values,
         outlines=cut.outlines(),
-        span=span(values[np.unique(cut.triangles[soft])], field),
+        span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
         indenter=section.pose(result, depth).outline(30.0),
         organs=_organs(result, rest, moved),
         field=field,
@@ -124,7 +104,12 @@ def draw(cut: Medial, raster: Raster | None = None) -> Any:
             _draw_section(axis, cut, raster)
             axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
         whole.set(xlim=(x0, x1), ylim=(z0, z1), title=f"medial section, {cut.title}")
-        center = cut.indenter.mean(axis=0) if not cut.organs else cut.organs[0][0]
+        center = cut.indenter.mean(axis=0)
+        if cut.organs:
+            many = len(cut.organs) > FEW
+            center = np.mean(
+                [organ[0] for organ in (cut.organs if many else cut.organs[:1])], axis=0
+            )
         close.set(
             xlim=(center[0] - CLOSE, center[0] + CLOSE),
             ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
@@ -151,6 +136,7 @@ def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
             cmap=cut.span.colors,
             vmin=cut.span.low,
             vmax=cut.span.high,
+            rasterized=True,
         )
     else:
         axis.imshow(raster.picture, extent=raster.extent, interpolation="bilinear")
@@ -165,7 +151,9 @@ def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
 
 
 def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
-    """Mark the end organs; their labels stand in a column beside the close view's marks."""
+    """Mark the end organs; labels of a few stand in a column beside the close view's marks."""
+    if len(cut.organs) > FEW:
+        return _draw_population(whole, close, cut)
     ordered = sorted(cut.organs, key=lambda organ: -organ[0][1])
     for row, (place, label, color, inside) in enumerate(ordered):
         face = color if inside else "none"
@@ -174,7 +162,7 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
         close.annotate(
             label,
             place,
-            xytext=(0.74, 0.36 - 0.088 * row),
+            xytext=(0.69, 0.36 - 0.088 * row),
             textcoords="axes fraction",
             va="center",
             color=color,
@@ -191,10 +179,21 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
         )
 
 
+def _draw_population(whole: Any, close: Any, cut: Medial) -> None:
+    """Mark those of many end organs that lie in the section, and name the types."""
+    for kind, color in figures.COLORS.items():
+        places = [p for p, name, _, inside in cut.organs if inside and name.split()[0] == kind]
+        for axis, size in ((whole, 3), (close, 5)):
+            axis.plot(*np.reshape(places, (-1, 2)).T, "o", ms=size, mfc=color, mec="white",
+                      mew=0.6, ls="", zorder=5, label=kind if places else "_")  # fmt: skip
+    close.legend(loc="lower right", framealpha=0.9, frameon=True)
+
+
 def _draw_bar(drawn: Any, axis: Any, cut: Medial) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     bar = ScalarMappable(Normalize(cut.span.low, cut.span.high), cut.span.colors)
-    label = f"{cut.field} / {section.unit(cut.field)}"
-    drawn.colorbar(bar, ax=axis, label=label, shrink=0.85, extend=cut.span.extend)
+    drawn.colorbar(
+        bar, ax=axis, label=quantities.label(cut.field), shrink=0.85, extend=cut.span.extend
+    )

@@ -8,16 +8,29 @@ from typing import Any
 from fefinger import figures
 
 
+TEMPLATES = "fefinger.templates"
+
+
 def render(template: str, **values: Any) -> str:
     """Return the page that a file of `templates/` makes of `values`, with the style sheet in it."""
     from jinja2 import Environment
-    from markupsafe import Markup
 
-    folder = resources.files("fefinger.templates")
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"percent": _percent, "number": _number}
-    page = environment.from_string((folder / template).read_text("utf-8"))
-    return page.render(css=Markup((folder / "report.css").read_text("utf-8")), **values)
+    page = environment.from_string(resources.files(TEMPLATES).joinpath(template).read_text("utf-8"))
+    return page.render(css=source("report.css"), **values)
+
+
+def source(name: str) -> str:
+    """Return a file of `templates/` that goes into a page as it is."""
+    return raw(resources.files(TEMPLATES).joinpath(name).read_text("utf-8"))
+
+
+def raw(text: str) -> str:
+    """Return text that goes into a page as it is: the caller vouches for it."""
+    from markupsafe import Markup
+
+    return Markup(text)
 
 
 def svg(drawn: Any) -> str:

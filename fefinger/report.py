@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, figures_units, page, section, view
+from fefinger import figures, figures_units, page, quantities, section, view
 from fefinger.neural.trains import FEW
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
@@ -37,6 +37,7 @@ def write(result: Result, path: str | PathLike[str]) -> None:
         answer=answer(result),
         touch=_touch(result),
         tiles=list(_tiles(result)),
+        files=list(_files(result)),
         warnings=_warnings(result),
         parts=list(_parts(result)),
         units=list(_units(result)),
@@ -120,20 +121,34 @@ def _turned(roll: float) -> str:
 
 
 def _tiles(result: Result) -> Iterator[dict[str, str]]:
-    """Give the numbers that stand on top."""
+    """Give the numbers that stand on top, each with its unit and the file that it is from."""
     if result.force is not None:
-        yield {"name": "peak force", "value": f"{np.max(result.force):.3g} N"}
-    yield {"name": "largest depth", "value": f"{np.max(result.depth):.3g} mm"}
+        yield _tile("peak force", f"{np.max(result.force):.3g} N", "result.nc: force")
+    yield _tile("largest depth", f"{np.max(result.depth):.3g} mm", "result.nc: depth")
     if result.contact_area is not None:
         value = f"{np.nanmax(result.contact_area):.3g} mm²"
-        yield {"name": "largest contact area", "value": value}
+        yield _tile("largest contact area", value, "result.nc: contact_area")
     if result.pressure is not None:
-        yield {"name": "highest pressure", "value": f"{np.max(result.pressure):.3g} kPa"}
+        value = f"{np.max(result.pressure):.3g} kPa"
+        yield _tile("highest pressure", value, "result.nc: pressure")
     if result.spikes is not None:
         total = str(int(result.spikes.count().sum()))
-        yield {"name": f"spikes of {len(result.spikes)} units", "value": total}
+        yield _tile(f"spikes of {len(result.spikes)} units", total, "spikes.csv")
     total_time = sum(result.seconds.values())
-    yield {"name": f"run time, {result.plan.mechanics}", "value": f"{total_time:.3g} s"}
+    yield _tile(f"run time, {result.plan.mechanics}", f"{total_time:.3g} s", "stages below")
+
+
+def _tile(name: str, value: str, source: str) -> dict[str, str]:
+    return {"name": name, "value": value, "source": source}
+
+
+def _files(result: Result) -> Iterator[tuple[str, str]]:
+    """Give the files beside the report, and what each holds."""
+    yield "result.nc", "every array with its unit, the scene and the plan (netCDF)"
+    if result.fields is not None:
+        yield "result.vtkhdf", "displacement, strain and pressure on the mesh (ParaView, PyVista)"
+    if result.spikes is not None:
+        yield "spikes.csv", "one row per spike: unit, type, place in mm, time in s"
 
 
 def _warnings(result: Result) -> list[str]:
@@ -164,9 +179,8 @@ def _parts(result: Result) -> Iterator[dict[str, Any]]:
             "The contact pressure at the largest force, looking at the pad along its z axis; "
             "lines are the mesh."
         )
-        map_ = page.png(figures.png(figures.pressure_map(result)))
-        yield {"key": "pressure", "title": "Pressure on the pad", "text": text, "narrow": True,
-               "picture": map_}  # fmt: skip
+        part = _part("pressure", "Pressure on the pad", text, figures.pressure_map(result))
+        yield part | {"narrow": True}
     if result.contact_area is not None or result.centroid is not None:
         text = "How much of the pad touches, and where the pressure is centered."
         yield _part("contact", "Contact area and centroid", text, figures.contact(result))
@@ -220,19 +234,23 @@ def _section(result: Result) -> dict[str, Any]:
         "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
     pictures = []
+    drawn, missing = view.section_figure(result)
+    if missing:
+        text = f"{text} {missing}"
+    else:
+        for field in ("pressure", quantities.DEFAULT):
+            source = page.png(_screenshot(result, field))
+            pictures.append({"source": source, "caption": _caption(result, field)})
+    title = "A section through the finger"
+    return _part("section", title, text, drawn) | {"pictures": pictures}
+
+
+def _screenshot(result: Result, field: str) -> bytes:
+    """Return the view in space as the bytes of a PNG file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "picture.png")
-        missing = view.section_png(result, path)
-        cut = page.png(path.read_bytes())
-        if missing:
-            text = f"{text} {missing}"
-        else:
-            for field in ("pressure", view.DEFAULT):
-                view.screenshot(result, path, field)
-                source = page.png(path.read_bytes())
-                pictures.append({"source": source, "caption": _caption(result, field)})
-    title = "A section through the finger"
-    return {"key": "section", "title": title, "text": text, "picture": cut, "pictures": pictures}
+        view.screenshot(result, path, field)
+        return path.read_bytes()
 
 
 def _caption(result: Result, field: str) -> str:

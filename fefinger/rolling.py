@@ -68,10 +68,8 @@ class Rolling:
         self.sites, self.angles = sites, (min(angles), max(angles))
         solid = self.solid = _operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
-        places = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(
-            -1, 2
-        )
-        self._outline = places[ConvexHull(places).vertices]
+        skin = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(-1, 2)
+        self._outline = skin[ConvexHull(skin).vertices]
         every = [
             patch(solid.space, solid.pad, solid.normals, Obstacle(axis, np.zeros(3)), np.inf)
             for axis in np.eye(3)[list(PLANE)]

@@ -1,4 +1,4 @@
-"""What pictures of a finger need and no drawing library knows: fields by name, cuts, the indenter.
+"""What pictures of a finger need and no drawing library knows: mirror images, cuts, the indenter.
 
 numpy only, so that a picture of the medial section exists where no renderer does.
 """
@@ -9,61 +9,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import choice
 from fefinger.profiles import Ellipsoid, Profile
 from fefinger.records import Array, Fields, Integers, Result
 from fefinger.scene import Flat, Grating, Relief
 
 
 BONE = 3  # the region of rigid bone, which has no field of its own
-COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-FIELDS = (
-    "compressive strain",
-    "tensile strain",
-    "von Mises strain",
-    *(f"strain {component}" for component in COMPONENTS),
-    "pressure",
-    "displacement",
-)
 SNAP = 1e-3  # of an edge
 STANDARD = (30.0, 0.0)  # angle and tilt of the plate that touches at the origin
 SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-
-
-def unit(field: str) -> str:
-    """Return the unit in which pictures show a field; strains are shown in percent."""
-    return {"pressure": "kPa", "displacement": "mm"}.get(field, "%")
-
-
-def signed(field: str) -> bool:
-    """Return whether a field has both signs."""
-    return field in FIELDS and field.removeprefix("strain ") in COMPONENTS
-
-
-def values(fields: Fields, field: str, frame: int) -> Array:
-    """Return a field at the points (n_points,) in `unit(field)`; InputError if it is unknown."""
-    choice("field", field, FIELDS)
-    if field == "pressure":
-        return fields.pressure[frame]
-    if field == "displacement":
-        return np.asarray(np.linalg.norm(fields.displacement[frame], axis=1))
-    strain = 100.0 * fields.strain[frame]
-    if signed(field):
-        return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
-    principal = np.linalg.eigvalsh(tensors(strain))
-    if field == "compressive strain":
-        return np.asarray(np.maximum(0.0, -principal[:, 0]))
-    if field == "tensile strain":
-        return np.asarray(np.maximum(0.0, principal[:, 2]))
-    deviator = principal - principal.mean(axis=1, keepdims=True)
-    return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=1)))
-
-
-def tensors(six: Array) -> Array:
-    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
-    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
 
 
 def nearest_frame(fields: Fields, time: float) -> int:

@@ -19,26 +19,36 @@ Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
 
+WIDE = 1.7
+"""Width over height from which a figure gets the whole width of the page."""
+
+
 def save(
-    record: dict[str, Any], folder: Path, figures: Figures, provenance: Mapping[str, Any]
+    record: dict[str, Any],
+    folder: Path,
+    figures: Figures,
+    provenance: Mapping[str, Any],
+    name: str = "validation",
 ) -> None:
-    """Write `validation.json` and `validation.html` into a folder that exists.
+    """Write `validation.json` and `validation.html` (or of another `name`) into a folder.
 
     `record` is what `validation.suites.as_json` returns; `provenance` maps names to texts or to
     tables of texts.
     """
     texts = {
-        "validation.html": html(record, figures, provenance),
-        "validation.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
+        f"{name}.html": html(record, figures, provenance, data=f"{name}.json"),
+        f"{name}.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
     }
-    for name, text in texts.items():
-        new = folder / f".{name}.new"
+    for file, text in texts.items():
+        new = folder / f".{file}.new"
         new.write_text(text, encoding="utf-8")
-        new.replace(folder / name)
+        new.replace(folder / file)
 
 
-def html(record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any]) -> str:
-    """Return the page on `record`, with the figures of its suites."""
+def html(
+    record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any], *, data: str = ""
+) -> str:
+    """Return the page on `record`, with the figures of its suites; `data` is the file beside it."""
     suites = [_suite(suite, figures.get(suite["suite"], ())) for suite in record["suites"]]
     total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
     return page.render(
@@ -48,6 +58,7 @@ def html(record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any]
         total=total,
         suites=suites,
         provenance=list(page.flat(provenance)),
+        data=data,
     )
 
 
@@ -69,8 +80,13 @@ def _suite(suite: dict[str, Any], figures: Sequence[tuple[str, Any]]) -> dict[st
         "name": suite["suite"],
         "counts": {key: verdicts.count(key) for key in VERDICTS},
         "rows": list(_rows(cases)),
-        "figures": [{"caption": text, "source": page.svg(drawn)} for text, drawn in figures],
+        "figures": [_figure(text, drawn) for text, drawn in figures],
     }
+
+
+def _figure(caption: str, drawn: Any) -> dict[str, Any]:
+    width, height = drawn.get_size_inches()
+    return {"caption": caption, "source": page.svg(drawn), "wide": width >= WIDE * height}
 
 
 def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -172,7 +172,14 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
 
 def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_path):
     suites = pytest.importorskip("fefinger.validation.suites")
-    cases = {"name": "n", "value": 1.0, "expected": 1.0, "tolerance": 0.1, "unit": "N"}
+    cases = {
+        "name": "n",
+        "value": 1.0,
+        "expected": 1.0,
+        "tolerance": 0.1,
+        "unit": "N",
+        "failure": "",
+    }
 
     def outcome(verdict):
         return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
@@ -202,7 +209,7 @@ def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     assert main([*command, "--field", "pressure", "--time", "0.5"]) == 0
     (((_, path), options),) = drawn
     assert path == picture
-    assert options == {"field": "pressure", "time": 0.5}
+    assert options == {"field": "pressure", "time": 0.5, "limits": None}
     assert main([*command, "--time", "99"]) == 2
     assert "--time: expected a finite number s at least 0 and at most 5" in capsys.readouterr().err
 

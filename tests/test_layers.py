@@ -35,6 +35,10 @@ STRANGERS = {
         ("fefinger.page", "fefinger.validation_report"),
         ("fefinger.fem", "fefinger.mechanics", "fefinger.theory", "fefinger.validation"),
     ),
+    **dict.fromkeys(
+        ("fefinger.study_report", "fefinger.study_figures"),
+        ("fefinger.fem", "fefinger.mechanics", "fefinger.mesh"),
+    ),
     "fefinger.scene": ("fefinger.mechanics", "fefinger.fem", "fefinger.mesh", "fefinger.records"),
     "fefinger.mesh": ("fefinger.fem", "fefinger.mechanics", "fefinger.neural", "fefinger.records"),
     "fefinger.records": ("fefinger.fem", "fefinger.mechanics", "fefinger.mesh"),
@@ -59,6 +63,7 @@ HEAVY = (
 LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.console", "fefinger.scenes", "fefinger.scene"),
     *("fefinger.records", "fefinger.plan", "fefinger.run", "fefinger.mechanics.linear"),
+    *("fefinger.study", "fefinger.study_tasks", "fefinger.study_workers"),
     "fefinger.mechanics.condensed",
     "fefinger.mechanics.hertz",
     "fefinger.mechanics.layered",

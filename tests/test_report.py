@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fefinger import figures, report, view
+from fefinger import figures, report
 from fefinger.records import Result, Rung
 from fefinger.scene import Ramp, RampHold, RampSinusoid, Scene
+from fefinger.view import renderer
 
 
 def page(result: Result, folder: Path) -> str:
@@ -25,7 +26,7 @@ def sections(html: str) -> list[str]:
 @pytest.fixture(autouse=True)
 def plain_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw without a renderer: the pictures of view have their own tests."""
-    monkeypatch.setattr(view, "renderer_available", lambda: "No renderer (said in the test).")
+    monkeypatch.setattr(renderer, "renderer_available", lambda: "No renderer (said in the test).")
 
 
 def test_a_full_report_has_every_section_and_stands_alone(
@@ -34,9 +35,10 @@ def test_a_full_report_has_every_section_and_stands_alone(
     html = page(synthetic, tmp_path)
     parts = ["force", "pressure", "contact", "section", "strain", "current", "spikes"]
     assert sections(html) == [*parts, "plan", "limits", "files", "provenance"]
-    sources = re.findall(r'(?:src|href)="([^"]*)"', html)
+    sources = re.findall(r'src="([^"]*)"', html)
     assert len(sources) == 8
-    assert all(source.startswith("data:image/") for source in sources)
+    assert all(source.startswith("data:image/svg+xml;") for source in sources)
+    assert set(re.findall(r'href="([^"]*)"', html)) == {"result.nc", "result.vtkhdf", "spikes.csv"}
     for text in (
         "No renderer (said in the test).",
         "Run in spite of a refusal about accuracy: depth / half thickness = 0.3 &gt; 0.2",

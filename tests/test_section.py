@@ -1,4 +1,4 @@
-"""What the pictures show: fields by name, mirror images, cuts and indenters."""
+"""What the pictures show: mirror images, cuts and indenters."""
 
 import dataclasses
 
@@ -6,59 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import section
-from fefinger.checks import InputError
-from fefinger.records import Fields, Result
+from fefinger import quantities, section
+from fefinger.records import Result
 from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
-
-
-def one_point(strain: NDArray[np.float64]) -> Fields:
-    """Return fields of one point with a strain tensor (3, 3), 3-4-12 displacement, 7 kPa."""
-    six = strain[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
-    return Fields(
-        points=np.zeros((1, 3)),
-        cells=np.zeros((1, 4), np.int64),
-        region=np.ones(1, np.int8),
-        times=np.zeros(1),
-        displacement=np.array([[[3.0, 4.0, 12.0]]]),
-        strain=six[None, None],
-        pressure=np.array([[7.0]]),
-    )
-
-
-STRETCH = np.array([[0.02, 0.03, 0.05], [0.03, -0.04, 0.07], [0.05, 0.07, 0.01]])
-
-
-@pytest.mark.parametrize(
-    ("field", "strain", "expected"),
-    [
-        ("compressive strain", np.diag([0.1, -0.3, 0.2]), 30.0),
-        ("compressive strain", np.diag([0.1, 0.3, 0.2]), 0.0),
-        ("tensile strain", np.diag([0.1, -0.3, 0.2]), 20.0),
-        ("von Mises strain", np.diag([0.2, -0.1, -0.1]), 20.0),
-        ("displacement", np.eye(3), 13.0),
-        ("pressure", np.eye(3), 7.0),
-        ("strain xx", STRETCH, 2.0),
-        ("strain yy", STRETCH, -4.0),
-        ("strain zz", STRETCH, 1.0),
-        ("strain xy", STRETCH, 3.0),
-        ("strain yz", STRETCH, 7.0),
-        ("strain xz", STRETCH, 5.0),
-    ],
-)
-def test_fields_by_name(field: str, strain: NDArray[np.float64], expected: float) -> None:
-    assert section.values(one_point(strain), field, 0) == pytest.approx([expected], abs=1e-12)
-
-
-def test_an_unknown_field_gets_the_nearest_name() -> None:
-    with pytest.raises(InputError, match=r"Did you mean 'compressive strain'\?"):
-        section.values(one_point(np.eye(3)), "compresive strain", 0)
-
-
-def test_principal_strains_do_not_change_with_the_frame() -> None:
-    turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
-    turned = turn @ np.diag([0.1, -0.3, 0.2]) @ turn.T
-    assert section.values(one_point(turned), "compressive strain", 0) == pytest.approx([30.0])
 
 
 def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) -> None:
@@ -72,7 +22,7 @@ def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) ->
     u = both.displacement[1]
     gradient = -2 * u[:, :, None] * both.points[:, None, :] / 25
     expected = (gradient + gradient.transpose(0, 2, 1)) / 2
-    np.testing.assert_allclose(section.tensors(both.strain[1]), expected, atol=1e-12)
+    np.testing.assert_allclose(quantities.tensors(both.strain[1]), expected, atol=1e-12)
     a, b, c, d = both.points[both.cells].transpose(1, 0, 2)
     assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) > 0).all()
 

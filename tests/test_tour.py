@@ -1,12 +1,16 @@
 """The tour: what the README shows is what a newcomer gets."""
 
+import json
 import re
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
+from PIL import Image
 
 import fefinger as ff
-from fefinger import scenes
+from fefinger import scenes, view
 from fefinger.__main__ import main
 
 
@@ -69,3 +73,59 @@ def test_every_command_of_the_readme_is_one(capsys: pytest.CaptureFixture[str]) 
 def test_every_built_in_scene_can_be_answered(name: str) -> None:
     plan = ff.explain(scenes.load(name))
     assert not plan.chosen.refusals
+
+
+def test_the_tour_a_press_and_its_strain_field_in_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Press a finger, look at its strain: the section in the report, a picture, a page."""
+    monkeypatch.chdir(tmp_path)
+    coarse = ["--set", "finger.resolution=coarse", "--set", "motion.hold=0.1"]
+    assert main(["run", "flat-press", *coarse, "-o", "out"]) == 0
+    report = Path("out/report.html").read_text(encoding="utf-8")
+    assert 'id="section"' in report
+    assert main(["view", "out", "--field", "tensile strain", "--html", "strain.html"]) == 0
+    page = Path("strain.html").read_text(encoding="utf-8")
+    assert "flat-press, condensed (small strain)" in page
+    if not view.renderer_available():
+        assert main(["view", "out", "--field", "pressure", "--screenshot", "pad.png"]) == 0
+        with Image.open("pad.png") as picture:
+            assert np.ptp(np.asarray(picture)) > 100
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_the_tour_validation_gives_a_page_that_says_what_was_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Measure the quick cases of a suite, and read the verdicts in its page and its data."""
+    from fefinger.validation import neural, suites
+
+    few = tuple(neural.cases(quick=True))[:3]
+    monkeypatch.setattr(suites, "cases", lambda suite, *, quick: few)
+    monkeypatch.setattr(suites, "figures", lambda names: {})
+    assert main(["validate", "neural", "--quick", "-o", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "validation.json").read_text(encoding="utf-8"))
+    verdicts = [case["verdict"] for case in found["suites"][0]["cases"]]
+    assert len(verdicts) == 3
+    assert set(verdicts) <= {"pass", "documented"}
+    page = (tmp_path / "validation.html").read_text(encoding="utf-8")
+    assert f"Of 3 comparisons {verdicts.count('pass')} pass." in page
+    assert '<a href="validation.json">' in page
+
+
+def test_the_tour_a_study_of_the_contact_angle(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Press at three angles of one mesh; read area and asymmetry from the table and the page."""
+    asked = ["finger.resolution=coarse", "motion.hold=0.05", "motion.depth=0.8", "ask.spikes=[]"]
+    changes = [word for change in asked for word in ("--set", change)]
+    grid = ["--over", "indenter.angle=26:34:3", "--workers", "1"]
+    assert main(["study", "flat-press", *grid, *changes, "-o", str(tmp_path)]) == 0
+    assert "3 of 3 scenes" in capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "table.csv")
+    peak = table[table["at"] == "peak"]
+    assert peak["indenter.angle_deg"].tolist() == [26, 30, 34]
+    assert (peak["contact_area_mm2"] > 0).all()
+    assert (peak["asymmetry"].abs() < 1).all()
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert '<a href="table.csv">' in page

@@ -7,11 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from fefinger import section, view
+from fefinger import films, quantities, section, view
+from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Result
+from fefinger.view import pictures, renderer, stage, window
+from fefinger.view.subject import colors, subject
 
 
 needs_renderer = pytest.mark.skipif(
@@ -23,9 +27,16 @@ needs_renderer = pytest.mark.skipif(
 def no_renderer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Make the probe end as VTK does where there is no renderer: by a crash of the process."""
     view.renderer_available.cache_clear()
-    monkeypatch.setattr(view, "PROBE", "import os; os.abort()")
+    monkeypatch.setattr(renderer, "PROBE", "import os; os.abort()")
     yield
     view.renderer_available.cache_clear()
+
+
+@pytest.fixture
+def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
+    """Let `fefinger view` find the synthetic result in every folder."""
+    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    return synthetic
 
 
 def picture(path: Path) -> Any:
@@ -33,6 +44,11 @@ def picture(path: Path) -> Any:
     from matplotlib.image import imread
 
     return imread(path)[..., :3]
+
+
+def without_fields(result: Result) -> Result:
+    response = dataclasses.replace(result.response, fields=None)
+    return dataclasses.replace(result, response=response)
 
 
 def test_a_crash_of_the_probe_becomes_a_sentence_with_the_packages(no_renderer: None) -> None:
@@ -47,14 +63,22 @@ def test_without_a_renderer_the_section_is_drawn_and_the_reason_told(
     assert np.ptp(picture(tmp_path / "a.png")) > 0.5
 
 
-@pytest.mark.parametrize("draw", [view.screenshot, view.show])
+@pytest.mark.parametrize("draw", [view.screenshot, view.movie, view.show])
 def test_without_a_renderer_views_in_space_are_refused(
     synthetic: Result, tmp_path: Path, no_renderer: None, draw: Callable[..., Any]
 ) -> None:
-    arguments = (tmp_path / "a.png",) if draw is view.screenshot else ()
-    with pytest.raises(InputError, match="libosmesa6"):
+    arguments = () if draw is view.show else (tmp_path / "a.gif",)
+    with pytest.raises(InputError, match=r"libosmesa6.*`fefinger view DIR --html FILE` works"):
         draw(synthetic, *arguments)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_renderer_the_command_ends_with_the_sentence(
+    saved: Result, tmp_path: Path, no_renderer: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["view", "out", "--screenshot", str(tmp_path / "a.png")]) == 2
+    assert "No renderer for three-dimensional pictures was found" in capsys.readouterr().err
+    assert main(["view", "out", "--html", str(tmp_path / "a.html")]) == 0
 
 
 @needs_renderer
@@ -62,7 +86,7 @@ def test_a_rendered_section_looks_like_the_one_of_matplotlib(
     synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert view.section_png(synthetic, tmp_path / "a.png", field="strain zz", time=5.0) is None
-    monkeypatch.setattr(view, "renderer_available", lambda: "none")
+    monkeypatch.setattr(renderer, "renderer_available", lambda: "none")
     assert view.section_png(synthetic, tmp_path / "b.png", field="strain zz", time=5.0) == "none"
     rendered, plain = picture(tmp_path / "a.png"), picture(tmp_path / "b.png")
     assert rendered.shape == plain.shape
@@ -74,15 +98,158 @@ def test_a_rendered_section_looks_like_the_one_of_matplotlib(
 def test_a_view_in_space_shows_something(synthetic: Result, tmp_path: Path, field: str) -> None:
     view.screenshot(synthetic, tmp_path / "a.png", field, 0.0)
     drawn = picture(tmp_path / "a.png")
-    assert drawn.shape == (view.SIZE[1], view.SIZE[0], 3)
+    assert drawn.shape == (pictures.SIZE[1], pictures.SIZE[0], 3)
     assert 0.05 < (drawn.min(axis=2) < 0.98).mean() < 0.9
+
+
+@needs_renderer
+def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_path: Path) -> None:
+    both = [subject(result, "tensile strain") for result in (synthetic, weaker)]
+    strong, weak = (colors([each], "tensile strain") for each in both)
+    assert weak.high < 0.6 * strong.high
+    assert colors(both, "tensile strain") == strong
+    plotter = renderer.plotter((400, 200), 2)
+    stages = pictures.compose(plotter, [synthetic, weaker], "tensile strain")
+    assert [each.scales.field for each in stages] == [strong, strong]
+    assert next(iter(plotter.scalar_bars.keys())).split() == ["tensile", "strain", "/", "%"]
+    plotter.close()
+    view.screenshot([synthetic, weaker], tmp_path / "a.png", "tensile strain", limits=(0, 3))
+    assert picture(tmp_path / "a.png").shape[1] == 2 * pictures.SIZE[0]
+
+
+@pytest.fixture
+def weaker(synthetic: Result) -> Result:
+    """Return the synthetic result with half of the strain."""
+    assert synthetic.fields is not None
+    fields = dataclasses.replace(synthetic.fields, strain=0.5 * synthetic.fields.strain)
+    return dataclasses.replace(
+        synthetic, response=dataclasses.replace(synthetic.response, fields=fields)
+    )
+
+
+@pytest.fixture
+def controls(synthetic: Result) -> Iterator[window.Controls]:
+    """Return the window's controls on an off-screen plotter."""
+    plotter = renderer.plotter((300, 200))
+    yield window.Controls(plotter, [synthetic], "compressive strain")
+    plotter.close()
+
+
+def surface(controls: window.Controls, part: str) -> Any:
+    """Return the first actor that needs a part."""
+    return next(prop.actor for prop in controls.stages[0].props if part in prop.needs)
+
+
+@needs_renderer
+def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
+    synthetic: Result, controls: window.Controls
+) -> None:
+    fields = synthetic.fields
+    assert fields is not None
+    depths = np.interp(fields.times, synthetic.time, synthetic.depth)
+    axis = section.pose(synthetic, 0.0).axis
+    seen = []
+    for number, depth in zip((1, 2, 3), depths, strict=True):
+        controls.step(number)
+        mesh = surface(controls, "subcutaneous tissue").mapper.dataset
+        seen.append((mesh.points.copy(), mesh["field"].copy()))
+        assert controls.time == fields.times[number - 1]
+        assert f"t = {controls.time:.4g} s" in controls.stages[0].words()
+        assert surface(controls, "indenter").position == pytest.approx(depth * axis)
+    piece = next(p for p in controls.stages[0].shown.surfaces if p.name == "subcutaneous tissue")
+    for frame, (points, values) in enumerate(seen):
+        moved = fields.points + fields.displacement[frame]
+        np.testing.assert_allclose(points, piece.at(moved), atol=1e-5)
+        expected = piece.at(quantities.values(synthetic, "compressive strain", frame))
+        np.testing.assert_allclose(values, expected, atol=1e-4)
+    controls.step(99)
+    assert controls.time == fields.times[-1]
+
+
+@needs_renderer
+def test_every_box_hides_its_part_and_brings_it_back(controls: window.Controls) -> None:
+    first = controls.stages[0]
+    assert first.parts == [part for part in stage.PARTS if part != "bone"]
+    for part in first.parts:
+        controls.toggle(part, False)
+        hidden = [prop for prop in first.props if part in prop.needs]
+        assert hidden
+        assert not any(prop.actor.GetVisibility() for prop in hidden)
+        controls.toggle(part, True)
+        assert all(prop.actor.GetVisibility() for prop in hidden if prop.without is None)
+    with pytest.raises(InputError, match="part: expected one of 'skin'"):
+        first.show("nail", False)
+
+
+@needs_renderer
+def test_pad_and_end_organs_are_colored_by_one_thing_at_a_time(controls: window.Controls) -> None:
+    instead = [prop for prop in controls.stages[0].props if prop.without is not None]
+    assert {prop.without for prop in instead} == {"pressure", "rates"}
+    assert not any(prop.actor.GetVisibility() for prop in instead)
+    controls.toggle("pressure", False)
+    controls.toggle("rates", False)
+    assert all(prop.actor.GetVisibility() for prop in instead)
+
+
+@needs_renderer
+def test_end_organs_have_the_rate_of_their_units(
+    synthetic: Result, controls: window.Controls
+) -> None:
+    controls.move(2.5)
+    time = float(controls.stages[0].shown.fields.times[controls.stages[0].frame])
+    actor = next(p.actor for p in controls.stages[0].props if p.needs == ("end organs", "rates"))
+    rates = actor.mapper.dataset["rate"].reshape(4, -1)
+    assert synthetic.spikes is not None
+    expected = [float(synthetic.spikes.rate(unit, time)) for unit in range(4)]
+    assert expected[0] == pytest.approx(20.0)
+    np.testing.assert_allclose(rates, np.tile(expected, (rates.shape[1], 1)).T)
+
+
+@needs_renderer
+def test_another_field_keeps_time_and_hidden_parts(controls: window.Controls) -> None:
+    controls.step(1)
+    controls.toggle("indenter", False)
+    controls.color("strain xz")
+    (now,) = controls.stages
+    assert (now.field, now.frame) == ("strain xz", 0)
+    assert not surface(controls, "indenter").GetVisibility()
+    assert next(title.split()[1] for title in controls.plotter.scalar_bars.keys()) == "xz"
+    controls.color("pressure")
+    assert controls.stages[0].shown.whole
+    controls.add_widgets()
+
+
+@needs_renderer
+def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path) -> None:
+    view.movie(synthetic, tmp_path / "a.gif", "pressure")
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames >= 3
+        assert film.size == pictures.SIZE
+    assert [path.name for path in tmp_path.iterdir()] == ["a.gif"]
+
+
+def test_an_mp4_needs_its_extra(
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match=r"pip install 'fefinger\[film\]'`, or .*\.gif"):
+        view.movie(synthetic, tmp_path / "a.mp4")
+    with pytest.raises(InputError, match=r"ends in \.gif or \.mp4, received 'a\.avi'"):
+        view.movie(synthetic, tmp_path / "a.avi")
+
+
+def test_an_mp4_plays(tmp_path: Path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    shades = (np.full((33, 47, 3), shade, np.uint8) for shade in range(0, 250, 25))
+    films.write(tmp_path / "a.mp4", shades, 8)
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
 
 
 @needs_renderer
 def test_without_a_display_the_window_is_refused(
     synthetic: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(view, "_has_display", lambda: False)
+    monkeypatch.setattr(renderer, "has_display", lambda: False)
     with pytest.raises(InputError, match="--screenshot"):
         view.show(synthetic)
 
@@ -106,17 +273,39 @@ def test_a_mesh_is_drawn_cut_open(synthetic: Result, tmp_path: Path) -> None:
     assert (picture(tmp_path / "a.png").min(axis=2) < 0.98).mean() > 0.05
 
 
-def test_an_unknown_field_is_refused_with_the_nearest(synthetic: Result, tmp_path: Path) -> None:
+@pytest.mark.parametrize("draw", [view.section_png, view.screenshot])
+def test_what_cannot_be_shown_is_refused_in_a_sentence(
+    synthetic: Result, tmp_path: Path, draw: Callable[..., Any]
+) -> None:
     with pytest.raises(InputError, match="Did you mean 'pressure'"):
-        view.section_png(synthetic, tmp_path / "a.png", field="presure")
-
-
-def test_a_result_without_fields_is_refused(synthetic: Result, tmp_path: Path) -> None:
-    response = dataclasses.replace(synthetic.response, fields=None)
-    with pytest.raises(InputError, match="fields = true"):
-        view.section_png(dataclasses.replace(synthetic, response=response), tmp_path / "a.png")
+        draw(synthetic, tmp_path / "a.png", field="presure")
+    with pytest.raises(InputError, match=r"ask\.fields=true"):
+        draw(without_fields(synthetic), tmp_path / "a.png")
 
 
 def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
     assert synthetic.fields is not None
     assert [section.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [0, 0, 1, 2]
+
+
+def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["view", "out", "--field", "list"]) == 0
+    assert [line.split(":")[0] for line in capsys.readouterr().out.splitlines()] == list(
+        quantities.FIELDS
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--field", "stress"], "--field: expected one of 'compressive strain', 'tensile strain'"),
+        (["--time", "99"], "--time: expected a finite number s at least 0 and at most 5"),
+        (["--limits", "3"], "--limits: expected LOW:HIGH, such as 0:30, received '3'"),
+        (["--movie", "a.avi"], "--movie: expected a file that ends in .gif or .mp4"),
+    ],
+)
+def test_the_command_refuses_in_a_sentence(
+    saved: Result, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    assert main(["view", "out", *words]) == 2
+    assert said in capsys.readouterr().err

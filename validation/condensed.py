@@ -152,7 +152,7 @@ def swept(resolution: str) -> tuple[float, float, float]:
         pressures = np.empty((STEPS, len(on_pad.vertices)))
         for k, depth in enumerate(depths.tolist()):
             pressures[k] = pressed.step_contact(depth, DT).pressure
-            if not runs and k % 10 == 0:
+            if not runs:
                 free = on_pad.gap - depth * on_pad.travel
                 gaps = free + pressed.flexibility @ pressed.elastic
                 deepest = max(deepest, float(-gaps.min() / np.abs(free).max()))

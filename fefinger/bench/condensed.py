@@ -7,6 +7,7 @@ factor in the same order and a solution for every unknown of the pad; the steps 
 contact, and its answer for agreement.
 """
 
+import os
 import resource
 import time
 from collections.abc import Callable
@@ -51,6 +52,7 @@ ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 @one_thread
 def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
+    load = os.getloadavg()[0]
     finger = replace(scenes.load("flat-press").finger, resolution="standard")
     found = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
@@ -67,7 +69,7 @@ def figures(progress: Progress) -> list[Figure]:
         found += _spiking(single, membrane)
     found += _rolling(finger, sites)
     found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
-    return found
+    return [*found, Figure("load average of the minute before", load, "processes")]
 
 
 def motion() -> Array:
@@ -202,7 +204,7 @@ def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
             rolling.step(1.0, angle, DT)
             seconds[k] = time.thread_time() - begun
     vertices = float(np.count_nonzero(rolling.now.pressure))
-    name = "a plate that turns, half a finger"
+    name = f"a plate that turns, half a finger, {len(sites.points)} end organs"
     return [
         Figure(f"{name}: vertices in contact at the end", vertices, "1"),
         Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),

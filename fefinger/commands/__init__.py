@@ -9,9 +9,10 @@ from fefinger.commands.mesh import mesh
 from fefinger.commands.run import run
 from fefinger.commands.scenes import scenes
 from fefinger.commands.spikes import spikes
+from fefinger.commands.study import study
 from fefinger.commands.validate import validate
 from fefinger.commands.view import view
 
 
-COMMANDS = (run, explain, scenes, mesh, spikes, view, live, fit, validate, bench, cache)
+COMMANDS = (run, explain, scenes, study, mesh, spikes, view, live, fit, validate, bench, cache)
 """In the order of the help."""

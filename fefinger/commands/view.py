@@ -6,26 +6,52 @@ import click
 
 
 @click.command()
-@click.argument("folder", metavar="DIR")
-@click.option("--field", metavar="NAME", help="What to color the finger by.")
+@click.argument("folders", metavar="DIR...", nargs=-1, required=True)
+@click.option("--field", metavar="NAME", help="What to color the finger by; `list` lists them.")
 @click.option("--time", "at", type=float, metavar="T", help="Time in s, else the largest force.")
+@click.option("--limits", metavar="LOW:HIGH", help="Ends of the color bar, else all that is shown.")
 @click.option("--screenshot", metavar="PNG", help="Draw to this file instead of a window.")
-def view(folder: str, field: str | None, at: float | None, screenshot: str | None) -> None:
+@click.option("--movie", metavar="FILE", help="Draw all times to a .gif or .mp4 file.")
+@click.option("--html", metavar="FILE", help="Write a page to turn and play in any browser.")
+def view(
+    folders: tuple[str, ...],
+    field: str | None,
+    at: float | None,
+    limits: str | None,
+    screenshot: str | None,
+    movie: str | None,
+    html: str | None,
+) -> None:
     """Look at the strain or the pressure in DIR.
 
-    DIR is a folder that `fefinger run -o` wrote.
+    DIR is a folder that `fefinger run -o` wrote; several stand side by side with the same colors.
+    Without --screenshot, --movie or --html a window opens.
     """
+    from fefinger import quantities, webview
     from fefinger import view as pictures
-    from fefinger.checks import number
+    from fefinger.checks import choice, number
     from fefinger.files import load, output_folder
 
-    result = load(folder)
-    shown = pictures.DEFAULT if field is None else field
-    if at is not None:
-        number("--time", at, at_least=0, at_most=float(result.time[-1]), unit="s")
-    if screenshot is None:
-        pictures.show(result, field=shown)
+    if field == "list":
+        click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
         return
-    output_folder(Path(screenshot).parent)
-    pictures.screenshot(result, screenshot, field=shown, time=at)
-    click.echo(screenshot)
+    shown = choice("--field", quantities.DEFAULT if field is None else field, quantities.FIELDS)
+    span = None if limits is None else quantities.limits(limits)
+    results = [load(folder) for folder in folders]
+    for result in results:
+        quantities.fields_of(result)
+    if at is not None:
+        last = max(float(result.time[-1]) for result in results)
+        number("--time", at, at_least=0, at_most=last, unit="s")
+    for path in filter(None, (screenshot, movie, html)):
+        output_folder(Path(path).parent)
+    if screenshot is not None:
+        pictures.screenshot(results, screenshot, field=shown, time=at, limits=span)
+    if movie is not None:
+        pictures.movie(results, movie, field=shown, limits=span)
+    if html is not None:
+        webview.write(results, html, field=shown, time=at, limits=span)
+    for path in filter(None, (screenshot, movie, html)):
+        click.echo(path)
+    if not (screenshot or movie or html):
+        pictures.show(results, field=shown, time=at, limits=span)

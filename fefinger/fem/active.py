@@ -260,8 +260,8 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
                     return SINGULAR
             else:
                 _leave(s, j)
-                for i in range(len(s.moved)):
-                    s.moved[i] -= s.x[j] * s.flexibility[j, i]
+                for k in range(len(s.moved)):
+                    s.moved[k] -= s.x[j] * s.flexibility[j, k]
                 s.x[j] = 0.0
     return ENDLESS
 

@@ -139,11 +139,6 @@ def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Sin
     return single.factor(neighbor, system.dissection)
 
 
-def is_compressible(space: Space, matrix: sparse.csr_matrix) -> bool:
-    """Return whether the matrix can be factored as it is, so that its solutions need no mending."""
-    return not _lacking(space, matrix, FACTOR_COMPRESSIBILITY).any()
-
-
 def compressible(
     space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
 ) -> sparse.csr_matrix:

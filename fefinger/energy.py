@@ -1,0 +1,77 @@
+"""Strain-energy density of soft tissue from its strain alone, for pictures.
+
+Two states are told apart. Relaxed: with the moduli of long times, what the tissue stores after a
+long hold. Elastic: with the instantaneous moduli, before any of it relaxes. What is stored in
+between lies between the two. Relaxation lowers neither: both are functions of the present strain.
+"""
+
+import numpy as np
+
+from fefinger.finger import Finger
+from fefinger.records import Array, Fields
+from fefinger.tissue import Tissue
+
+
+SKIN, SUBCUTANEOUS = 1, 2
+SHARES = {"neo-hookean": 1.0, "mooney-rivlin": 0.5, "demiray": 1.0, "veronda-westmann": 2.0}
+"""Part of the shear modulus that the first invariant carries."""
+
+
+def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite: bool) -> Array:
+    """Return the strain-energy density (n_points,) in kJ/m³ (which is kPa) at the mesh points.
+
+    `elastic` takes the instantaneous moduli, otherwise the relaxed ones. `finite`: the strain is
+    logarithmic and the energy that of the tissue's law; otherwise small strain and Hooke's law. A
+    point that two tissues share gets the mean, weighted by the volumes of its cells; bone has none.
+    The volumetric part is left out at Poisson's ratio 0.5, where it is zero.
+    """
+    of_skin, soft = shares(fields)
+    total = np.zeros(len(fields.points))
+    for tissue, part in ((finger.skin, of_skin), (finger.subcutaneous, soft - of_skin)):
+        distortion, volume = split(fields.strain[frame], tissue, finite=finite)
+        if elastic:
+            kept = (tissue.prony or finger.prony).long_time
+            distortion = distortion / kept
+            volume = volume / kept if finger.relaxation == "whole" else volume
+        total += part * (distortion + volume)
+    return total
+
+
+def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]:
+    """Return the energy density of distortion and of the change of volume (n,), relaxed, in kPa.
+
+    Small strain (n, 6): mu e' : e' and K / 2 (tr e)². Finite: with the principal stretches exp(e),
+    mu / 2 [s (exp(b (I1 - 3)) - 1) / b + (1 - s) (I2 - 3)] of the isochoric invariants, and
+    K / 2 (J - 1)².
+    """
+    shear = tissue.modulus / (2 * (1 + tissue.poisson))
+    squeezed = 3 * (1 - 2 * tissue.poisson)
+    bulk = tissue.modulus / squeezed if squeezed > 0 else 0.0
+    trace = strain[:, :3].sum(axis=1)
+    deviator = strain - np.where(np.arange(6) < 3, trace[:, None] / 3, 0.0)
+    if not finite:
+        squares = (deviator**2) @ np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+        return shear * squares, bulk / 2 * trace**2
+    logs = np.linalg.eigvalsh(deviator[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+    first, second = (np.expm1(sign * 2 * logs).sum(axis=1) for sign in (1, -1))
+    share = SHARES[tissue.law] if tissue.share is None else tissue.share
+    if tissue.exponent is not None:
+        first = np.expm1(tissue.exponent * first) / tissue.exponent
+    distortion = shear / 2 * (share * first + (1 - share) * second)
+    return distortion, bulk / 2 * np.expm1(trace) ** 2
+
+
+def shares(fields: Fields) -> tuple[Array, Array]:
+    """Return, per point, how much of its soft cells' volume is skin, and 1 where any is soft."""
+    a, b, c, d = fields.points[fields.cells].transpose(1, 0, 2)
+    volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
+    sums = [
+        np.bincount(
+            fields.cells[fields.region == region].ravel(),
+            np.repeat(volume[fields.region == region], 4),
+            minlength=len(fields.points),
+        )
+        for region in (SKIN, SUBCUTANEOUS)
+    ]
+    total = sums[0] + sums[1]
+    return sums[0] / np.where(total > 0, total, 1.0), (total > 0).astype(float)

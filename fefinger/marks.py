@@ -1,0 +1,78 @@
+"""Marks of end organs and units in pictures: where they are, what they are called, their rates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fefinger import pieces, quantities
+from fefinger.neural.trains import FEW, SpikeTrains
+from fefinger.records import Array, Integers, Result
+
+
+OFF_PLANE = 0.5  # mm from the cut within which end organs of a population are marked
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Marks that follow the mesh, with the type and label of each, and the unit it belongs to.
+
+    `trains`: what the units fire, or None.
+    """
+
+    followed: pieces.Followed
+    types: tuple[str, ...]
+    labels: tuple[str, ...]
+    units: Integers
+    trains: SpikeTrains | None
+
+    def rates(self, time: float) -> Array:
+        """Return the rate in Hz of the unit of each mark at a time in s; needs `trains`."""
+        assert self.trains is not None
+        return np.array([float(self.trains.rate(int(unit), time)) for unit in self.units])
+
+
+def in_section(result: Result) -> Marks | None:
+    """Return a mark per end organ, of a population of those within OFF_PLANE of the cut."""
+    sites = result.sites
+    if sites is None:
+        return None
+    kept = np.arange(len(sites.types))
+    if len(kept) > FEW:
+        kept = np.flatnonzero(np.abs(sites.points[:, 1]) <= OFF_PLANE)
+    unit = np.arange(len(sites.types)) if sites.unit is None else sites.unit
+    return _marks(result, sites.points[kept], kept, unit[kept])
+
+
+def on_skin(result: Result) -> Marks | None:
+    """Return a mark per unit of a population, on the skin above the middle of its end organs."""
+    sites = result.sites
+    if sites is None or len(sites.types) <= FEW:
+        return None
+    unit = np.arange(len(sites.types)) if sites.unit is None else sites.unit
+    above = sites.points + sites.depths[:, None] * sites.normals
+    units, first, count = np.unique(unit, return_index=True, return_counts=True)
+    inverse = np.searchsorted(units, unit)
+    places = np.stack([np.bincount(inverse, above[:, k]) / count for k in range(3)], axis=1)
+    return _marks(result, places, first, units)
+
+
+def highest_rate(result: Result) -> float:
+    """Return the highest rate in Hz of any unit at any of the stored times."""
+    if result.spikes is None:
+        return 0.0
+    times = quantities.fields_of(result).times
+    return max(float(result.spikes.rate(unit, times).max()) for unit in range(len(result.spikes)))
+
+
+def _marks(result: Result, points: Array, sites: Integers, units: Integers) -> Marks | None:
+    known = result.sites
+    assert known is not None
+    if not len(points):
+        return None
+    return Marks(
+        followed=pieces.follow(quantities.fields_of(result), points),
+        types=tuple(known.types[i] for i in sites),
+        labels=tuple(f"{known.types[i]} {known.depths[i]:g} mm" for i in sites),
+        units=units,
+        trains=result.spikes,
+    )

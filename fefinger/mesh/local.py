@@ -1,0 +1,85 @@
+"""Where a plate first touches the smooth skin of a finger, and how the skin curves there.
+
+Frame: x distal, y radial, z dorsal; lengths in mm.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fefinger.mesh.build import FOREMOST, PALMAR
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.plate import FIT_RADIUS
+from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.scan import scanned
+from fefinger.mesh.shapes import Shape, Surface
+from fefinger.mesh.shell import Array
+
+
+COUNT, ZOOM, ROUNDS = 21, 0.25, 8
+"""Points a side of a patch, and how often it is made how much smaller to find the first touch."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First touch: point (3,) mm, curvature (2, 2) 1/mm along `directions(axis)`, convex positive.
+
+    The curvature is that of the quadric fitted within 2 mm.
+    """
+
+    point: Array
+    curvature: Array
+
+
+def directions(axis: ArrayLike) -> Array:
+    """Return the unit vectors (2, 3) across a travel (3,): towards the tip, and sideways."""
+    axis = np.asarray(axis, float)
+    distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
+    distal /= np.linalg.norm(distal)
+    return np.stack([distal, np.cross(axis, distal)])
+
+
+def first_touch(recipe: Recipe, axis: ArrayLike) -> Touch:
+    """Return where a plate that moves along `axis` (3,) meets the smooth skin of a finger."""
+    shape, axis = _shape(recipe), np.asarray(axis, float)
+    across = directions(axis)
+    x = np.linspace(shape.cut, FOREMOST, 200)[1:]
+    y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
+    seen = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), PALMAR)], axis=-1)
+    free = np.tile([False, False, True], (seen.size // 3, 1))
+    point = _foremost(shape.skin, shape.skin.project(seen.reshape(-1, 3), free=free), axis)
+    reach = 1.0
+    for _ in range(ROUNDS):
+        point = _foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
+        reach *= ZOOM
+    return Touch(point, _curvature(shape.skin, point, axis, across))
+
+
+@lru_cache(maxsize=8)
+def _shape(recipe: Recipe) -> Shape:
+    return parametric(recipe) if recipe.surface is None else scanned(recipe)
+
+
+def _patch(skin: Surface, point: Array, across: Array, reach: float) -> Array:
+    """Return points (n, 3) of the skin about a point of it."""
+    line = np.linspace(-reach, reach, COUNT)
+    places = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    return skin.project(point + places @ across)
+
+
+def _foremost(skin: Surface, points: Array, axis: Array) -> Array:
+    """Return the point of the skin (3,), among points (n, 3), that a plate meets first."""
+    off = np.abs(skin.level(points)) > 1e-3
+    return np.asarray(points[int(np.argmin(np.where(off, np.inf, points @ axis)))])
+
+
+def _curvature(skin: Surface, point: Array, axis: Array, across: Array) -> Array:
+    """Return the second derivatives (2, 2) 1/mm of the quadric fitted within 2 mm."""
+    offset = _patch(skin, point, across, 1.5 * FIT_RADIUS) - point
+    offset = offset[np.linalg.norm(offset, axis=1) < FIT_RADIUS]
+    u, v = across @ offset.T
+    terms = [u**2 / 2, u * v, v**2 / 2, u, v, np.ones(len(u))]
+    fit = np.linalg.lstsq(np.stack(terms, axis=1), offset @ axis, rcond=None)[0]
+    return np.array([[fit[0], fit[1]], [fit[1], fit[2]]])

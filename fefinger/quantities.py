@@ -1,0 +1,173 @@
+"""What pictures color a finger by: fields by name, their units, limits and color maps.
+
+Strain is small strain, or of `solid` the logarithmic one, in the directions of the undeformed
+finger. The maps are even to the eye and keep their order with every color vision.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from fefinger import energy
+from fefinger.checks import InputError, choice, number
+from fefinger.records import Array, Fields, Result
+
+
+DEFAULT = "compressive strain"
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+PRINCIPAL = ("principal strain 1", "principal strain 2", "principal strain 3")
+ENERGIES = ("relaxed strain energy", "elastic strain energy")
+FIELDS = (
+    "compressive strain",
+    "tensile strain",
+    "von Mises strain",
+    *PRINCIPAL,
+    *(f"strain {component}" for component in COMPONENTS),
+    *ENERGIES,
+    "displacement",
+    "pressure",
+)
+ABOUT = {
+    "compressive strain": "size of the most compressive principal strain",
+    "tensile strain": "the most tensile principal strain, 0 where there is none",
+    "von Mises strain": "sqrt(2/3 e:e) of the deviator e",
+    **{name: f"principal strain, {which}" for name, which in zip(
+        PRINCIPAL, ("most tensile", "middle", "most compressive"), strict=True)},
+    **{f"strain {component}": "component of the strain tensor (x distal, y radial, z dorsal)"
+       for component in COMPONENTS},
+    "relaxed strain energy": "strain-energy density with the moduli of long times",
+    "elastic strain energy": "strain-energy density with the instantaneous moduli",
+    "displacement": "length of the displacement",
+    "pressure": "contact pressure on the pad",
+}  # fmt: skip
+EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
+"""Color maps: fields from 0, with both signs, the pressure on the skin, spike rates."""
+STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
+HIGHEST = 99.5  # percent of the values that the colors cover: the rest sits at edges
+
+
+class Span(NamedTuple):
+    """Range of the color bar, its map, and which ends values lie beyond."""
+
+    low: float
+    high: float
+    colors: str
+    extend: str
+
+
+def unit(field: str) -> str:
+    """Return the unit in which pictures show a field; strains are shown in percent."""
+    units = dict.fromkeys(ENERGIES, "kJ/m³") | {"pressure": "kPa", "displacement": "mm"}
+    return units.get(field, "%")
+
+
+def label(field: str) -> str:
+    """Return the name of a field with its unit, as on a color bar."""
+    return f"{field} / {unit(field)}"
+
+
+def signed(field: str) -> bool:
+    """Return whether a field has both signs."""
+    return field in PRINCIPAL or field.removeprefix("strain ") in COMPONENTS
+
+
+def measure(result: Result) -> str:
+    """Return which strain the fields of a result hold."""
+    return "logarithmic strain" if _finite(result) else "small strain"
+
+
+def fields_of(result: Result) -> Fields:
+    """Return the fields of a result; InputError with what to do where there are none."""
+    if result.fields is None:
+        message = (
+            f"fields: expected a result with fields on the mesh, received one of "
+            f"{result.plan.mechanics!r} without; run the scene again with `--set ask.fields=true` "
+            "and a mechanics that has a mesh (condensed, linear, solid)"
+        )
+        raise InputError(message)
+    return result.fields
+
+
+def values(result: Result, field: str, frame: int) -> Array:
+    """Return a field at the mesh points (n_points,) in `unit(field)`.
+
+    Raises InputError if the field is unknown or there are none.
+    """
+    choice("field", field, FIELDS)
+    fields = fields_of(result)
+    if field == "pressure":
+        return fields.pressure[frame]
+    if field == "displacement":
+        return np.asarray(np.linalg.norm(fields.displacement[frame], axis=1))
+    if field in ENERGIES:
+        elastic = field == "elastic strain energy"
+        finger = result.scene.finger
+        return energy.density(fields, frame, finger, elastic=elastic, finite=_finite(result))
+    strain = 100.0 * fields.strain[frame]
+    if field.removeprefix("strain ") in COMPONENTS:
+        return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
+    return _principal(field, np.asarray(np.linalg.eigvalsh(tensors(strain)), np.float64))
+
+
+def _principal(field: str, principal: Array) -> Array:
+    """Return a field of the principal strains (n, 3), ascending."""
+    if field in PRINCIPAL:
+        return np.asarray(principal[:, 2 - PRINCIPAL.index(field)])
+    if field == "compressive strain":
+        return np.asarray(np.maximum(0.0, -principal[:, 0]))
+    if field == "tensile strain":
+        return np.asarray(np.maximum(0.0, principal[:, 2]))
+    deviator = principal - principal.mean(axis=1, keepdims=True)
+    return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=1)))
+
+
+def tensors(six: Array) -> Array:
+    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
+    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+
+
+def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None = None) -> Span:
+    """Return the colors for all of several arrays: up to the next round number.
+
+    The highest half percent of each lies beyond, where it sticks out. `limits` are kept as given.
+    """
+    colors = DIVERGING if signed(field) else SKIN_DEEP if field == "pressure" else EVEN
+    lowest, highest, top = 0.0, 0.0, 1e-9
+    for each in shown:
+        if not each.size:
+            continue
+        part = np.abs(each) if signed(field) else each
+        lowest, highest = min(lowest, float(each.min())), max(highest, float(each.max()))
+        size = part.max() if field == "pressure" else np.percentile(part, HIGHEST)
+        top = max(top, float(size))
+    top = round_up(top)
+    low, high = limits or (-top if signed(field) else 0.0, top)
+    below, above = lowest < low * (1 + 1e-9) - 1e-12, highest > high * (1 + 1e-9)
+    ends = {(False, False): "neither", (True, False): "min", (False, True): "max"}
+    return Span(low, high, colors, ends.get((below, above), "both"))
+
+
+def round_up(value: float) -> float:
+    """Return the next number of two digits whose quarters are short too."""
+    scale = 10.0 ** np.floor(np.log10(value))
+    return float(min(step * scale for step in STEPS if step * scale >= value * (1 - 1e-9)))
+
+
+def limits(text: str) -> tuple[float, float]:
+    """Return the limits of a color bar that `LOW:HIGH` names; InputError for another text."""
+    low, colon, high = text.partition(":")
+    try:
+        pair = (float(low), float(high))
+    except ValueError:
+        colon = ""
+    if not colon:
+        message = f"--limits: expected LOW:HIGH, such as 0:30, received {text!r}"
+        raise InputError(message)
+    number("--limits LOW", pair[0])
+    number("--limits HIGH", pair[1], above=pair[0])
+    return pair
+
+
+def _finite(result: Result) -> bool:
+    return result.response.mechanics == "solid"

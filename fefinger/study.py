@@ -1,0 +1,194 @@
+"""Many scenes at once: a grid over fields of a scene, answered side by side, as one tidy table.
+
+    study = ff.study("flat-press", {"indenter.angle": range(0, 61, 5)}, folder="out")
+    study.table()                    # pandas, one row per scene and time
+
+Scenes that are finished stay in the folder, under the hash of all that decides them, and are not
+answered again; a scene that fails costs itself alone. `study_grid.py` reads the grid,
+`study_tasks.py` makes the scenes, `study_workers.py` answers them, `study_measures.py` says what is
+told of each, `study_report.py` makes the page.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from fefinger.records import Progress
+    from fefinger.scene import Scene
+    from fefinger.study_tasks import Answer, Asked, Task
+
+AT = ("1N", "1mm")
+"""Force and depth that are told of by default, besides the peak and the end."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """The rows of a study in the order of its grid.
+
+    name of the scene; over: the columns of the grid; rows: one per scene and time; failures:
+    (values of the grid, sentence); scenes: how many there are; reused: how many were finished
+    before; about: what it takes to ask the same again.
+    """
+
+    name: str
+    over: tuple[str, ...]
+    rows: tuple[dict[str, Any], ...]
+    failures: tuple[tuple[dict[str, Any], str], ...]
+    scenes: int
+    reused: int
+    about: dict[str, Any]
+
+    def table(self) -> "pd.DataFrame":
+        """Return a table with one row per scene and time, units in the names of its columns."""
+        import pandas as pd
+
+        plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
+        return pd.DataFrame(plain, columns=list(dict.fromkeys(key for row in plain for key in row)))
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write table.csv, study.json, report.html and, with pyarrow, table.parquet."""
+        import json
+        from importlib.util import find_spec
+
+        from fefinger.files import output_folder
+        from fefinger.study_report import html
+        from fefinger.study_tasks import write
+
+        place, table = output_folder(folder), self.table()
+        record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
+        texts = {
+            "table.csv": table.to_csv(index=False),
+            "study.json": json.dumps(record, indent=1, allow_nan=False) + "\n",
+            "report.html": html(self),
+        }
+        for name, text in texts.items():
+            write(place / name, text)
+        written = list(texts)
+        if find_spec("pyarrow"):
+            new = place / ".table.parquet.new"
+            table.to_parquet(new, index=False)
+            new.replace(place / "table.parquet")
+            written.append("table.parquet")
+        return [str(place / name) for name in written]
+
+
+def study(
+    scene: "Scene | str | Path",
+    over: Mapping[str, Sequence[Any]],
+    *,
+    changes: Mapping[str, Any] | None = None,
+    at: Sequence[str] = AT,
+    mechanics: str | None = None,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: "Progress | None" = None,
+) -> Study:
+    """Answer a grid of scenes side by side.
+
+    Parameters
+    ----------
+    scene
+        Name of a built-in scene, a TOML file, or a Scene.
+    over
+        Values of fields by their path, as {"indenter.angle": (0, 30, 60)}; every combination is
+        answered, the last field changing fastest.
+    changes
+        Values that all scenes have instead of their own; "ask.fields" is False by default.
+    at
+        Forces and depths at which rows are told, as "1N" and "0.5mm", on the loading branch.
+    mechanics
+        Name of the mechanics; by default the cheapest that does not refuse, scene by scene.
+    folder
+        Where finished scenes are kept and looked for; None keeps none.
+    workers
+        Processes on this machine; by default one per core.
+    scheduler
+        Address of a Dask scheduler to use instead.
+    progress
+        Called with "scenes" and the fraction that is done.
+
+    Raises
+    ------
+    InputError
+        A grid or scenes that cannot be used at all; a single one that cannot is listed.
+    """
+    from fefinger import study_tasks
+    from fefinger.checks import InputError, choice, number
+    from fefinger.files import output_folder
+    from fefinger.mechanics import names
+    from fefinger.study_grid import checked
+
+    if mechanics is not None:
+        choice("mechanics", mechanics, names())
+    count = None if workers is None else int(number("workers", workers, at_least=1))
+    asked = study_tasks.Asked(scene, checked(over), changes or {}, mechanics, at)
+    tasks, failed = asked.tasks()
+    if not tasks:
+        raise InputError(next(iter(failed.values())))
+    answers: dict[int, Answer] = {}
+    place = None if folder is None else output_folder(output_folder(folder) / "scenes")
+    if place is not None:
+        found = ((i, study_tasks.kept(place, task)) for i, task in tasks.items())
+        answers = {i: answer for i, answer in found if answer is not None}
+    reused = len(answers)
+    for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
+        answers[i] = study_tasks.clean(answer)
+        if place is not None and "rows" in answer:
+            study_tasks.keep(place, tasks[i], answers[i])
+        if progress is not None:
+            progress("scenes", (len(answers) + len(failed)) / len(asked.points))
+    return _collected(asked, tasks, failed, answers, reused)
+
+
+def _answered(
+    tasks: "Mapping[int, Task]", left: set[int], workers: int | None, scheduler: str | None
+) -> "Iterator[tuple[int, Answer]]":
+    """Give the answers to those tasks that are left, as they come."""
+    from fefinger import study_workers
+
+    places = sorted(left)
+    asked = [tasks[i] for i in places]
+    if scheduler is None:
+        answers = study_workers.local(asked, workers)
+    else:
+        answers = study_workers.cluster(asked, scheduler)
+    for i, found in answers:
+        yield places[i], found
+
+
+def _collected(
+    asked: "Asked",
+    tasks: "Mapping[int, Task]",
+    unusable: Mapping[int, str],
+    answers: "Mapping[int, Answer]",
+    reused: int,
+) -> Study:
+    """Return the rows in the order of the grid, with what each scene is."""
+    from fefinger.study_tasks import key
+
+    one, points = next(iter(tasks.values()))["scene"], asked.points
+    columns = asked.columns(one["motion"]["kind"])
+    lost = {i: answer["error"] for i, answer in answers.items() if "error" in answer}
+    failed = {**unusable, **lost}
+    rows: list[dict[str, Any]] = []
+    for i, values in enumerate(points):
+        own = {columns[field]: value for field, value in values.items()}
+        none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
+        told = none if i in failed else answers[i]["rows"]
+        last = {"scene": key(tasks[i])} if i in tasks else {}
+        rows += [{**own, **row, **last} for row in told]
+    return Study(
+        name=one["name"],
+        over=tuple(columns.values()),
+        rows=tuple(rows),
+        failures=tuple((points[i], failed[i]) for i in sorted(failed)),
+        scenes=len(points),
+        reused=reused,
+        about=asked.told(),
+    )

@@ -1,0 +1,134 @@
+"""The grid of a study: which fields of a scene take which values, and what is told of each."""
+
+import itertools
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from fefinger.checks import InputError, number
+
+
+OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:60:13"
+
+AT = "expected a force or a depth, as in 1N or 0.5mm"
+
+DIGITS = 12
+"""Digits that the steps of a range keep, so that 0.1 steps by 0.1."""
+
+UNITS = {
+    **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
+    **dict.fromkeys(("width", "thickness", "pad_radius", "radius", "radii", "at"), "mm"),
+    **dict.fromkeys(("corner", "hold", "settle", "seconds"), "s"),
+    **dict.fromkeys(("period", "ridge", "spacing", "depth", "SAI", "SAII", "FAI", "FAII"), "mm"),
+    "modulus": "kPa",
+    "speed": "mm_per_s",
+    "force": "N",
+    "loading_rate": "N_per_s",
+    "frequency": "Hz",
+}
+"""Units of the fields of a scene, by the last part of their names."""
+
+IN_OTHERS = {"indenter.corner": "mm", "motion.amplitude": "mm", "ask.population.densities": ""}
+"""Units of fields whose last part means something else elsewhere."""
+
+
+def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
+    """Return the values of each field, from texts such as "indenter.angle=0:60:13".
+
+    Raises
+    ------
+    InputError
+        A text that is none, a field that comes twice, or the same value twice.
+    """
+    found: dict[str, tuple[Any, ...]] = {}
+    for text in texts:
+        field, equals, listed = (part.strip() for part in text.partition("="))
+        if not field or not equals or not listed:
+            msg = f"--over {text!r}: {OVER}"
+            raise InputError(msg)
+        if field in found:
+            msg = f"--over {text!r}: expected every field once, received {field} again"
+            raise InputError(msg)
+        found[field] = _range(text, listed) if ":" in listed else _list(text, listed)
+    return checked(found)
+
+
+def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
+    """Return the values of each field as plain Python, or raise InputError for none or twice."""
+    found: dict[str, tuple[Any, ...]] = {}
+    for field, values in over.items():
+        plain = tuple(v.item() if hasattr(v, "item") else v for v in values)
+        twice = [v for i, v in enumerate(plain) if v in plain[:i]]
+        if not plain or twice:
+            what = f"{twice[0]!r} twice" if twice else "none"
+            msg = f"--over {field}: expected different values, received {what}"
+            raise InputError(msg)
+        found[field] = plain
+    return found
+
+
+def _range(text: str, listed: str) -> tuple[float, ...]:
+    parts = listed.split(":")
+    try:
+        start, stop, count = float(parts[0]), float(parts[1]), int(parts[2])
+    except (ValueError, IndexError):
+        start, stop, count = 0.0, 0.0, 0
+    if len(parts) != 3 or count < 2:
+        msg = f"--over {text!r}: {OVER}; COUNT is a whole number from 2 on"
+        raise InputError(msg)
+    for name, value in (("START", start), ("STOP", stop)):
+        number(f"--over {text!r}: {name}", value)
+    step = (stop - start) / (count - 1)
+    return tuple(float(f"{start + i * step:.{DIGITS}g}") for i in range(count))
+
+
+def _list(text: str, listed: str) -> tuple[Any, ...]:
+    """Return the values of a list, as TOML or else as bare texts."""
+    try:
+        return tuple(tomllib.loads(f"values = [{listed}]")["values"])
+    except tomllib.TOMLDecodeError:
+        values = tuple(part.strip() for part in listed.split(","))
+    if not all(values):
+        msg = f"--over {text!r}: {OVER}; a value is missing"
+        raise InputError(msg)
+    return values
+
+
+def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return forces in N and depths in mm, from texts such as "1N" and "0.5 mm".
+
+    Raises
+    ------
+    InputError
+        A text that is neither.
+    """
+    found: dict[str, list[float]] = {"N": [], "mm": []}
+    for text in texts:
+        unit = next((unit for unit in found if text.strip().endswith(unit)), None)
+        try:
+            value = float(text.strip().removesuffix(unit or ""))
+        except ValueError:
+            unit = None
+        if unit is None:
+            msg = f"--at {text!r}: {AT}"
+            raise InputError(msg)
+        found[unit].append(number(f"--at {text!r}", value, above=0, unit=unit))
+    return tuple(found["N"]), tuple(found["mm"])
+
+
+def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return every combination of the values, the last field changing fastest."""
+    return [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
+
+
+def column(field: str, kind: str = "") -> str:
+    """Return the name of the column of a field of the scene, with its unit.
+
+    `kind` is that of the motion, whose amplitude is a force or a depth.
+    """
+    unit = IN_OTHERS.get(field, UNITS.get(field.rpartition(".")[2], ""))
+    if field == "motion.amplitude" and kind.startswith("force"):
+        unit = "N"
+    if field == "ask.seconds" or not unit:
+        return field + ("_s" if unit else "")
+    return f"{field}_{unit}"

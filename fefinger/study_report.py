@@ -1,0 +1,123 @@
+"""A Study as one self-contained HTML page."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fefinger import page, study_figures
+
+
+if TYPE_CHECKING:
+    from fefinger.study import Study
+
+MEANING = (
+    "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "
+    "the object. Asymmetry is the force distal of first touch less that proximal of it, over both; "
+    "ellipticity is 1 - b/a from the second moments of the pressure. Rows at a force or a depth "
+    "are met on the loading, between two time steps along straight lines in time. Stiffness is the "
+    "slope of the force over the depth in that step, where the indenter is no slower than half its "
+    "top speed."
+)
+
+ARRAY = (
+    "The array of the thesis (8 x 8 elements 2 mm apart, a Gaussian of 0.96 mm, here without "
+    "noise) lies on the plate with its middle under the center of the largest pressure; the area "
+    "that it sees is that of the elements above 2 kPa. Hertz's ellipse follows from the curvatures "
+    "of the skin, fitted within 2 mm of first touch, at the same depths, on a relaxing half-space."
+)
+
+SHOWN = (
+    *("at", "force_N", "depth_mm", "contact_area_mm2", "peak_pressure_kPa", "shift_distal_mm"),
+    *("asymmetry", "ellipticity", "stiffness_N_per_mm", "reach_distal_mm", "reach_proximal_mm"),
+    *("sensor_peak_kPa", "sensor_asymmetry", "hertz_contact_area_mm2", "spikes", "mechanics"),
+    *("stated_error", "seconds"),
+)
+"""Columns of the table on the page; the files have all."""
+
+MOST = 15
+"""Maps of the array on the page."""
+
+
+def html(study: "Study") -> str:
+    """Return the page on a study."""
+    done = study.scenes - len(study.failures)
+    swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
+    return page.render(
+        "study.html",
+        data=("table.csv", "study.json"),
+        title=f"{study.name} over {', '.join(study.about['grid'])}",
+        answer=f"{done} of {study.scenes} scenes were answered: {swept}.",
+        lines=(MEANING, ARRAY),
+        parts=list(_parts(study)),
+        provenance=list(page.flat(study.about)),
+    )
+
+
+def part(title: str, *texts: str, **more: Any) -> dict[str, Any]:
+    """Return a section of the page; `more` are a picture, bullets or a table."""
+    return {"title": title, "texts": texts, **more}
+
+
+def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> dict[str, Any]:
+    """Return a table of those columns that have a value in some row."""
+    known = [name for name in columns if any(row.get(name) is not None for row in rows)]
+    return {"heading": known, "rows": [[text(row.get(name)) for name in known] for row in rows]}
+
+
+def text(value: Any) -> str:
+    """Return a value with four digits at most."""
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _values(name: str, values: Sequence[Any]) -> str:
+    said = [text(value) for value in values]
+    listed = ", ".join(said) if len(said) <= 4 else f"{said[0]} to {said[-1]} in {len(said)} steps"
+    return f"{name} {listed}"
+
+
+def _parts(study: "Study") -> Iterator[dict[str, Any]]:
+    """Give the sections: what failed, figures at each time, maps, spikes, and the table."""
+    if study.failures:
+        failed = [
+            f"{', '.join(f'{field} = {value}' for field, value in values.items())}: {error}"
+            for values, error in study.failures
+        ]
+        yield part("What failed", "These scenes have no numbers.", bullets=failed)
+    told = [row for row in study.rows if row["status"] == "done"]
+    numeric = [name for name in study.over if not isinstance(told[0][name], str)] if told else []
+    x = (numeric or list(study.over))[0]
+    series = [name for name in study.over if name != x]
+    for at in dict.fromkeys(row["at"] for row in told):
+        rows = [row for row in told if row["at"] == at]
+        skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
+        where = f"at {at}" if " " in at else f"at the {at}"
+        picture = page.svg(study_figures.panels(rows, x, series, skip))
+        yield part(f"The contact {where}", picture=picture)
+    ends = [row for row in told if row["at"] == "end"]
+    if any("spikes" in row for row in ends):
+        yield part(
+            "Spikes of the whole scene", picture=page.svg(study_figures.spikes(ends, x, series))
+        )
+    yield from maps(told, x)
+    yield part("Rows", "All columns are in table.csv.", table=table(told, (*study.over, *SHOWN)))
+
+
+def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
+    """Give the section with what the array reads, of the first series at a force if there is."""
+    from fefinger.study_measures import READINGS
+
+    felt = [row for row in rows if row.get(READINGS)]
+    times = sorted({row["at"] for row in felt}, key=lambda at: (not at.endswith("N"), at))
+    if not times:
+        return
+    shown = {row[x]: row for row in reversed(felt) if row["at"] == times[0]}
+    picked = [shown[value] for value in sorted(shown)][:MOST]
+    if isinstance(picked[0][x], str):
+        return
+    yield part(
+        f"What the array reads at {times[0]}",
+        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}; the tip is up, and "
+        "the cross is first touch.",
+        picture=page.svg(study_figures.isobars(picked, x, READINGS)),
+    )

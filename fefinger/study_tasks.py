@@ -1,0 +1,143 @@
+"""The scenes of a study as tasks of plain values, under the hash of all that decides their answer.
+
+A task is what a process of this machine or of a cluster is given; its answer has "rows", or
+"error", a sentence.
+"""
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fefinger.checks import InputError
+from fefinger.study_grid import column, parse_at, product
+from fefinger.version import VERSION
+
+
+if TYPE_CHECKING:
+    from fefinger.scene import Scene
+
+FORMAT = 1
+"""Raised when the measures change, so that scenes are answered again."""
+
+LEAN = {"ask.fields": False}
+"""A study has no use for fields on the mesh."""
+
+WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
+"""Fields that decide others, which a Scene has already written out."""
+
+Task = dict[str, Any]
+Answer = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a study is of: a scene, the values of its fields, and what all its scenes share."""
+
+    scene: "Scene | str | Path"
+    over: Mapping[str, Sequence[Any]]
+    changes: Mapping[str, Any]
+    mechanics: str | None
+    at: Sequence[str]
+
+    @property
+    def points(self) -> list[dict[str, Any]]:
+        """The combinations of the values, in order."""
+        return product(self.over)
+
+    def tasks(self) -> tuple[dict[int, Task], dict[int, str]]:
+        """Return the tasks by their place in the grid, and why the others are none."""
+        forces, depths = parse_at(self.at)
+        shared = {"mechanics": self.mechanics, "forces": list(forces), "depths": list(depths)}
+        tasks: dict[int, Task] = {}
+        unusable: dict[int, str] = {}
+        for i, values in enumerate(self.points):
+            try:
+                scene = changed(self.scene, {**LEAN, **self.changes, **values})
+            except InputError as error:
+                unusable[i] = str(error)
+            else:
+                tasks[i] = {"scene": scene.to_dict(), **shared}
+        return tasks, unusable
+
+    def columns(self, kind: str) -> dict[str, str]:
+        """Return the columns of the fields, for a kind of motion."""
+        return {field: column(field, kind) for field in self.over}
+
+    def told(self) -> dict[str, Any]:
+        """Return what it takes to ask the same again."""
+        grid = {field: list(values) for field, values in self.over.items()}
+        return {
+            "grid": grid,
+            "changes": dict(self.changes),
+            "mechanics": self.mechanics or "the cheapest that does not refuse",
+            "at": list(self.at),
+            "fefinger": VERSION,
+        }
+
+
+def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene":
+    """Return a scene, by its name, file or itself, with changes.
+
+    Raises
+    ------
+    InputError
+        No such scene, a change that cannot be used, or one that a Scene has already followed.
+    """
+    from fefinger import scenes
+    from fefinger.scene import Scene
+
+    if not isinstance(scene, Scene):
+        return scenes.load(scene, overrides)
+    for field in WHOLE:
+        if field in overrides:
+            msg = (
+                f"{field}: expected the name or the file of a scene to change it in, received a "
+                "Scene, which has all that follows from it written out"
+            )
+            raise InputError(msg)
+    return Scene.from_dict(scenes.changed(scene.to_dict(), overrides))
+
+
+def key(task: Task) -> str:
+    """Return the hash of all that decides the answer to a task: files and versions included."""
+    parts = {**task, "fefinger": VERSION, "format": FORMAT}
+    for name in ("surface", "bone_surface"):
+        file = task["scene"]["finger"].get(name)
+        if file is not None:
+            parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def keep(folder: Path, task: Task, answer: Answer) -> None:
+    """Write the answer to a task into a folder."""
+    write(folder / f"{key(task)}.json", json.dumps(answer, allow_nan=False))
+
+
+def kept(folder: Path, task: Task) -> Answer | None:
+    """Return the answer to a task that a folder has; a damaged one counts as none."""
+    try:
+        found = json.loads((folder / f"{key(task)}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) and "rows" in found else None
+
+
+def clean(value: Any) -> Any:
+    """Return plain values with None for numbers that are not finite."""
+    if isinstance(value, Mapping):
+        return {name: clean(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [clean(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file, which appears complete or not at all."""
+    new = path.with_name(f".{path.name}.{os.getpid()}.new")
+    new.write_text(text, encoding="utf-8")
+    new.replace(path)

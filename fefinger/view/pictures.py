@@ -1,0 +1,249 @@
+"""Pictures and films of a Result in files, and the picture of a mesh."""
+
+from collections.abc import Iterator, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import figures, films, medial, quantities, section
+from fefinger.checks import choice
+from fefinger.marks import highest_rate
+from fefinger.quantities import round_up
+from fefinger.records import Array, Fields, Integers, Result
+from fefinger.view import renderer
+from fefinger.view.stage import BAR, Scales, Stage
+from fefinger.view.subject import colors, subject
+
+
+if TYPE_CHECKING:
+    from fefinger.mesh.record import FingerMesh
+
+
+SIZE = (1100, 780)  # pixels of a view in space
+PIXELS = 1500  # of the section's longer side
+FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
+LEGEND: dict[str, Any] = {
+    "title": "region",
+    "n_labels": 0,
+    "vertical": False,
+    "position_x": 0.2,
+    "position_y": 0.05,
+    "width": 0.6,
+    "height": 0.08,
+}
+REGIONS = {1: ("skin", "#e8b89a"), 2: ("subcutaneous tissue", "#f4dc8c"), 3: ("bone", figures.BONE)}
+
+
+def section_figure(
+    result: Result, *, field: str = quantities.DEFAULT, time: float | None = None
+) -> tuple[Any, str | None]:
+    """Return the medial section, deformed and colored by `field`, as a matplotlib Figure.
+
+    The stored frame next to `time` s is drawn, by default that of the largest force. With it comes
+    None, or a sentence where no renderer exists and matplotlib drew the section alone. Raises
+    InputError if the result has no fields or the field is unknown.
+    """
+    fields = quantities.fields_of(result)
+    moment = section.peak_time(result) if time is None else time
+    frame = section.nearest_frame(fields, moment)
+    cut = medial.medial(result, field, frame)
+    missing = renderer.renderer_available()
+    raster = None if missing else _raster(fields, frame, cut)
+    return medial.draw(cut, raster), missing or None
+
+
+def section_png(
+    result: Result,
+    path: str | PathLike[str],
+    *,
+    field: str = quantities.DEFAULT,
+    time: float | None = None,
+) -> str | None:
+    """Draw `section_figure` to the PNG file `path`, and return its sentence."""
+    drawn, missing = section_figure(result, field=field, time=time)
+    with open(path, "wb") as file:
+        file.write(figures.png(drawn))
+    return missing
+
+
+def compose(
+    plotter: Any,
+    results: Sequence[Result],
+    field: str,
+    limits: tuple[float, float] | None = None,
+) -> list[Stage]:
+    """Put results side by side into a plotter of as many columns, with one scale for all.
+
+    Raises InputError if the field is unknown or a result has no fields.
+    """
+    subjects = [subject(result, field) for result in results]
+    scales = Scales(
+        field=colors(subjects, field, limits),
+        pressure=round_up(max(float(each.fields.pressure.max()) for each in subjects) or 1.0),
+        rate=round_up(max(highest_rate(result) for result in results) or 1.0),
+    )
+    stages = []
+    for column, shown in enumerate(subjects):
+        plotter.subplot(0, column)
+        last = column == len(subjects) - 1
+        stages.append(Stage(plotter, shown, field, scales, bars=last))
+        stages[-1].look()
+    plotter.link_views()
+    return stages
+
+
+def screenshot(
+    results: Result | Sequence[Result],
+    path: str | PathLike[str],
+    field: str = quantities.DEFAULT,
+    time: float | None = None,
+    limits: tuple[float, float] | None = None,
+) -> None:
+    """Draw the deformed finger in space, colored by `field`, to the PNG file `path`.
+
+    Pressure is shown on the whole finger from below, other fields on the half finger behind the
+    medial plane; several results stand side by side with the same colors. The stored frame next to
+    `time` s is drawn, by default that of each one's largest force; `limits` are those of the color
+    bar. Raises InputError if there is no renderer, there are no fields or the field is unknown.
+    """
+    shown = [results] if isinstance(results, Result) else list(results)
+    plotter, stages = _stages(shown, field, limits)
+    for stage in stages:
+        stage.at(section.peak_time(stage.shown.result) if time is None else time)
+    _finish(plotter, path)
+
+
+def movie(
+    results: Result | Sequence[Result],
+    path: str | PathLike[str],
+    field: str = quantities.DEFAULT,
+    limits: tuple[float, float] | None = None,
+) -> None:
+    """Draw a film of all stored times, one picture each, to the GIF or MP4 file `path`.
+
+    Otherwise as `screenshot`. Times are not evenly spaced; every picture says its own.
+    """
+    films.check(path, "--movie")
+    shown = [results] if isinstance(results, Result) else list(results)
+    plotter, stages = _stages(shown, field, limits)
+    times = np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
+
+    def pictures() -> Iterator[NDArray[np.uint8]]:
+        for time in times:
+            for stage in stages:
+                stage.at(float(time))
+            picture = np.array(plotter.screenshot(return_img=True))
+            yield picture
+        for _ in range(REST):
+            yield picture
+
+    try:
+        films.write(path, pictures(), FPS)
+    finally:
+        plotter.close()
+
+
+def _stages(
+    results: Sequence[Result], field: str, limits: tuple[float, float] | None
+) -> tuple[Any, list[Stage]]:
+    """Return an off-screen plotter, and the results in it."""
+    for result in results:
+        quantities.fields_of(result)
+    choice("field", field, quantities.FIELDS)
+    renderer.require()
+    plotter = renderer.plotter((SIZE[0] * len(results), SIZE[1]), len(results))
+    return plotter, compose(plotter, results, field, limits)
+
+
+def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
+    """Draw a mesh, cut open at the medial plane and colored by region, to the PNG file `path`.
+
+    Raises InputError where no renderer exists.
+    """
+    renderer.require()
+    plotter = renderer.plotter(SIZE)
+    behind = mesh.points[mesh.cells][:, :, 1].mean(axis=1) > 0
+    body = _grid(mesh.points, mesh.cells[behind])
+    body["region"] = mesh.region[behind]
+    surface = body.extract_surface(algorithm=None)
+    kinds = [kind for kind in REGIONS if kind in body["region"]]
+    plotter.add_mesh(
+        surface,
+        scalars="region",
+        cmap=[REGIONS[kind][1] for kind in kinds],
+        clim=(min(kinds) - 0.5, max(kinds) + 0.5),
+        annotations={float(kind): REGIONS[kind][0] for kind in kinds},
+        n_colors=len(kinds),
+        show_edges=True,
+        edge_color="#6b5d52",
+        scalar_bar_args=BAR | LEGEND,
+        ambient=0.6,
+        diffuse=0.45,
+    )
+    title = f"{mesh.name}: {len(mesh.points)} points, {len(mesh.cells)} tetrahedra"
+    plotter.add_text(title, font_size=16, color="#1f2933")
+    plotter.view_vector((0.55, -1.0, 0.35), viewup=(0, 0, 1))
+    plotter.camera.zoom(1.35)
+    plotter.camera.SetWindowCenter(0.1, 0.0)
+    _finish(plotter, path)
+
+
+def _finish(plotter: Any, path: str | PathLike[str]) -> None:
+    """Write the picture as PNG under a temporary name, and move it to `path`."""
+    final = Path(path)
+    new = final.with_name(f".{final.stem}.new.png")
+    try:
+        plotter.screenshot(new)
+        new.replace(final)
+    finally:
+        new.unlink(missing_ok=True)
+        plotter.close()
+
+
+def _grid(points: Array, cells: Integers) -> Any:
+    """Return an unstructured grid of tetrahedra."""
+    import pyvista as pv
+
+    return pv.UnstructuredGrid({pv.CellType.TETRA: np.asarray(cells)}, np.asarray(points))
+
+
+def _behind(fields: Fields) -> NDArray[np.bool_]:
+    """Return which cells (n_cells,) lie at y > 0."""
+    return np.asarray(fields.points[fields.cells][:, :, 1].mean(axis=1) > 0)
+
+
+def _face(cut: medial.Medial) -> Any:
+    """Return the section as a surface at y = 0 with its values."""
+    import pyvista as pv
+
+    flat = np.zeros((len(cut.places), 3))
+    flat[:, [0, 2]] = cut.places
+    faces: Any = cut.triangles
+    surface = pv.PolyData.from_regular_faces(flat, faces)
+    surface["field"] = cut.values
+    return surface
+
+
+def _raster(fields: Fields, frame: int, cut: medial.Medial) -> medial.Raster:
+    """Render the colored section, and the half finger behind it, without perspective."""
+    x0, x1, z0, z1 = cut.extent
+    scale = PIXELS / max(x1 - x0, z1 - z0)
+    plotter = renderer.plotter((round(scale * (x1 - x0)), round(scale * (z1 - z0))))
+    moved = fields.points + fields.displacement[frame]
+    behind = _grid(moved, fields.cells[_behind(fields)]).extract_surface(algorithm=None)
+    plotter.add_mesh(behind, color=figures.BONE, ambient=0.6, diffuse=0.4)
+    plotter.add_mesh(
+        _face(cut), scalars="field", cmap=cut.span.colors, clim=cut.span[:2], lighting=False,
+        show_scalar_bar=False, interpolate_before_map=True,
+    )  # fmt: skip
+    middle = ((x0 + x1) / 2, 0.0, (z0 + z1) / 2)
+    plotter.camera_position = [(middle[0], -200.0, middle[2]), middle, (0, 0, 1)]
+    plotter.enable_parallel_projection()
+    plotter.parallel_scale = (z1 - z0) / 2
+    plotter.reset_camera_clipping_range()
+    picture = np.array(plotter.screenshot(return_img=True))
+    plotter.close()
+    return medial.Raster(picture, cut.extent)

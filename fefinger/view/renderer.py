@@ -1,0 +1,71 @@
+"""Whether VTK can draw here, and an empty plotter."""
+
+import functools
+import os
+import subprocess
+import sys
+from typing import Any
+
+from fefinger.checks import InputError
+
+
+PROBE = """
+from vtkmodules import vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+window = vtkRenderWindow()
+window.SetOffScreenRendering(1)
+window.SetSize(8, 8)
+window.AddRenderer(vtkRenderer())
+window.Render()
+"""
+PATIENCE = 60  # s that the probe may take
+
+
+@functools.cache
+def renderer_available() -> str:
+    """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", PROBE], capture_output=True, timeout=PATIENCE, check=False
+        )
+        if done.returncode == 0:
+            return ""
+    except (OSError, subprocess.TimeoutExpired):
+        pass
+    return (
+        "No renderer for three-dimensional pictures was found; on Debian or Ubuntu install the "
+        "system package libegl1 or libosmesa6."
+    )
+
+
+def require() -> None:
+    """Raise InputError where VTK cannot draw, with what works without."""
+    missing = renderer_available()
+    if missing:
+        message = f"{missing} Without one, `fefinger view DIR --html FILE` works: a browser draws."
+        raise InputError(message)
+
+
+def plotter(size: tuple[int, int], columns: int = 1, *, off_screen: bool | None = True) -> Any:
+    """Return a plotter with a white background, its parts side by side; size in pixels."""
+    import pyvista as pv
+
+    _quiet()
+    made: Any = pv.Plotter(
+        off_screen=off_screen, window_size=list(size), shape=(1, columns), border=False
+    )
+    made.set_background("white", all_renderers=True)
+    return made
+
+
+def has_display() -> bool:
+    """Return whether a window can open: only Linux runs without a desktop as a rule."""
+    names = ("DISPLAY", "WAYLAND_DISPLAY")
+    return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in names)
+
+
+def _quiet() -> None:
+    """Keep VTK from warning on every start that there is no X server, before it takes EGL."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)

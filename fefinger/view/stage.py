@@ -1,0 +1,350 @@
+"""One finger in a plotter: built once, then moved through time; parts are shown or hidden."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fefinger import figures, pieces, quantities, section
+from fefinger.checks import choice
+from fefinger.marks import Marks
+from fefinger.neural.trains import FEW
+from fefinger.profiles import Ellipsoid, Plane
+from fefinger.view.subject import SOFT, Subject
+
+
+PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
+"""What can be shown or hidden; rates color the end organs by what their units fire."""
+
+BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad are seen from there
+CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does not flicker
+WIDE = 1.35  # width over height of a picture that the finger fills
+ASIDE = (0.14, 0.0)  # of the middle of the picture, for the color bars
+RADIUS, CROWDED = 0.17, 0.1  # mm of the mark of an end organ
+LABELS = (1.2, 3.2, 1.1)  # mm: column of labels beyond the tip, above the highest, line to line
+BAR: dict[str, Any] = {
+    "color": figures.INK,
+    "vertical": True,
+    "position_x": 0.855,
+    "width": 0.05,
+    "fmt": "%.3g",
+    "n_labels": 5,
+    "title_font_size": 20,
+    "label_font_size": 19,
+}
+LONG = 23  # letters of a title in one line
+LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
+
+
+class Prop(NamedTuple):
+    """An actor, which parts it `needs` shown, and which one hides it by being shown."""
+
+    actor: Any
+    needs: tuple[str, ...]
+    without: str | None = None
+
+
+class Scales(NamedTuple):
+    """Colors of the field, highest pressure in kPa and highest rate in Hz of the color bars."""
+
+    field: quantities.Span
+    pressure: float
+    rate: float
+
+
+class Stage:
+    """A finger in the active part of a plotter, which `at` and `show` change."""
+
+    def __init__(
+        self, plotter: Any, shown: Subject, field: str, scales: Scales, *, bars: bool = True
+    ) -> None:
+        self.plotter, self.shown, self.field = plotter, shown, field
+        self.scales, self.bars = scales, bars
+        self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
+        self.props: list[Prop] = []
+        self.moves: list[Callable[[int], None]] = []
+        self.hidden: set[str] = set()
+        self.frame = 0
+        for piece in shown.surfaces:
+            self._add_surface(piece)
+        if shown.lines is not None:
+            self._add_lines(shown.lines)
+        if shown.marks is not None:
+            self._add_organs(shown.marks)
+        self._add_indenter()
+        self._refresh()
+
+    def look(self) -> None:
+        """Turn the camera to the cut, or to the pad of a whole finger."""
+        self.plotter.view_vector(BELOW if self.shown.whole else BEHIND, viewup=(0, 0, 1))
+        width, height = self.plotter.window_size
+        share = width / self.plotter.shape[1] / height
+        closer = 1.2 if self.shown.whole else 1.35
+        self.plotter.camera.zoom(closer * min(1.0, share / WIDE))
+        self.plotter.camera.SetWindowCenter(*ASIDE)
+
+    def at(self, time: float) -> None:
+        """Show the stored frame next to a time in s."""
+        self.frame = section.nearest_frame(self.shown.fields, time)
+        for move in self.moves:
+            move(self.frame)
+        self._say()
+
+    def show(self, part: str, on: bool) -> None:
+        """Show or hide one of PARTS."""
+        choice("part", part, PARTS)
+        (self.hidden.discard if on else self.hidden.add)(part)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Let every actor be seen or not, as its parts are."""
+        for prop in self.props:
+            covered = prop.without is not None and prop.without not in self.hidden
+            prop.actor.SetVisibility(self.hidden.isdisjoint(prop.needs) and not covered)
+
+    def remove(self) -> None:
+        """Take everything out of the plotter."""
+        self.plotter.subplot(*self.where)
+        if self.bars:
+            for title in list(self.plotter.scalar_bars.keys()):
+                self.plotter.remove_scalar_bar(title)
+        for prop in self.props:
+            self.plotter.remove_actor(prop.actor, render=False)
+
+    @property
+    def parts(self) -> list[str]:
+        """Return the parts that there are, in the order of PARTS."""
+        found = {part for prop in self.props for part in prop.needs}
+        return [part for part in PARTS if part in found]
+
+    def words(self) -> str:
+        """Return what is shown, in two lines."""
+        result, now = self.shown.result, float(self.shown.fields.times[self.frame])
+        said = [f"t = {now:.4g} s", f"depth {self._depth(now):.3g} mm"]
+        if result.force is not None:
+            said.append(f"force {np.interp(now, result.time, result.force):.3g} N")
+        kind = f" ({quantities.measure(result)})" if quantities.unit(self.field) == "%" else ""
+        return (
+            f"{result.scene.name}, {result.plan.mechanics}: {self.field}{kind}\n{',  '.join(said)}"
+        )
+
+    def _say(self) -> None:
+        """Write `words` above the finger."""
+        self.plotter.subplot(*self.where)
+        self.plotter.add_text(
+            self.words(), font_size=11, color=figures.INK, name=f"words {self.where[1]}"
+        )
+
+    def _depth(self, time: float) -> float:
+        return float(np.interp(time, self.shown.result.time, self.shown.result.depth))
+
+    def _place(self, piece: pieces.Piece, frame: int) -> Any:
+        fields = self.shown.fields
+        return piece.at(fields.points + fields.displacement[frame])
+
+    def _add_surface(self, piece: pieces.Piece) -> None:
+        """Add a piece that follows the finger, colored by the field or, of bone, plain."""
+        import pyvista as pv
+
+        faces: Any = piece.triangles
+        mesh = pv.PolyData.from_regular_faces(self._place(piece, 0), faces)
+
+        def move(frame: int) -> None:
+            mesh.points = self._place(piece, frame)
+            mesh["field"] = piece.at(quantities.values(self.shown.result, self.field, frame))
+            mesh["pressure"] = piece.at(self.shown.fields.pressure[frame])
+            if piece.flat:
+                return
+            mesh.compute_normals(
+                cell_normals=False, split_vertices=False, consistent_normals=False,
+                auto_orient_normals=False, inplace=True,
+            )  # fmt: skip
+
+        move(0)
+        self.moves.append(move)
+        if piece.name not in SOFT:
+            how = {"lighting": False} if piece.flat else LIT
+            actor = self.plotter.add_mesh(mesh, color=figures.BONE, **how)
+            self.props.append(Prop(actor, (piece.name,)))
+        elif piece.name == pieces.PAD:
+            self._add_colored(mesh, "field", ("skin",), "pressure")
+            self._add_colored(mesh, "pressure", ("skin", "pressure"), flat=True)
+        else:
+            self._add_colored(mesh, "field", (piece.name,), flat=piece.flat)
+
+    def _add_colored(
+        self,
+        mesh: Any,
+        name: str,
+        needs: tuple[str, ...],
+        without: str | None = None,
+        *,
+        flat: bool = False,
+    ) -> None:
+        """Add a surface colored by the field or by the pressure, with its bar once.
+
+        `flat`: it is drawn without shades, so that its colors are those of the bar.
+        """
+        span, title = self.scales.field, quantities.label(self.field)
+        if name == "pressure":
+            span = quantities.Span(0.0, self.scales.pressure, quantities.SKIN_DEEP, "neither")
+            title = quantities.label("pressure")
+        actor = self.plotter.add_mesh(
+            mesh, scalars=name, cmap=span.colors, clim=span[:2], show_scalar_bar=False,
+            **({"lighting": False} if flat else LIT),
+        )  # fmt: skip
+        actor.prop.interpolation = "Phong"
+        self.props.append(Prop(actor, needs, without))
+        self._add_bar(title, actor, needs if name == "pressure" else (), lower=name == "pressure")
+
+    def _add_bar(self, label: str, actor: Any, needs: tuple[str, ...], *, lower: bool) -> None:
+        """Add a color bar, the field's above and the others' below it side by side."""
+        title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
+        if not self.bars or title in self.plotter.scalar_bars:
+            return
+        place: dict[str, Any] = {"position_y": 0.54, "height": 0.36}
+        if lower:
+            place = {"position_y": 0.17, "height": 0.3}
+        if lower and label.startswith("rate"):
+            place["position_x"] = 0.7 if "pressure" in self.parts else BAR["position_x"]
+        bar = self.plotter.add_scalar_bar(title=title, mapper=actor.mapper, **(BAR | place))
+        self.props.append(Prop(bar, needs))
+
+    def _add_lines(self, piece: pieces.Piece) -> None:
+        """Add the white outlines of the tissues on the cut."""
+        import pyvista as pv
+
+        lines = np.column_stack([np.full(len(piece.triangles), 2), piece.triangles])
+        mesh = pv.PolyData(self._place(piece, 0), lines=lines.ravel())
+        lift = np.array([0.0, -0.02, 0.0])  # mm off the cut, so that they are not buried in it
+
+        def move(frame: int) -> None:
+            mesh.points = self._place(piece, frame) + lift
+
+        self.moves.append(move)
+        actor = self.plotter.add_mesh(mesh, color="white", line_width=2, lighting=False)
+        self.props.append(Prop(actor, ()))
+
+    def _add_organs(self, shown: Marks) -> None:
+        """Add a ball per end organ: colored by type, and by the rate where units fire."""
+        import pyvista as pv
+
+        fields, types, organs = self.shown.fields, shown.types, shown.followed
+        radius = RADIUS if len(types) <= FEW else CROWDED
+        fires = shown.trains is not None
+        ball = pv.Sphere(radius=radius, theta_resolution=16, phi_resolution=16)
+        rim = pv.Sphere(radius=1.25 * radius, theta_resolution=16, phi_resolution=16)
+        marks = pv.PolyData(organs.moved(fields.displacement[0]))
+        color = np.array(
+            [pv.Color(figures.COLORS.get(kind, figures.INK)).int_rgb for kind in types]
+        )
+        balls, rims = pv.PolyData(), pv.PolyData()
+
+        def move(frame: int) -> None:
+            marks.points = organs.moved(fields.displacement[frame])
+            marks["type"] = color.astype(np.uint8)
+            if fires:
+                marks["rate"] = shown.rates(float(fields.times[frame]))
+            balls.copy_from(marks.glyph(geom=ball, scale=False, orient=False))
+            rims.copy_from(marks.glyph(geom=rim, scale=False, orient=False))
+
+        move(0)
+        self.moves.append(move)
+        # The far side of a larger ball is a white rim about each, from wherever one looks.
+        added = [
+            self.plotter.add_mesh(rims, color="white", culling="front", lighting=False),
+            self.plotter.add_mesh(balls, scalars="type", rgb=True),
+        ]
+        needs = ("end organs", "rates")
+        self.props.append(Prop(added[0], needs[:1]))
+        self.props.append(Prop(added[1], needs[:1], "rates" if fires else None))
+        if fires:
+            rated = self.plotter.add_mesh(
+                balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
+                show_scalar_bar=False, ambient=0.6, diffuse=0.4,
+            )  # fmt: skip
+            added.append(rated)
+            self.props.append(Prop(rated, needs))
+            self._add_bar("rate / Hz", rated, needs, lower=True)
+        for actor in added:
+            _bring_forward(actor.mapper)
+        if len(types) <= FEW:
+            self._add_labels(marks, shown.labels)
+
+    def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
+        """Add type and depth of a few end organs, in a column beside the tip, joined to them."""
+        import pyvista as pv
+
+        order = np.argsort(-marks.points[:, 2])
+        words = [f"  {labels[i]}" for i in order]
+        tip = self.shown.fields.points.max(axis=0)[0] + LABELS[0]
+        down = marks.points[:, 2].max() + LABELS[1] - LABELS[2] * np.arange(len(words))
+        column = np.column_stack([np.full(len(words), tip), np.zeros(len(words)), down])
+        pairs = np.stack([np.arange(len(words)), len(words) + np.arange(len(words))], axis=1)
+        lines = pv.PolyData(
+            np.concatenate([marks.points[order], column]),
+            lines=np.column_stack([np.full(len(words), 2), pairs]).ravel(),
+        )
+
+        def move(frame: int) -> None:
+            points = np.array(lines.points)
+            points[: len(words)] = marks.points[order]
+            lines.points = points
+
+        self.moves.append(move)
+        leaders = self.plotter.add_mesh(lines, color=figures.INK, line_width=1.5, lighting=False)
+        _bring_forward(leaders.mapper)
+        told = self.plotter.add_point_labels(
+            column, words, font_size=16, text_color=figures.INK, shape=None, margin=2,
+            show_points=False, always_visible=True, bold=False, justification_vertical="center",
+        )  # fmt: skip
+        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, told)]
+
+    def _add_indenter(self) -> None:
+        """Add the indenter, clear as glass where it would hide what is shown."""
+        touch = section.pose(self.shown.result, 0.0)
+        shape = _shape(touch).translate(-CLEAR * touch.axis)
+        if not self.shown.whole:
+            shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
+        added = [self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15, show_edges=False)]
+        if isinstance(touch.profile, Plane):
+            rim = shape.extract_surface(algorithm=None).extract_feature_edges(
+                feature_edges=False, manifold_edges=False
+            )
+            added.append(self.plotter.add_mesh(rim, color="#51606e", line_width=2))
+        self.props += [Prop(actor, ("indenter",)) for actor in added]
+
+        def move(frame: int) -> None:
+            depth = self._depth(float(self.shown.fields.times[frame]))
+            for actor in added:
+                actor.position = tuple(depth * touch.axis)
+
+        self.moves.append(move)
+
+
+def _bring_forward(mapper: Any) -> None:
+    """Let a mapper draw over what lies before it: end organs are seen through the tissue."""
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, -66000)
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)
+
+
+def _shape(pose: section.Pose) -> Any:
+    """Return the surface of an indenter where it touches first."""
+    import pyvista as pv
+
+    if isinstance(pose.profile, Plane):
+        return pv.Plane(center=pose.origin, direction=pose.axis, i_size=14, j_size=14)
+    if isinstance(pose.profile, Ellipsoid) and np.isfinite(pose.profile.radii).all():
+        shape = pv.ParametricEllipsoid(*pose.profile.radii, u_res=80, v_res=80)
+        turn = np.eye(4)
+        turn[:3, :3] = pose.frame.T
+        turn[:3, 3] = pose.origin - pose.profile.radii[2] * pose.axis
+        return shape.transform(turn, inplace=False)
+    line = np.linspace(-7, 7, 281)
+    across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
+    height = pose.profile.height(across)[0]
+    places = np.where((height < 4.0)[..., None], pose.places(across), np.nan)
+    grid = pv.StructuredGrid(*(places[..., k] for k in range(3)))
+    seen: Any = np.isfinite(grid.points).all(axis=1)
+    return grid.extract_points(seen, adjacent_cells=False).extract_surface(algorithm=None)

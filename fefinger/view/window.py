@@ -1,0 +1,147 @@
+"""The window: a slider over time, one over the fields, and a box for every part."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fefinger import figures, quantities, section
+from fefinger.checks import InputError, choice
+from fefinger.records import Array, Result
+from fefinger.view import pictures, renderer
+from fefinger.view.stage import Stage
+
+
+SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
+BOX = 22  # pixels of a box
+SLIDER: dict[str, Any] = {
+    "color": figures.INK,
+    "style": "modern",
+    "title_height": 0.018,
+    "slider_width": 0.02,
+    "tube_width": 0.004,
+}
+
+
+class Controls:
+    """The stages in a plotter, and what its sliders and boxes do to all of them."""
+
+    def __init__(
+        self,
+        plotter: Any,
+        results: Sequence[Result],
+        field: str,
+        *,
+        time: float | None = None,
+        limits: tuple[float, float] | None = None,
+    ) -> None:
+        self.plotter, self.results, self.limits = plotter, list(results), limits
+        self.time = section.peak_time(self.results[0]) if time is None else time
+        self.stages: list[Stage] = pictures.compose(plotter, self.results, field, limits)
+        self.hidden: set[str] = set()
+        self.move(self.time)
+
+    @property
+    def times(self) -> Array:
+        """Return the stored times of all results in s, ascending."""
+        every = [quantities.fields_of(result).times for result in self.results]
+        return np.unique(np.concatenate(every))
+
+    def move(self, time: float) -> None:
+        """Show the stored frames next to a time in s."""
+        self.time = time
+        for stage in self.stages:
+            stage.at(time)
+
+    def step(self, number: float) -> None:
+        """Show a stored time by its number, from 1; they are not evenly spaced."""
+        times = self.times
+        self.move(float(times[min(max(round(number), 1), len(times)) - 1]))
+
+    def toggle(self, part: str, on: bool) -> None:
+        """Show or hide a part of every finger."""
+        (self.hidden.discard if on else self.hidden.add)(part)
+        for stage in self.stages:
+            stage.show(part, on)
+
+    def color(self, field: str) -> None:
+        """Color the fingers by another field; the camera stays while the cut does."""
+        before = self.stages
+        if field == before[0].field:
+            return
+        camera = self.plotter.renderers[0].camera
+        for stage in before:
+            stage.remove()
+        self.stages = pictures.compose(self.plotter, self.results, field, self.limits)
+        if self.stages[0].shown.whole == before[0].shown.whole:
+            for column in range(len(before)):
+                self.plotter.renderers[column].camera = camera
+        self.move(self.time)
+        for part in sorted(self.hidden):
+            self.toggle(part, False)
+
+    def add_widgets(self) -> None:
+        """Add the sliders below and the boxes on the left."""
+        times = self.times
+        if len(times) > 1:
+            now = 1 + int(np.argmin(np.abs(times - self.time)))
+            self.plotter.subplot(0, 0)
+            self.plotter.add_slider_widget(
+                self.step, (1, len(times)), value=now, fmt="%.0f",
+                title=f"stored time, 1 to {len(times)}",
+                pointa=(0.2, 0.08), pointb=(0.48, 0.08), **SLIDER,
+            )  # fmt: skip
+        self.plotter.subplot(0, 0)
+        slider = self.plotter.add_text_slider_widget(
+            self.color, list(quantities.FIELDS),
+            value=quantities.FIELDS.index(self.stages[0].field),
+            pointa=(0.54, 0.08), pointb=(0.82, 0.08), color=figures.INK, style="modern",
+        )  # fmt: skip
+        shape = slider.GetSliderRepresentation()
+        shape.SetTubeWidth(SLIDER["tube_width"])
+        shape.SetSliderWidth(SLIDER["slider_width"])
+        shape.SetTitleHeight(SLIDER["title_height"])
+        self.plotter.subplot(0, 0)
+        for row, part in enumerate(reversed(self.stages[0].parts)):
+            at = 20.0 + row * (BOX + 10)
+
+            def switch(on: bool, part: str = part) -> None:
+                self.toggle(part, on)
+
+            self.plotter.add_checkbox_button_widget(
+                switch, value=True, position=(14.0, at), size=BOX, border_size=2,
+                color_on="#0072B2", color_off="#dfe5ea", background_color="white",
+            )  # fmt: skip
+            self.plotter.add_text(
+                part, position=(14.0 + BOX + 10, at), font_size=10, color=figures.INK,
+                name=f"box {part}",
+            )  # fmt: skip
+
+
+def show(
+    results: Result | Sequence[Result],
+    field: str = quantities.DEFAULT,
+    time: float | None = None,
+    limits: tuple[float, float] | None = None,
+) -> Any:
+    """Open a window, or a view inside a notebook, on one result or several side by side.
+
+    Raises InputError if there is no renderer or no display, or the result has no fields.
+    """
+    shown = [results] if isinstance(results, Result) else list(results)
+    for result in shown:
+        quantities.fields_of(result)
+    choice("field", field, quantities.FIELDS)
+    renderer.require()
+    size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
+    plotter = renderer.plotter(size, len(shown), off_screen=None)
+    if not (plotter.notebook or plotter.off_screen or renderer.has_display()):
+        message = (
+            "show: expected a display for the window, found none; "
+            "use `fefinger view DIR --screenshot PNG` or `--html FILE`, or a notebook"
+        )
+        raise InputError(message)
+    controls = Controls(plotter, shown, field, time=time, limits=limits)
+    if not (plotter.notebook or plotter.off_screen):
+        controls.add_widgets()
+    return plotter.show()

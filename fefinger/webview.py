@@ -1,0 +1,245 @@
+"""Results as one self-contained page to turn and play in any browser: `write(results, path)`.
+
+Needs no renderer here and no network there: a browser draws it with WebGL. Every field is in it.
+"""
+
+import base64
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fefinger import figures, marks, page, pieces, quantities, section
+from fefinger.checks import choice
+from fefinger.neural.trains import FEW
+from fefinger.profiles import Plane
+from fefinger.records import Array, Fields, Integers, Result
+
+
+FRONT = "other half"
+OUTER = ("skin", pieces.PAD, FRONT)
+LEVELS = 65535  # of a value on its range
+GRID = 61  # points along and across an indenter that is not plane
+REACH = 7.0  # mm of it to either side
+MAPS = (quantities.EVEN, quantities.DIVERGING, quantities.SKIN_DEEP, quantities.RATES)
+
+
+@dataclass
+class Blob:
+    """Arrays one after the other, and where each of them is."""
+
+    parts: list[bytes] = field(default_factory=list)
+    size: int = 0
+
+    def add(self, array: Any, kind: str) -> dict[str, Any]:
+        """Append an array as little-endian `kind` (f4, u4, u2) and return its place."""
+        data = np.ascontiguousarray(array, dtype=f"<{kind}")
+        place = {"kind": kind, "at": self.size, "count": data.size}
+        padded = data.tobytes() + bytes(-data.nbytes % 4)
+        self.parts.append(padded)
+        self.size += len(padded)
+        return place
+
+    def text(self) -> str:
+        """Return everything, deflated, as base64."""
+        return base64.b64encode(zlib.compress(b"".join(self.parts), 9)).decode("ascii")
+
+
+def write(
+    results: Result | Sequence[Result],
+    path: str | PathLike[str],
+    field: str = quantities.DEFAULT,
+    time: float | None = None,
+    limits: tuple[float, float] | None = None,
+) -> None:
+    """Write the page on one result, or several side by side, to the HTML file `path`.
+
+    It opens with `field` at the stored time next to `time` s (by default of the first one's largest
+    force); `limits` are those of the color bar of that field. Other fields get the range of all
+    results at all times. Raises InputError if a result has no fields or the field is unknown.
+    """
+    shown = [results] if isinstance(results, Result) else list(results)
+    choice("field", field, quantities.FIELDS)
+    wholes = [_whole(result) for result in shown]
+    blob = Blob()
+    data = {
+        "field": field,
+        "time": section.peak_time(shown[0]) if time is None else time,
+        "scenes": [_scene(result, blob) for result in wholes],
+        "fields": {name: _span(wholes, name, limits if name == field else None)
+                   for name in quantities.FIELDS},
+        "pressure": _span(wholes, "pressure", None),
+        "maps": {name: _colors(name) for name in MAPS},
+        "rate": quantities.round_up(max(map(marks.highest_rate, wholes)) or 1.0),
+        "rates": quantities.RATES,
+        "few": FEW,
+    }  # fmt: skip
+    html = page.render(
+        "viewer.html",
+        title=", ".join(result.scene.name for result in shown),
+        fields=[(name, quantities.label(name), quantities.ABOUT[name]) for name in data["fields"]],
+        script=page.source("viewer.js"),
+        data=page.raw(json.dumps(data).replace("<", "\\u003c")),
+        blob=blob.text(),
+    )
+    target = Path(path)
+    new = target.with_name(f".{target.name}.new")
+    new.write_text(html, encoding="utf-8")
+    new.replace(target)
+
+
+def _whole(result: Result) -> Result:
+    """Return the result with fields on the whole finger."""
+    fields = section.whole(quantities.fields_of(result))
+    return replace(result, response=replace(result.response, fields=fields))
+
+
+def _span(results: Sequence[Result], name: str, limits: tuple[float, float] | None) -> Any:
+    """Return the color bar of a field over all results and times."""
+    soft = [_soft(quantities.fields_of(result)) for result in results]
+    span = quantities.span(
+        (
+            quantities.values(result, name, frame)[inside]
+            for result, inside in zip(results, soft, strict=True)
+            for frame in range(len(quantities.fields_of(result).times))
+        ),
+        name,
+        limits,
+    )
+    return span._asdict() | {"unit": quantities.unit(name)}
+
+
+def _soft(fields: Fields) -> Any:
+    return np.unique(fields.cells[fields.region != section.BONE])
+
+
+def _colors(name: str) -> list[int]:
+    """Return a color map as 256 times red, green and blue."""
+    from matplotlib import colormaps
+
+    table = colormaps[name](np.arange(256))[:, :3]
+    return [int(value) for value in np.round(255 * table).astype(int).ravel()]
+
+
+def _scene(result: Result, blob: Blob) -> dict[str, Any]:
+    """Return one finger as a record that points into the blob."""
+    fields = quantities.fields_of(result)
+    mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
+    back = list(pieces.cut_open(fields))
+    front = [replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
+             for piece in pieces.cut_open(mirrored)
+             if piece.name in ("skin", pieces.PAD) and not piece.flat]  # fmt: skip
+    lines = pieces.outlines(fields)
+    every = [*back, *front]
+    starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
+    triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
+    counts = np.cumsum([0, *(len(each) for each in triangles)])
+    moved = [fields.points + shift for shift in fields.displacement]
+    depth = np.interp(fields.times, result.time, result.depth)
+    return {
+        "words": f"{result.scene.name}, {result.plan.mechanics} ({quantities.measure(result)})",
+        "times": fields.times.tolist(),
+        "depth": depth.tolist(),
+        "force": _force(result, fields.times),
+        "vertices": int(starts[-1]),
+        "points": blob.add([_at(every, each) for each in moved], "f4"),
+        "triangles": blob.add(np.concatenate(triangles), "u4"),
+        "same": blob.add(_same(every), "u4"),
+        "pieces": [
+            {"name": piece.name, "flat": piece.flat, "from": int(a), "to": int(b)}
+            for piece, a, b in zip(every, counts[:-1], counts[1:], strict=True)
+        ],
+        "values": {name: _values(result, every, name, blob) for name in quantities.FIELDS},
+        "lines": blob.add(lines.triangles, "u4"),
+        "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
+        "organs": _organs(marks.in_section(result), fields, blob),
+        "units": _organs(marks.on_skin(result), fields, blob),
+        "indenter": _indenter(result, blob),
+    }
+
+
+def _at(every: Sequence[pieces.Piece], nodal: Array) -> Array:
+    return np.concatenate([piece.at(nodal) for piece in every])
+
+
+def _same(every: Sequence[pieces.Piece]) -> Integers:
+    """Return, per vertex, the first one at the same place of an outer surface, for its normal."""
+    keys = [
+        np.column_stack(
+            [piece.edges, np.round(1e6 * piece.weight), np.full(len(piece.weight), kind)]
+        )
+        for piece, kind in ((each, number if each.flat or each.name not in OUTER else -1)
+                            for number, each in enumerate(every))
+    ]  # fmt: skip
+    _, first, inverse = np.unique(
+        np.concatenate(keys), axis=0, return_index=True, return_inverse=True
+    )
+    return np.asarray(first[inverse.ravel()])
+
+
+def _values(
+    result: Result, every: Sequence[pieces.Piece], name: str, blob: Blob
+) -> Mapping[str, Any]:
+    """Return a field on all vertices at all times, each on LEVELS of its range."""
+    times = quantities.fields_of(result).times
+    values = np.stack(
+        [_at(every, quantities.values(result, name, frame)) for frame in range(len(times))]
+    )
+    low, high = float(values.min()), float(values.max())
+    step = (high - low) / LEVELS or 1.0
+    return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
+
+
+def _force(result: Result, times: Array) -> list[float] | None:
+    if result.force is None:
+        return None
+    return [float(value) for value in np.interp(times, result.time, result.force)]
+
+
+def _organs(shown: marks.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
+    """Return where marks are, their names and colors, and the rates of their units."""
+    if shown is None:
+        return None
+    rates = None
+    if shown.trains is not None:
+        rates = blob.add([shown.rates(float(time)) for time in fields.times], "f4")
+    return {
+        "points": blob.add([shown.followed.moved(u) for u in fields.displacement], "f4"),
+        "labels": shown.labels,
+        "colors": [figures.COLORS.get(kind, figures.INK) for kind in shown.types],
+        "rates": rates,
+    }
+
+
+def _indenter(result: Result, blob: Blob) -> dict[str, Any]:
+    """Return the front of the indenter at first touch as triangles, and its direction of travel."""
+    pose = section.pose(result, 0.0)
+    count = 2 if isinstance(pose.profile, Plane) else GRID
+    line = np.linspace(-REACH, REACH, count)
+    across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
+    places = pose.places(across).reshape(-1, 3)
+    height = (places - pose.origin) @ pose.axis
+    corner = np.arange(count * count).reshape(count, count)
+    a, b, c, d = (corner[i : count - 1 + i, j : count - 1 + j].ravel() for i in (0, 1)
+                  for j in (0, 1))  # fmt: skip
+    triangles = np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
+    seen = np.isfinite(height) & (height > -REACH)
+    triangles = triangles[seen[triangles].all(axis=1)]
+    return {
+        "points": blob.add(np.where(np.isfinite(places), places, 0.0), "f4"),
+        "triangles": blob.add(triangles, "u4"),
+        "rim": blob.add(_rim(triangles), "u4"),
+        "axis": pose.axis.tolist(),
+    }
+
+
+def _rim(triangles: Integers) -> Integers:
+    """Return the edges (n, 2) that only one triangle has."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    return np.asarray(unique[count == 1])

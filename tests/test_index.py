@@ -1,0 +1,106 @@
+"""The page that gathers the reports: complete, and as fresh as the files that it is made from."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from fefinger.validation import index
+
+from fefinger.__main__ import main
+
+
+CASE = {
+    "name": "a",
+    "value": 1.0,
+    "expected": 1.0,
+    "tolerance": 0.1,
+    "unit": "N",
+    "source": "x",
+    "failure": "",
+    "verdict": "pass",
+}
+REPORTS = Path(__file__).resolve().parents[1] / "reports"
+
+
+def test_the_committed_index_is_fresh() -> None:
+    written = (REPORTS / "index.html").read_text(encoding="utf-8")
+    assert written == index.html(REPORTS), "run `python -m fefinger.validation.index reports`"
+
+
+def test_every_file_is_linked_and_every_link_is_there() -> None:
+    html = index.html(REPORTS)
+    links = set(re.findall(r'href="([^"]*)"', html))
+    assert links >= {path.name for kind in ("json", "csv") for path in REPORTS.glob(f"*.{kind}")}
+    assert links >= {path.name for path in REPORTS.glob("*.html")} - {"index.html"}
+    for link in links:
+        assert (REPORTS / link).is_file(), link
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Return a folder with a suite, a benchmark and evidence."""
+    case = {"verdict": "pass"}
+    made = {"command": "c", "commit": "abc123", "date": "2026-01-02T03:04:05"}
+    suite = {"suites": [{"suite": "fem", "cases": [case, case, {"verdict": "documented"}]}]}
+    (tmp_path / "fem.json").write_text(json.dumps(suite | {"provenance": made}))
+    (tmp_path / "fem.html").write_text("")
+    (tmp_path / "bench-x.json").write_text(json.dumps(made | {"figures": []}))
+    (tmp_path / "new.json").write_text(json.dumps(made | {"about": "Something <new>."}))
+    (tmp_path / "sweep.csv").write_text("a,b\n")
+    cells = "".join(f'<tr><th>{k}</th><td class="long">{v}</td></tr>' for k, v in made.items())
+    (tmp_path / "sweep.html").write_text(cells)
+    return tmp_path
+
+
+def test_a_table_takes_its_making_from_its_page(folder: Path) -> None:
+    html = index.html(folder)
+    (row,) = re.findall(r'<tr><td><a href="sweep.csv">.*?</tr>', html)
+    assert '<a href="sweep.html">' in row
+    assert "2026-01-02" in row
+    assert "abc123" in row
+    assert html.index('id="studies"') < html.index("sweep.csv") < html.index('id="benchmarks"')
+
+
+def test_suites_have_date_commit_and_verdicts(folder: Path) -> None:
+    html = index.write(folder).read_text(encoding="utf-8")
+    assert "3 comparisons in 1 suite:" in html
+    (row,) = re.findall(r"<tr><td><a href=\"fem.html\">fem</a>.*?</tr>", html)
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", row)[2:]
+    assert cells[:6] == ["2", "1", "0", "3", "2026-01-02", "abc123"]
+    assert html.index('id="benchmarks"') < html.index("bench-x.json") < html.index('id="evidence"')
+    assert "Something &lt;new&gt;." in html
+
+
+def test_the_module_writes_it_or_says_what_it_needs(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert index.main([str(folder)]) == 0
+    assert capsys.readouterr().out.strip() == str(folder / "index.html")
+    assert index.main([]) == 2
+    assert "expected one folder of reports" in capsys.readouterr().err
+
+
+def test_validate_names_its_files_and_freshens_the_index(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from fefinger.validation import suites
+
+    record = {"suites": [{"suite": "s", "cases": [CASE]}]}
+    monkeypatch.setattr(suites, "run", lambda *args, **kwargs: {})
+    monkeypatch.setattr(suites, "as_json", lambda outcomes: record)
+    monkeypatch.setattr(suites, "figures", lambda names: {})
+    index.write(folder)
+    assert main(["validate", "--name", "fem", "-o", str(folder)]) == 0
+    assert '<a href="fem.json">' in (folder / "fem.html").read_text(encoding="utf-8")
+    html = (folder / "index.html").read_text(encoding="utf-8")
+    assert html == index.html(folder)
+    assert "1 comparison in 1 suite:" in html
+
+
+def test_pages_are_written_anew_from_their_data(folder: Path) -> None:
+    record = {"suites": [{"suite": "old", "cases": [CASE]}], "provenance": {"commit": "abc"}}
+    (folder / "fem.json").write_text(json.dumps(record))
+    assert list(index.rewrite_pages(folder)) == [folder / "fem.html"]
+    assert json.loads((folder / "fem.json").read_text()) == record
+    assert ">abc<" in (folder / "fem.html").read_text(encoding="utf-8")

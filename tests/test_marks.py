@@ -1,0 +1,60 @@
+"""Marks of end organs and units: which are drawn, where, and with whose rates."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fefinger import marks, section
+from fefinger.records import Result, Sites
+
+
+@pytest.fixture
+def crowd(synthetic: Result) -> Result:
+    """Return the result with five end organs of each of the four units, 0.4 mm apart across."""
+    assert synthetic.sites is not None
+    sites = synthetic.sites
+    across = np.array([0.0, 1.0, 0.0]) * np.arange(-2, 3)[:, None] * 0.4
+    many = Sites(
+        points=(sites.points[:, None] + across).reshape(-1, 3),
+        normals=np.repeat(sites.normals, 5, axis=0),
+        depths=np.repeat(sites.depths, 5),
+        types=tuple(kind for kind in sites.types for _ in range(5)),
+        unit=np.repeat(np.arange(4), 5),
+    )
+    response = dataclasses.replace(synthetic.response, sites=many)
+    return dataclasses.replace(synthetic, response=response)
+
+
+def test_few_end_organs_are_marked_each_and_none_on_the_skin(synthetic: Result) -> None:
+    found = marks.in_section(synthetic)
+    assert found is not None
+    assert found.labels == ("SAI 0.8 mm", "SAII 1.8 mm", "FAI 0.6 mm", "FAII 3 mm")
+    assert marks.on_skin(synthetic) is None
+
+
+def test_of_a_population_those_near_the_cut_are_marked(crowd: Result) -> None:
+    found = marks.in_section(crowd)
+    assert found is not None
+    assert len(found.types) == 4 * 3
+    assert np.abs(found.followed.points[:, 1]).max() <= marks.OFF_PLANE
+    assert found.units.tolist() == np.repeat(np.arange(4), 3).tolist()
+
+
+def test_a_unit_is_marked_on_the_skin_above_its_end_organs(crowd: Result) -> None:
+    both = section.whole(crowd.fields)
+    whole = dataclasses.replace(crowd, response=dataclasses.replace(crowd.response, fields=both))
+    found = marks.on_skin(whole)
+    assert found is not None
+    assert found.types == ("SAI", "SAII", "FAI", "FAII")
+    np.testing.assert_allclose(found.followed.points, 0.0, atol=1e-12)  # all below first touch
+
+
+def test_rates_are_those_of_the_unit_of_each_mark(crowd: Result) -> None:
+    found = marks.in_section(crowd)
+    assert found is not None
+    assert crowd.spikes is not None
+    expected = [float(crowd.spikes.rate(unit, 2.5)) for unit in range(4)]
+    np.testing.assert_allclose(found.rates(2.5), np.repeat(expected, 3))
+    assert marks.highest_rate(crowd) >= max(expected) > 0
+    assert marks.highest_rate(dataclasses.replace(crowd, spikes=None)) == 0

@@ -1,0 +1,379 @@
+"""Studies: the grid, what is measured of each scene, resuming, failures, processes and cluster."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import study_tasks, study_workers
+from fefinger.__main__ import main
+from fefinger.checks import InputError
+from fefinger.run import run
+from fefinger.study_grid import column, parse_at, parse_over, product
+from fefinger.study_measures import rows
+from fefinger.theory.elliptic import Elliptic
+from fefinger.theory.relaxation import Prony
+from fefinger.theory.sensor import ArraySensor
+
+
+QUICK = {"ask.spikes": [], "motion.hold": 0.05, "motion.speed": 10}
+ELASTIC = ff.Finger.subject("a.h.", prony=Prony((1.0,), ()), resolution="coarse")
+BARE = ff.Ask(strain=False, fields=False)
+
+
+def same(first, second):
+    """Return whether two lists of rows are the same but for the time they took."""
+    return [{name: value for name, value in row.items() if name != "seconds"} for row in first] == [
+        {name: value for name, value in row.items() if name != "seconds"} for row in second
+    ]
+
+
+# The grid
+
+
+def test_ranges_and_lists_make_a_grid_whose_last_field_changes_fastest():
+    over = parse_over(["indenter.angle=0:0.3:4", "finger.subject=a.h., d.p.", "indenter.at=[0,1]"])
+    assert over["indenter.angle"] == (0.0, 0.1, 0.2, 0.3)
+    assert over["finger.subject"] == ("a.h.", "d.p.")
+    assert over["indenter.at"] == ([0, 1],)
+    points = product({"a": (1, 2), "b": ("x", "y")})
+    assert points == [{"a": a, "b": b} for a in (1, 2) for b in ("x", "y")]
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (["indenter.angle"], "expected FIELD=START:STOP:COUNT or FIELD=A,B,C"),
+        (["=1,2"], "expected FIELD="),
+        (["indenter.angle="], "expected FIELD="),
+        (["indenter.angle=0:60"], "COUNT is a whole number from 2 on"),
+        (["indenter.angle=0:60:1"], "COUNT is a whole number"),
+        (["indenter.angle=0:60:2.5"], "COUNT is a whole number"),
+        (["indenter.angle=0:x:3"], "COUNT is a whole number"),
+        (["indenter.angle=0:inf:3"], "STOP: expected a finite number"),
+        (["indenter.angle=1,,2"], "a value is missing"),
+        (["indenter.angle=30,30.0"], "received 30.0 twice"),
+        (["motion.speed=1,2", "motion.speed=3,4"], "every field once, received motion.speed"),
+    ],
+)
+def test_an_over_that_cannot_be_used_gets_a_sentence(texts, words):
+    with pytest.raises(InputError) as error:
+        parse_over(texts)
+    assert words in str(error.value)
+
+
+def test_forces_and_depths_and_the_units_of_columns():
+    assert parse_at(["1N", "0.5 mm", "2 N"]) == ((1.0, 2.0), (0.5,))
+    for text in ("1", "N", "1 kPa", "-1N"):
+        with pytest.raises(InputError, match="--at"):
+            parse_at([text])
+    assert column("indenter.angle") == "indenter.angle_deg"
+    assert column("motion.speed") == "motion.speed_mm_per_s"
+    assert column("motion.amplitude", "force-sinusoid") == "motion.amplitude_N"
+    assert column("motion.amplitude", "sinusoid") == "motion.amplitude_mm"
+    assert column("indenter.corner") == "indenter.corner_mm"
+    assert column("motion.corner") == "motion.corner_s"
+    assert column("finger.subject") == "finger.subject"
+
+
+# What is measured
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """Return a slow elastic ramp of a plate on the coarse finger."""
+    scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(10, 1.2), ask=BARE)
+    return run(scene, mechanics="linear")
+
+
+@pytest.mark.parametrize(("mechanics", "tolerance"), [("hertz", 1e-3), ("linear", 1e-2)])
+def test_a_force_on_the_way_is_what_a_run_under_force_control_gives(pressed, mechanics, tolerance):
+    moved = run(pressed.scene, mechanics="hertz") if mechanics == "hertz" else pressed
+    passed = rows(moved, forces=(0.2,))[2]
+    scene = ff.Scene(finger=ELASTIC, motion=ff.ForceRamp(1.0, 0.2), ask=BARE)
+    held = rows(run(scene, mechanics=mechanics))[0]
+    assert passed["force_N"] == pytest.approx(0.2)
+    assert held["force_N"] == pytest.approx(0.2)
+    assert passed["depth_mm"] == pytest.approx(held["depth_mm"], rel=1e-3)
+    assert passed["peak_pressure_kPa"] == pytest.approx(held["peak_pressure_kPa"], rel=tolerance)
+    if mechanics == "hertz":
+        assert passed["contact_area_mm2"] == pytest.approx(held["contact_area_mm2"], rel=1e-3)
+    else:
+        assert passed["asymmetry"] == pytest.approx(held["asymmetry"], abs=2e-3)
+        assert passed["ellipticity"] == pytest.approx(held["ellipticity"], abs=5e-3)
+
+
+def test_the_columns_of_a_press(pressed):
+    peak, end, _, far = rows(pressed, depths=(1.0, 5.0))
+    assert peak["at"] == "peak"
+    assert end["time_s"] == pressed.time[-1]
+    assert end["force_N"] == pressed.force[-1]
+    assert end["contact_area_mm2"] == pressed.contact_area[-1]
+    assert far["status"] == "not reached: depth = 1.2 mm at most"
+    assert "force_N" not in far
+    assert end["shift_side_mm"] == pytest.approx(0, abs=1e-9)
+    assert end["long_axis_deg"] == pytest.approx(0, abs=1e-6)
+    step = np.diff(pressed.force)[-1] / np.diff(pressed.depth)[-1]
+    assert end["stiffness_N_per_mm"] == pytest.approx(step)
+    load = pressed.pressure[-1] * pressed.pad.areas
+    distal = pressed.pad.points @ [np.cos(np.radians(30)), 0, np.sin(np.radians(30))]
+    assert end["shift_distal_mm"] == pytest.approx(load @ distal / load.sum(), abs=0.02)
+
+
+def test_hertz_beside_it_is_that_of_the_radii_of_the_shape(pressed):
+    row = rows(pressed, depths=(1.0,))[2]
+    assert row["hertz_radius_distal_mm"] == pytest.approx(20.0, rel=0.01)
+    assert row["hertz_radius_side_mm"] == pytest.approx(9.8, rel=0.01)
+    from fefinger.mechanics.hertz import tissue
+
+    want = Elliptic(20.0, 9.8, 1.0, *tissue(ELASTIC))
+    assert row["hertz_force_N"] == pytest.approx(want.force * 1e-3, rel=0.01)
+    assert row["hertz_contact_area_mm2"] == pytest.approx(want.area, rel=0.01)
+    assert row["hertz_peak_pressure_kPa"] == pytest.approx(want.peak_pressure, rel=0.01)
+    assert row["hertz_ellipticity"] == pytest.approx(1 - want.axis_ratio, abs=5e-3)
+
+
+def test_the_array_blurs_but_keeps_force_and_center(pressed):
+    row = rows(pressed)[1]
+    assert row["sensor_force_N"] == pytest.approx(row["force_N"], rel=0.03)
+    assert row["sensor_shift_distal_mm"] == pytest.approx(row["shift_distal_mm"], abs=0.05)
+    assert row["sensor_peak_kPa"] < row["peak_pressure_kPa"]
+    assert row["sensor_area_mm2"] > row["contact_area_mm2"]
+    assert len(row["readings_kPa"]) == len(ArraySensor().positions)
+
+
+def test_a_relaxing_half_space_is_told_with_its_relaxed_modulus():
+    scene = ff.Scene(
+        finger=ff.Finger.subject("a.h.", resolution="coarse"),
+        motion=ff.RampHold(10, 0.5, hold=600),
+        ask=BARE,
+    )
+    row = rows(run(scene, mechanics="linear"))[1]
+    from fefinger.mechanics.hertz import tissue
+
+    want = Elliptic(20.0, 9.8, 0.5, *tissue(scene.finger)).force * 1e-3
+    assert row["hertz_force_N"] == pytest.approx(want, rel=0.015)
+    assert np.isnan(row["stiffness_N_per_mm"])
+
+
+def test_opposite_tilts_are_mirror_images():
+    told = []
+    for tilt in (10, -10):
+        scene = ff.Scene(
+            finger=ELASTIC, indenter=ff.Flat(30, tilt), motion=ff.Ramp(60, 0.6), ask=BARE
+        )
+        told.append(rows(run(scene, mechanics="linear"))[0])
+    left, right = told
+    assert abs(left["shift_side_mm"]) > 0.05
+    for prefix in ("", "sensor_"):
+        for name in (f"{prefix}shift_side_mm", f"{prefix}long_axis_deg"):
+            assert left[name] == pytest.approx(-right[name], abs=1e-3), name
+        for name in ("asymmetry", "ellipticity", "shift_distal_mm", "reach_distal_mm"):
+            name = prefix + name
+            assert left[name] == pytest.approx(right[name], abs=1e-4), name
+    assert left["hertz_force_N"] == pytest.approx(right["hertz_force_N"], rel=1e-3)
+
+
+def test_a_ball_of_hertz_has_a_round_contact_in_its_middle():
+    scene = ff.Scene(
+        finger=ELASTIC, indenter=ff.Flat(40), motion=ff.Ramp(60, 0.6), ask=ff.Ask(fields=False)
+    )
+    row = rows(run(scene, mechanics="hertz"))[0]
+    assert row["asymmetry"] == pytest.approx(0, abs=0.01)
+    assert row["shift_distal_mm"] == pytest.approx(0, abs=0.02)
+    assert row["ellipticity"] == pytest.approx(0, abs=0.01)
+
+
+def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
+    told = {row["at"]: row for row in rows(synthetic, depths=(1.0,))}
+    counts = dict(zip(synthetic.spikes.types, synthetic.spikes.count().tolist(), strict=True))
+    assert told["end"]["spikes"] == sum(counts.values())
+    for kind, count in counts.items():
+        assert told["end"][f"spikes_{kind}"] == count
+    early = [times <= told["1 mm"]["time_s"] for times in synthetic.spikes.times]
+    assert told["1 mm"]["spikes"] == sum(int(each.sum()) for each in early)
+
+
+# Running
+
+
+def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsys):
+    command = ["study", "flat-press", "--over", "motion.depth=0.4,0.2", "--mechanics", "lumped"]
+    command += ["--over", "indenter.angle=20:40:2", "--at", "0.1mm", "--set", "ask.spikes=[]"]
+    command += ["--set", "ask.pressure=false", "--set", "ask.strain=false", "-o", str(tmp_path)]
+    command += ["--set", "motion.speed=10"]
+    assert main([*command, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["scenes"], record["reused"], record["failed"]) == (4, 0, [])
+    assert record["over"] == ["motion.depth_mm", "indenter.angle_deg"]
+    order = [(row["motion.depth_mm"], row["indenter.angle_deg"]) for row in record["rows"][::3]]
+    assert order == [(0.4, 20), (0.4, 40), (0.2, 20), (0.2, 40)]
+    assert [row["at"] for row in record["rows"][:3]] == ["peak", "end", "0.1 mm"]
+    header = (tmp_path / "table.csv").read_text().splitlines()[0]
+    assert header.startswith("motion.depth_mm,indenter.angle_deg,at,status,time_s,depth_mm,force_N")
+    page = (tmp_path / "report.html").read_text()
+    assert "4 of 4 scenes were answered" in page
+    assert main(command) == 0
+    assert "4 of 4 scenes, 4 of them from before" in capsys.readouterr().out
+
+
+def test_a_scene_that_fails_costs_itself_alone(capsys):
+    command = ["study", "flat-press", "--over", "motion.depth=0.3,9,0.2", "--mechanics", "hertz"]
+    command += ["--set", "ask.spikes=[]", "--set", "motion.speed=10"]
+    assert main([*command, "--json"]) == 1
+    record = json.loads(capsys.readouterr().out)
+    (failed,) = record["failed"]
+    assert failed["scene"] == {"motion.depth": 9}
+    assert "expected less than 5 mm" in failed["error"]
+    assert [row["motion.depth_mm"] for row in record["rows"] if row["at"] == "peak"] == [0.3, 0.2]
+    assert record["rows"][4] == {
+        "motion.depth_mm": 9,
+        "at": "",
+        "status": f"failed: {failed['error']}",
+    }
+
+
+def test_one_that_no_mechanics_can_answer_fails_in_its_process_alone():
+    found = ff.study(
+        "sphere-press",
+        {"indenter.kind": ("sphere", "cylinder")},
+        changes={"ask.spikes": [], "motion.depth": 0.3},
+        mechanics="hertz",
+    )
+    ((values, error),) = found.failures
+    assert values == {"indenter.kind": "cylinder"}
+    assert "hertz" in error
+    assert found.rows[-1]["status"] == f"failed: {error}"
+
+
+def test_what_cannot_be_used_at_all_is_refused_before_any_work(capsys):
+    assert main(["study", "flat-press", "--over", "indenter.angel=0:60:3"]) == 2
+    assert "Did you mean 'angle'?" in capsys.readouterr().err
+    with pytest.raises(InputError, match="workers"):
+        ff.study("flat-press", {"indenter.angle": (30,)}, workers=0)
+    with pytest.raises(InputError, match="mechanics"):
+        ff.study("flat-press", {"indenter.angle": (30,)}, mechanics="liner")
+    scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(1, 1))
+    with pytest.raises(InputError, match="the name or the file of a scene"):
+        ff.study(scene, {"finger.subject": ("a.h.", "d.p.")})
+
+
+def test_a_key_follows_everything_that_decides_the_answer(tmp_path, monkeypatch):
+    def key(**changes):
+        asked = study_tasks.Asked("flat-press", {"indenter.angle": (30,)}, changes, None, ("1N",))
+        return study_tasks.key(asked.tasks()[0][0])
+
+    assert key() == key()
+    assert key() != key(**{"finger.tissue": "saal2017"})
+    before = key()
+    monkeypatch.setattr(study_tasks, "VERSION", "0.0.0")
+    assert key() != before
+
+
+def test_it_goes_on_after_it_was_killed(tmp_path):
+    over = {"indenter.angle": tuple(np.linspace(20, 40, 16).round(3))}
+    listed = ",".join(map(str, over["indenter.angle"]))
+    command = [sys.executable, "-m", "fefinger", "study", "flat-press", "--mechanics", "hertz"]
+    command += ["--over", f"indenter.angle={listed}", "--set", "ask.spikes=[]", "--workers", "1"]
+    command += ["--set", "motion.hold=0.05", "--set", "motion.speed=10", "-o", str(tmp_path)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    until = time.monotonic() + 60
+    while len(list((tmp_path / "scenes").glob("*.json"))) < 2 and time.monotonic() < until:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    kept = len(list((tmp_path / "scenes").glob("[!.]*.json")))
+    assert 2 <= kept < 16
+    options = {"changes": QUICK, "mechanics": "hertz", "workers": 2}
+    resumed = ff.study("flat-press", over, folder=tmp_path, **options)
+    assert resumed.reused == kept
+    assert same(resumed.rows, ff.study("flat-press", over, **options).rows)
+
+
+def test_a_damaged_file_is_answered_again(tmp_path):
+    options = {"changes": QUICK, "mechanics": "hertz", "folder": tmp_path}
+    first = ff.study("flat-press", {"indenter.angle": (30,)}, **options)
+    (file,) = (tmp_path / "scenes").glob("*.json")
+    file.write_text(file.read_text()[:100])
+    again = ff.study("flat-press", {"indenter.angle": (30,)}, **options)
+    assert again.reused == 0
+    assert same(first.rows, again.rows)
+
+
+def test_a_process_that_dies_costs_one_scene_and_is_replaced(monkeypatch):
+    dies = (
+        "import json, os, sys\n"
+        "for line in sys.stdin:\n"
+        "    if json.loads(line)['dies']: os._exit(3)\n"
+        "    print(json.dumps({'rows': []}), flush=True)"
+    )
+    monkeypatch.setattr(study_workers, "SERVE", dies)
+    tasks = [{"dies": False}, {"dies": True}, {"dies": False}]
+    found = dict(study_workers.local(tasks, 1))
+    assert found[0] == found[2] == {"rows": []}
+    assert "ended with status 3" in found[1]["error"]
+
+
+def test_a_process_ends_when_nobody_asks_any_more():
+    worker = study_workers.Worker()
+    process = worker._process
+    process.stdin.close()
+    assert process.wait(timeout=20) == 0
+    process.stdout.close()
+
+
+def test_an_error_of_the_program_is_a_sentence_too():
+    found = study_workers.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
+    assert found["error"].startswith("finger: missing")
+    assert study_workers.answer({})["error"] == "unexpected KeyError: 'scene'"
+
+
+@pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
+def test_a_cluster_gives_the_same():
+    distributed = pytest.importorskip("distributed", reason="needs the extra 'distributed'")
+    over = {"indenter.angle": (20, 30), "motion.depth": (0.2, 99)}
+    options = {"changes": QUICK, "mechanics": "hertz"}
+    cluster = distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    )
+    with cluster:
+        far = ff.study("flat-press", over, scheduler=cluster.scheduler_address, **options)
+    near = ff.study("flat-press", over, **options)
+    assert same(far.rows, near.rows)
+    assert far.failures == near.failures
+
+
+def test_a_scheduler_that_is_not_there_gets_a_sentence(monkeypatch):
+    pytest.importorskip("distributed", reason="needs the extra 'distributed'")
+    with pytest.raises(InputError, match="expected a Dask scheduler at 'nowhere'"):
+        ff.study("flat-press", {"indenter.angle": (20,)}, scheduler="nowhere")
+
+
+def test_without_the_extra_the_cluster_is_refused(monkeypatch):
+    monkeypatch.setitem(sys.modules, "dask.distributed", None)
+    with pytest.raises(InputError, match="fefinger\\[distributed\\]"):
+        ff.study("flat-press", {"indenter.angle": (20,)}, scheduler="tcp://127.0.0.1:1")
+
+
+def test_cores_are_those_this_process_may_use():
+    assert 1 <= study_workers._cores() <= (os.cpu_count() or 1)
+
+
+def test_a_page_over_names_and_one_where_all_failed(tmp_path):
+    lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
+    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped"}
+    found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
+    assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
+    found.save(tmp_path)
+    assert "finger.subject a.h., d.p." in (tmp_path / "report.html").read_text()
+    options["mechanics"] = "hertz"
+    none = ff.study("sphere-press", {"indenter.kind": ("cylinder", "bar")}, **options)
+    assert len(none.failures) == 2
+    none.save(tmp_path)
+    assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()

@@ -1,0 +1,116 @@
+"""The page to turn and play holds everything, and needs no other file and no network."""
+
+import base64
+import dataclasses
+import json
+import re
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fefinger import pieces, quantities, section, webview
+from fefinger.checks import InputError
+from fefinger.records import Result
+from fefinger.scene import Grating
+
+
+def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:
+    """Return the page, its record and its unpacked arrays."""
+    webview.write(results, folder / "a.html", **options)
+    html = (folder / "a.html").read_text(encoding="utf-8")
+    (record,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', html)
+    (blob,) = re.findall(r'<script type="text/plain" id="blob">(.*?)</script>', html)
+    return html, json.loads(record), zlib.decompress(base64.b64decode(blob))
+
+
+def read(blob: bytes, place: dict[str, Any]) -> Any:
+    """Return an array of the page."""
+    kind = {"f4": "<f4", "u4": "<u4", "u2": "<u2"}[place["kind"]]
+    return np.frombuffer(blob, kind, place["count"], place["at"])
+
+
+def test_the_page_stands_alone(synthetic: Result, tmp_path: Path) -> None:
+    html, _, _ = page(synthetic, tmp_path)
+    assert not re.findall(r'(?:src|href)="|url\(|@import|import\(|fetch\(|https?://', html)
+    assert html.count("<script") == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
+    for field in quantities.FIELDS:
+        assert f'<option value="{field}"' in html
+
+
+def test_the_page_holds_points_and_values_of_every_field_and_time(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    _, record, blob = page(synthetic, tmp_path)
+    (scene,) = record["scenes"]
+    whole = webview._whole(synthetic)
+    fields = whole.fields
+    assert fields is not None
+    back = pieces.cut_open(fields)
+    count = sum(len(piece.edges) for piece in back)
+    points = read(blob, scene["points"]).reshape(len(fields.times), -1, 3)
+    assert points.shape[1] == scene["vertices"] > count
+    for frame in range(len(fields.times)):
+        moved = fields.points + fields.displacement[frame]
+        expected = np.concatenate([piece.at(moved) for piece in back])
+        np.testing.assert_allclose(points[frame, :count], expected, atol=1e-5)
+        for field in quantities.FIELDS:
+            place = scene["values"][field]
+            levels = read(blob, place).reshape(len(fields.times), -1)[frame, :count]
+            nodal = quantities.values(whole, field, frame)
+            expected = np.concatenate([piece.at(nodal) for piece in back])
+            assert np.abs(place["low"] + place["step"] * levels - expected).max() <= place["step"]
+    triangles = read(blob, scene["triangles"])
+    assert triangles.max() < scene["vertices"]
+    assert 3 * scene["pieces"][-1]["to"] == len(triangles)
+    # The other half is the mirror image, so together they look alike from both sides.
+    assert points[..., 1].min() == pytest.approx(-points[..., 1].max(), rel=1e-5)
+    assert {each["name"] for each in scene["pieces"]} == {
+        "skin", "pad", "subcutaneous tissue", webview.FRONT
+    }  # fmt: skip
+
+
+def test_compared_results_have_one_scale_and_limits_are_kept(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    assert synthetic.fields is not None
+    fields = dataclasses.replace(synthetic.fields, strain=3 * synthetic.fields.strain)
+    response = dataclasses.replace(synthetic.response, fields=fields)
+    strong = dataclasses.replace(synthetic, response=response)
+    _, alone, _ = page(synthetic, tmp_path)
+    _, both, _ = page([synthetic, strong], tmp_path, field="strain zz", limits=(-4.0, 6.0))
+    assert len(both["scenes"]) == 2
+    assert both["fields"]["tensile strain"]["high"] > 2 * alone["fields"]["tensile strain"]["high"]
+    chosen = both["fields"]["strain zz"]
+    assert (chosen["low"], chosen["high"], chosen["unit"]) == (-4.0, 6.0, "%")
+    assert both["field"] == "strain zz"
+
+
+def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_path: Path) -> None:
+    grating = Grating(ridge=1.0, period=2.5, depth=0.8)
+    scene = dataclasses.replace(synthetic.scene, indenter=grating)
+    _, record, blob = page(dataclasses.replace(synthetic, scene=scene), tmp_path, time=2.5)
+    (shown,) = record["scenes"]
+    assert synthetic.spikes is not None
+    rates = read(blob, shown["organs"]["rates"]).reshape(len(shown["times"]), -1)
+    expected = [synthetic.spikes.rate(unit, shown["times"]) for unit in range(4)]
+    np.testing.assert_allclose(rates.T, expected, rtol=1e-6)
+    assert record["rate"] >= rates.max()
+    assert record["time"] == 2.5
+    front = read(blob, shown["indenter"]["points"]).reshape(-1, 3)
+    pose = section.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    assert np.ptp(front @ pose.axis) == pytest.approx(0.8, rel=0.05)
+
+
+def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic: Result, tmp_path: Path) -> None:
+    bare = dataclasses.replace(
+        synthetic, response=dataclasses.replace(synthetic.response, fields=None)
+    )
+    with pytest.raises(InputError, match=r"ask\.fields=true"):
+        webview.write(bare, tmp_path / "a.html")
+    with pytest.raises(InputError, match="Did you mean 'pressure'"):
+        webview.write(synthetic, tmp_path / "a.html", field="presure")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,146 @@
+"""The page that gathers what is in a folder of reports: suites, benchmarks and evidence.
+
+`python -m fefinger.validation.index reports` writes `reports/index.html` from the files there;
+with `--pages` it first writes the page of every suite anew from its JSON, without measuring.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+from fefinger import page
+from fefinger.validation_report import VERDICTS, save
+
+
+ABOUT = {
+    "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
+    "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
+    "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
+    "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
+    "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",
+    "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
+    "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
+    "bench-condensed": "Speed and memory of building and stepping condensed fingers.",
+    "bench-fem": "Speed and memory of assembly, factor and loads.",
+    "bench-neural": "Speed of membranes and units.",
+    "bench-solid": "Speed and iterations of finite strain.",
+    "condensed-cost": "What a condensed finger costs to build and to step; the planner reads it.",
+    "elements": "Error and cost of kinds of elements, on the way to the one that is used.",
+    "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
+    "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
+    "solid-force": "Force of every mechanics against finite strain; the planner reads it.",
+}
+"""What a file tells, by its name; others tell it in their own entry `about`."""
+
+
+def html(folder: Path) -> str:
+    """Return the page on the JSON files of a folder."""
+    kept = [path for kind in ("json", "csv") for path in sorted(folder.glob(f"*.{kind}"))]
+    records = {path.stem: _read(path) for path in kept}
+    suites = [_suite(folder, name, record) for name, record in records.items() if _cases(record)]
+    others = {name: record for name, record in records.items() if not _cases(record)}
+    benches = [name for name in others if name.startswith("bench-")]
+    studies = [name for name in others if (folder / f"{name}.html").exists()]
+    rest = [name for name in others if name not in (*benches, *studies)]
+    groups = [
+        ("studies", "Studies and campaigns", "What was asked of the model; each has its page.",
+         studies),
+        ("benchmarks", "Benchmarks", "Speed and memory, each against a baseline of the same run; "
+         "fefinger bench measures again.", benches),
+        ("evidence", "Evidence", "Campaigns behind stated errors and costs; each file names the "
+         "command that made it.", rest),
+    ]  # fmt: skip
+    return page.render(
+        "index.html",
+        verdicts=VERDICTS,
+        suites=suites,
+        total={key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS},
+        groups=[
+            {"key": key, "title": title, "text": text,
+             "rows": [_row(folder, name, others[name]) for name in names]}
+            for key, title, text, names in groups
+        ],
+    )  # fmt: skip
+
+
+def write(folder: Path) -> Path:
+    """Write `index.html` into the folder and return its path."""
+    path = folder / "index.html"
+    path.write_text(html(folder), encoding="utf-8")
+    return path
+
+
+def rewrite_pages(folder: Path) -> Iterator[Path]:
+    """Write the page of every suite anew from its JSON file, and give its path."""
+    from fefinger.validation import suites
+
+    for path in sorted(folder.glob("*.json")):
+        record = _read(path)
+        if _cases(record) and path.with_suffix(".html").exists():
+            names = [
+                suite["suite"] for suite in record["suites"] if suite["suite"] in suites.SUITES
+            ]
+            provenance = record.pop("provenance", {})
+            save(record, folder, suites.figures(names), provenance, path.stem)
+            yield path.with_suffix(".html")
+
+
+def _read(path: Path) -> Any:
+    """Return a JSON file, or of a table what the page beside it says of its making."""
+    if path.suffix == ".json":
+        return json.loads(path.read_text(encoding="utf-8"))
+    beside = path.with_suffix(".html")
+    text = beside.read_text(encoding="utf-8") if beside.exists() else ""
+    cells = re.findall(r'<tr><th>(\w+)</th><td class="long">([^<]*)</td>', text)
+    return {"data": path.name} | {name: unescape(value) for name, value in cells}
+
+
+def _cases(record: Any) -> list[dict[str, Any]]:
+    """Return the cases of a record of `fefinger validate`, none of another file."""
+    if not isinstance(record, dict) or not isinstance(record.get("suites"), list):
+        return []
+    return [case for suite in record["suites"] for case in suite["cases"]]
+
+
+def _suite(folder: Path, name: str, record: dict[str, Any]) -> dict[str, Any]:
+    verdicts = [case["verdict"] for case in _cases(record)]
+    row = _row(folder, name, record.get("provenance", {}) | record)
+    return row | {"counts": {key: verdicts.count(key) for key in VERDICTS}, "cases": len(verdicts)}
+
+
+def _row(folder: Path, name: str, record: Any) -> dict[str, Any]:
+    """Return what the page says of one file: what it is, when and from which code it was made."""
+    known = record if isinstance(record, dict) else {}
+    made = known | known.get("provenance", {})
+    pages = [f"{name}.html"] if (folder / f"{name}.html").exists() else []
+    return {
+        "name": name,
+        "about": ABOUT.get(name) or str(known.get("about", "")),
+        "page": pages[0] if pages else "",
+        "data": str(known.get("data", f"{name}.json")),
+        "date": str(made.get("date", ""))[:10],
+        "commit": str(made.get("commit", "")),
+        "command": str(made.get("command", "")),
+    }
+
+
+def main(arguments: list[str]) -> int:
+    """Write the index of the folder named, and with --pages the suites' pages before it."""
+    folders = [Path(word) for word in arguments if word != "--pages"]
+    if len(folders) != 1 or not folders[0].is_dir():
+        print("index: expected one folder of reports, as in `... reports`", file=sys.stderr)
+        return 2
+    if "--pages" in arguments:
+        for path in rewrite_pages(folders[0]):
+            print(path)
+    print(write(folders[0]))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
