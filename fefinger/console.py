@@ -3,11 +3,13 @@
 import json
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from fefinger.text import table
 
 
 if TYPE_CHECKING:
@@ -37,17 +39,6 @@ def progress() -> "Iterator[Progress | None]":
             bars.update(tasks[stage], completed=fraction)
 
         yield report
-
-
-def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
-    """Return rows of text in columns that are as wide as their widest entry."""
-    every = [list(heading), *rows] if heading else list(rows)
-    widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in every
-    ]
-    return "\n".join(lines)
 
 
 def print_json(record: Any) -> None:
@@ -110,20 +101,10 @@ def plan_record(plan: "Plan") -> dict[str, Any]:
 
 
 def plan_summary(plan: "Plan") -> str:
-    """Return a plan as text: the choice, then the ladder with the reasons of the refusals."""
-    rows = [
-        (
-            rung.mechanics,
-            "-" if math.isnan(rung.seconds) else f"{rung.seconds:.3g} s",
-            "-" if math.isnan(rung.error) else f"{rung.error:.2g}",
-            rung.evidence,
-            "; ".join(f"{r.about}: {r.reason}" for r in rung.refusals) or "-",
-        )
-        for rung in plan.rungs
-    ]
-    return (
-        f"{plan.sentence}\n\n{table(rows, ('mechanics', 'time', 'error', 'evidence', 'refused'))}"
-    )
+    """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
+    from fefinger.text import ladder
+
+    return f"{plan.sentence}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:

@@ -131,6 +131,7 @@ RECORDS = {
         records.Result,
         records.Plan,
         records.Rung,
+        records.Settings,
         records.Refusal,
         records.Response,
         records.Pad,

@@ -14,6 +14,8 @@ BONES = ("rigid",)
 RELAXATIONS = ("whole", "deviatoric")
 CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
+AUTO = "auto"
+STANDARD = "standard"
 PULP = 0.5
 """Part of the finger's thickness that is soft tissue under the pad, at most."""
 BONE = 0.47
@@ -53,7 +55,8 @@ class Finger:
         What holds the proximal cut: "fixed" holds it, with "nail" only nail and bone hold the
         finger.
     resolution
-        Mesh: "coarse", "standard" or "fine".
+        Mesh: "coarse", "standard" or "fine"; "auto" lets the planner choose the coarsest that is
+        good enough, and is the standard one where nothing is planned.
 
     Raises
     ------
@@ -75,7 +78,7 @@ class Finger:
     relaxation: str = "whole"
     bone: str = "rigid"
     cut: str = "fixed"
-    resolution: str = "standard"
+    resolution: str = AUTO
 
     def __post_init__(self) -> None:
         """Fill in what the library knows, then check every field."""
@@ -93,7 +96,7 @@ class Finger:
         choice("finger.bone", self.bone, BONES)
         choice("finger.relaxation", self.relaxation, RELAXATIONS)
         choice("finger.cut", self.cut, CUTS)
-        choice("finger.resolution", self.resolution, RESOLUTIONS)
+        choice("finger.resolution", self.resolution, (AUTO, *RESOLUTIONS))
         for name in ("surface", "bone_surface"):
             file = getattr(self, name)
             if file is not None and not Path(file).is_file():
@@ -120,6 +123,11 @@ class Finger:
                 f"received {self.subcutaneous.thickness!r}; leave it out"
             )
             raise InputError(msg)
+
+    @property
+    def mesh(self) -> str:
+        """Resolution of the mesh: the standard one as long as the planner is free to choose."""
+        return STANDARD if self.resolution == AUTO else self.resolution
 
     @property
     def pulp(self) -> float:

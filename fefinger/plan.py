@@ -1,89 +1,204 @@
-"""Which mechanics answers a scene: the cheapest one that does not refuse."""
+"""Which mechanics answers a scene, on which mesh: the cheapest that is good enough."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
+from fefinger import machine
 from fefinger import mechanics as ladder
 from fefinger.checks import InputError, choice
-from fefinger.records import Plan, Refusal, Rung
+from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
+from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
+from fefinger.text import duration
+from fefinger.text import ladder as written
 
 
 def explain(scene: Scene) -> Plan:
-    """Return the choice for a scene and the ladder that it was chosen from; nothing is solved.
+    """Return the choice for a scene and the whole ladder that it was chosen from; solve nothing.
+
+    The first time it also measures how fast this machine is, in about a second.
 
     Raises
     ------
     InputError
-        If every mechanics refuses; the message lists their reasons.
+        If every mechanics refuses; the message shows the ladder and what to relax.
     """
-    return choose(scene)
+    return choose(scene, every=True)
 
 
-def choose(scene: Scene, mechanics: str | None = None) -> Plan:
+def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -> Plan:
     """Return the plan for a scene, with the cheapest mechanics or with the one named.
 
     A mechanics that is named runs in spite of refusals about accuracy or time, which the plan
-    records; refusals about ability stand.
+    records; refusals about ability stand. Unless `every` one is to be asked, those with a mesh are
+    left out where one without is good enough.
 
     Raises
     ------
     InputError
         If every mechanics refuses, or the one that is named is not able to answer.
     """
-    rungs = tuple(_rung(name, scene) for name in ladder.names())
-    if mechanics is None:
-        return _cheapest(rungs)
-    choice("mechanics", mechanics, ladder.names())
-    named = next(rung for rung in rungs if rung.mechanics == mechanics)
-    unable = [refusal for refusal in named.refusals if refusal.about == "ability"]
-    if unable:
-        msg = f"mechanics: {mechanics!r} cannot answer this scene\n{_listed([named])}"
-        raise InputError(msg)
-    sentence = f"{mechanics}, as named; {_expectation(named)}."
-    if named.refusals:
-        reasons = "; ".join(refusal.reason for refusal in named.refusals)
+    if every or scene.ask.seconds is not None:
+        machine.seconds()
+    if mechanics is not None:
+        choice("mechanics", mechanics, ladder.names())
+    asked = _ladder(scene, every=every, named=mechanics)
+    chosen = _cheapest(asked) if mechanics is None else _named(asked, mechanics)
+    settings = _settings(scene, chosen)
+    how = "the cheapest that does not refuse" if mechanics is None else "as named"
+    sentence = f"{chosen.mechanics}, {how}; {_expectation(chosen)}. {_told(settings)}"
+    left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in asked}]
+    if left_out and mechanics is None:
+        sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
+    if chosen.refusals:
+        reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."
-    return Plan(mechanics, rungs, sentence, named.refusals)
+    return Plan(
+        chosen.mechanics, asked, sentence, chosen.refusals, settings, machine=machine.sentence()
+    )
 
 
-def _cheapest(rungs: tuple[Rung, ...]) -> Plan:
-    willing = [rung for rung in rungs if not rung.refusals]
-    if not willing:
-        msg = (
-            f"ask: no mechanics can answer this scene as it is asked\n{_listed(rungs)}\n"
-            "Relax ask.rel_error or ask.seconds, or name a mechanics to run it all the same "
-            "(where it is able to); the result then records the refusals."
-        )
-        raise InputError(msg)
-    chosen = min(willing, key=lambda rung: rung.seconds)
-    sentence = f"{chosen.mechanics}, the cheapest that does not refuse; {_expectation(chosen)}."
-    return Plan(chosen.mechanics, rungs, sentence)
+def rungs(scene: Scene) -> tuple[Rung, ...]:
+    """Return the whole ladder for a scene."""
+    return _ladder(scene, every=True, named=None)
 
 
-def _rung(name: str, scene: Scene) -> Rung:
-    """Ask one mechanics what it would cost, how wrong it would be and why it refuses."""
+def settled(scene: Scene, plan: Plan) -> Scene:
+    """Return the scene with what the plan has chosen written into it, for the mechanics."""
+    resolution = plan.settings.resolution if plan.settings else None
+    if resolution is None:
+        return scene
+    return replace(scene, finger=replace(scene.finger, resolution=resolution))
+
+
+def _ladder(scene: Scene, *, every: bool, named: str | None) -> tuple[Rung, ...]:
+    """Ask the mechanics in turn, on every mesh that the scene leaves open."""
+    found: list[Rung] = []
+    for name in ladder.names():
+        willing = [rung for rung in found if not rung.refusals and not math.isnan(rung.error)]
+        quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
+        if quick and name in ladder.MESHED and not every and named is None:
+            continue
+        if named in (None, name) or every:
+            found += _rungs(name, scene)
+    return tuple(found)
+
+
+def _rungs(name: str, scene: Scene) -> Iterator[Rung]:
+    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
     candidate = ladder.get(name)
-    refusals = candidate.refuse(scene)
-    if any(refusal.about == "ability" for refusal in refusals):
-        return Rung(name, math.nan, math.nan, "not able", refusals)
+    for resolution, settled_scene in _candidates(name, scene):
+        refusals = candidate.refuse(settled_scene)
+        if any(refusal.about == "ability" for refusal in refusals):
+            yield Rung(name, math.nan, math.nan, "not able", refusals)
+            return
+        yield _rung(name, resolution, settled_scene, refusals)
+
+
+def _candidates(name: str, scene: Scene) -> Iterator[tuple[str | None, Scene]]:
+    """Give the meshes that a mechanics may take, and the scene with each.
+
+    Spike counts are checked on the next coarser mesh, so the coarsest is none for them.
+    """
+    if name not in ladder.MESHED:
+        yield None, scene
+    elif scene.finger.resolution != AUTO:
+        yield scene.finger.resolution, scene
+    else:
+        for resolution in RESOLUTIONS[1:] if scene.ask.spikes else RESOLUTIONS:
+            yield resolution, replace(scene, finger=replace(scene.finger, resolution=resolution))
+
+
+def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refusal, ...]) -> Rung:
+    """Ask one candidate what it would cost and how wrong it would be, against what is asked."""
+    candidate, asked = ladder.get(name), scene.ask
     seconds, (error, evidence) = candidate.cost(scene), candidate.error(scene)
-    asked = scene.ask
     if error > asked.rel_error:
         reason = f"expected relative error = {error:.2g} > {asked.rel_error:g} (ask.rel_error)"
         refusals = (*refusals, Refusal(name, "accuracy", reason))
     if asked.seconds is not None and seconds > asked.seconds:
         reason = f"expected time = {seconds:.2g} s > {asked.seconds:g} s (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
-    return Rung(name, seconds, error, evidence, refusals)
+    return Rung(name, seconds, error, evidence, refusals, resolution)
+
+
+def _cheapest(rungs: tuple[Rung, ...]) -> Rung:
+    willing = [rung for rung in rungs if not rung.refusals and not math.isnan(rung.error)]
+    if willing:
+        return min(willing, key=lambda rung: rung.seconds)
+    msg = (
+        f"ask: no mechanics can answer this scene as it is asked\n\n{written(rungs)}\n\n"
+        f"{_relaxing(rungs)}Or name a mechanics to run it all the same (where it is able to); the "
+        "result then records the refusals."
+    )
+    raise InputError(msg)
+
+
+def _relaxing(rungs: tuple[Rung, ...]) -> str:
+    """Return which error or time would have to be allowed, and what would answer then."""
+    said = ""
+    for about, field in (("accuracy", "error"), ("time", "seconds")):
+        name = {"error": "ask.rel_error", "seconds": "ask.seconds"}[field]
+        close = [
+            rung
+            for rung in rungs
+            if rung.refusals and all(_of_ask(r, name) and r.about == about for r in rung.refusals)
+        ]
+        if close:
+            best = min(close, key=lambda rung: float(getattr(rung, field)))
+            least = float(f"{1.005 * getattr(best, field):.2g}")
+            while least < getattr(best, field):
+                least *= 1.01
+            mesh = f" on the {best.resolution} mesh" if best.resolution else ""
+            said += f"Relax {name} to {least:.3g} and {best.mechanics}{mesh} answers. "
+    return said or "Relax ask.rel_error or ask.seconds. "
+
+
+def _of_ask(refusal: Refusal, name: str) -> bool:
+    return f"({name})" in refusal.reason
+
+
+def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
+    """Return the rung of a mechanics: the cheapest that does not refuse, or the standard mesh."""
+    own = [rung for rung in rungs if rung.mechanics == mechanics]
+    unable = [refusal for refusal in own[0].refusals if refusal.about == "ability"]
+    if unable:
+        reasons = "\n".join(f"  {mechanics}: ability: {refusal.reason}" for refusal in unable)
+        msg = f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}"
+        raise InputError(msg)
+    willing = [rung for rung in own if not rung.refusals]
+    if willing:
+        return min(willing, key=lambda rung: rung.seconds)
+    return next((rung for rung in own if rung.resolution == STANDARD), own[0])
+
+
+def _settings(scene: Scene, chosen: Rung) -> Settings:
+    """Return what of the scene the chosen mechanics builds."""
+    from fefinger.mechanics._symmetry import symmetric
+    from fefinger.mechanics._timeline import time_grid
+
+    ask, meshed = scene.ask, chosen.resolution is not None
+    strained = chosen.mechanics != "lumped"
+    return Settings(
+        resolution=chosen.resolution,
+        half=symmetric(scene) if meshed else None,
+        times=len(time_grid(scene.motion, fast=strained and "FAII" in ask.spikes)),
+        computed=("force", *(x for x in ("pressure", "strain", "fields") if getattr(ask, x))),
+        afferents=ask.spikes,
+    )
+
+
+def _told(settings: Settings) -> str:
+    """Return the settings in a sentence."""
+    mesh = ""
+    if settings.resolution is not None:
+        half = "half a" if settings.half else "the whole"
+        mesh = f" on the {settings.resolution} mesh of {half} finger"
+    what = ", ".join(settings.computed)
+    fibers = f" and the spikes of {', '.join(settings.afferents)}" if settings.afferents else ""
+    return f"It computes {what}{fibers} at {settings.times} times{mesh}."
 
 
 def _expectation(rung: Rung) -> str:
-    return f"expected error {rung.error:.2g} ({rung.evidence}), about {rung.seconds:.2g} s"
-
-
-def _listed(rungs: list[Rung] | tuple[Rung, ...]) -> str:
-    return "\n".join(
-        f"  {rung.mechanics}: {refusal.about}: {refusal.reason}"
-        for rung in rungs
-        for refusal in rung.refusals
-    )
+    return f"expected error {rung.error:.2g} ({rung.evidence}), about {duration(rung.seconds)}"

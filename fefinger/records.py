@@ -4,14 +4,16 @@ All are frozen: a stage that has not run has no field to read. `files.py` saves 
 """
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.trains import SpikeTrains
 from fefinger.scene import Scene
 
+
+if TYPE_CHECKING:
+    from fefinger.neural.trains import SpikeTrains
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -33,28 +35,57 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Rung:
-    """One mechanics on the ladder: what it would cost and how wrong it is expected to be."""
+    """One mechanics on the ladder, on one mesh where it has one.
+
+    `seconds` on this machine and the relative `error` of the force that are expected, nan where it
+    is not able or was not asked; `evidence`: the report that measured the error.
+    """
 
     mechanics: str
     seconds: float
     error: float
     evidence: str
     refusals: tuple[Refusal, ...] = ()
+    resolution: str | None = None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What of a scene is built and solved, and nothing else.
+
+    resolution of the mesh, and whether half a finger stands for the whole: None without a mesh;
+    times of the answer; computed: "force", "pressure", "strain", "fields"; afferents: the types
+    that are simulated.
+    """
+
+    resolution: str | None
+    half: bool | None
+    times: int
+    computed: tuple[str, ...]
+    afferents: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The chosen mechanics, and the ladder it was chosen from."""
+    """The chosen mechanics and its settings, and the ladder they were chosen from.
+
+    `overridden` are the refusals in spite of which it was named; `machine` says what the times of
+    the rungs stand for.
+    """
 
     mechanics: str
     rungs: tuple[Rung, ...]
     sentence: str
     overridden: tuple[Refusal, ...] = ()
+    settings: Settings | None = None
+    machine: str = ""
 
     @property
     def chosen(self) -> Rung:
-        """The rung of the chosen mechanics."""
-        return next(rung for rung in self.rungs if rung.mechanics == self.mechanics)
+        """The rung of the chosen mechanics, on its mesh."""
+        wanted = (self.mechanics, self.settings.resolution if self.settings else None)
+        own = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
+        return next((rung for rung in own if (rung.mechanics, rung.resolution) == wanted), own[0])
 
 
 @dataclass(frozen=True)
@@ -168,7 +199,7 @@ class Result:
     scene: Scene
     plan: Plan
     response: Response
-    spikes: SpikeTrains | None
+    spikes: "SpikeTrains | None"
     status: str
     seconds: dict[str, float]
     provenance: dict[str, Any]

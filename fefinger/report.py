@@ -15,6 +15,7 @@ from fefinger import figures, figures_units, page, quantities, section, view
 from fefinger.neural.trains import FEW
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
+from fefinger.waves import quasistatic
 
 
 STANDING = (
@@ -152,7 +153,11 @@ def _files(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _warnings(result: Result) -> list[str]:
-    """Return what must be seen before the answer: spikes that are none."""
+    """Return what must be seen before the answer: motion too fast for it, spikes that are none."""
+    return [*quasistatic(result.scene, result.time, result.depth), *_blocked(result)]
+
+
+def _blocked(result: Result) -> list[str]:
     if result.spikes is None:
         return []
     seconds = result.spikes.block_seconds

@@ -43,24 +43,24 @@ def run(
     from fefinger import scenes
     from fefinger.checks import Stopped
     from fefinger.mechanics import get
-    from fefinger.plan import choose
+    from fefinger.plan import choose, settled
     from fefinger.records import Result
     from fefinger.stages import Stages
 
     if isinstance(scene, str | Path):
         scene = scenes.load(scene)
     plan = choose(scene, mechanics)
-    chosen = get(plan.mechanics)
+    chosen, solved = get(plan.mechanics), settled(scene, plan)
     try:
-        response = chosen.respond(scene, progress)
+        response = _warned(scene, chosen.respond(solved, progress))
     except Stopped as stop:
-        raise Stopped(str(stop), _kept(scene, plan, stop.reached)) from stop
+        raise Stopped(str(stop), _kept(scene, plan, _warned(scene, stop.reached))) from stop
     stages = Stages(progress)
     with stages.stage("neural"):
         spikes = fire(scene, response) if scene.ask.spikes else None
     if spikes is not None:
         with stages.stage("mesh check"):
-            spikes = _checked(spikes, chosen, scene)
+            spikes = _checked(spikes, chosen, solved)
     return Result(
         scene=scene,
         plan=plan,
@@ -70,6 +70,16 @@ def run(
         seconds={**response.seconds, **stages.seconds},
         provenance=_provenance(scene) | response.sources,
     )
+
+
+def _warned(scene: "Scene", response: "Response") -> "Response":
+    """Return the response with a note where it was not slow enough for statics."""
+    from dataclasses import replace
+
+    from fefinger.waves import quasistatic
+
+    found = quasistatic(scene, response.time, response.depth)
+    return replace(response, notes=response.notes + found)
 
 
 def _kept(scene: "Scene", plan: "Plan", response: "Response") -> "Result":
@@ -119,7 +129,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     if coarser is None:
         return spikes
     asked = replace(coarser, ask=replace(coarser.ask, fields=False, pressure=False))
-    mesh = f"the mesh is {coarser.finger.resolution}"
+    mesh = f"the mesh is {coarser.finger.mesh}"
     try:
         again = fire(asked, chosen.respond(asked))
     except InputError as error:

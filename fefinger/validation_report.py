@@ -93,7 +93,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Give one row per case; a note that holds for several in a row follows the last of them."""
     for case, following in zip(cases, [*cases[1:], {}], strict=True):
         limit = case["tolerance"]
-        notes = {key: case.get(key, "") for key in ("failure", "erratum", "reason")}
+        notes = {key: case.get(key, "") for key in ("failure", "told", "erratum", "reason")}
         printed = case.get("printed")
         yield {
             "name": case["name"],

@@ -9,17 +9,29 @@ Verdict = Literal["pass", "documented", "fail"]
 
 
 @dataclass(frozen=True)
+class Told:
+    """A value with a sentence on what came out, which the page shows under the case."""
+
+    value: float
+    text: str
+
+    def __float__(self) -> float:
+        return self.value
+
+
+@dataclass(frozen=True)
 class Case:
     """One comparison.
 
-    measure: gives fefinger's value; expected and tolerance (absolute) in `unit`; source: the
-    equation, table, program or second method behind `expected`; printed: a published value, kept
-    beside the right one; erratum: a sentence on why the two differ; reason: why this tolerance.
+    measure: gives fefinger's value, or what is Told of it; expected and tolerance (absolute) in
+    `unit`; source: the equation, table, program or second method behind `expected`; printed: a
+    published value, kept beside the right one; erratum: a sentence on why the two differ; reason:
+    why this tolerance.
     """
 
     suite: str
     name: str
-    measure: Callable[[], float]
+    measure: Callable[[], float | Told]
     expected: float
     tolerance: float
     unit: str
@@ -31,11 +43,15 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN."""
+    """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN.
+
+    `told` is what the measure said beside the value.
+    """
 
     case: Case
     value: float
     failure: str = ""
+    told: str = ""
 
     @property
     def verdict(self) -> Verdict:

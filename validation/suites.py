@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
-from fefinger.validation.case import Case, Outcome
+from fefinger.validation.case import Case, Outcome, Told
 
 from fefinger.checks import choice
 
 
-SUITES = ("fem", "finger", "condensed", "neural", "thesis")
+SUITES = ("fem", "finger", "condensed", "neural", "thesis", "tradeoff", "extremes")
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
@@ -52,10 +52,11 @@ def run(
 def _measured(case: Case) -> Outcome:
     """Measure a case; one that breaks fails by itself and costs no other."""
     try:
-        value = float(case.measure())
+        measured = case.measure()
+        value, told = float(measured), measured.text if isinstance(measured, Told) else ""
     except Exception as error:  # whatever it is, it is told
         return Outcome(case, math.nan, f"{type(error).__name__}: {error}")
-    return Outcome(case, value, "" if math.isfinite(value) else f"the measure gave {value}")
+    return Outcome(case, value, "" if math.isfinite(value) else f"the measure gave {value}", told)
 
 
 def as_json(outcomes: dict[str, tuple[Outcome, ...]]) -> dict[str, Any]:
@@ -81,5 +82,6 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "erratum": case.erratum,
         "reason": case.reason,
         "failure": outcome.failure,
+        "told": outcome.told,
         "verdict": outcome.verdict,
     }

@@ -21,6 +21,7 @@ def run(
     """Answer SCENE: force, pressure, strain and spikes."""
     from fefinger import scenes
     from fefinger.run import run as answer
+    from fefinger.waves import quasistatic
 
     asked = scenes.load(scene, scenes.settings(changes))
     if output is not None:
@@ -39,6 +40,8 @@ def run(
             started = time.perf_counter()
             files = result.save(output)
             seconds["save"] = time.perf_counter() - started
+    for warning in quasistatic(asked, result.time, result.depth):
+        click.echo(warning, err=True)
     if as_json:
         console.print_json(console.run_record(result, seconds, files))
     else:

@@ -14,6 +14,12 @@ from fefinger.scene import Scene
 
 LADDER = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
 
+MESHED = ("condensed", "linear", "solid")
+"""Those with a mesh, whose resolution is the planner's to choose."""
+
+QUICKEST = 0.1
+"""Seconds on the machine of the reports that no answer with a mesh is faster than."""
+
 
 class Mechanics(Protocol):
     """What every mechanics offers."""

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from fefinger.checks import InputError
 from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, direction, organs, sites
+from fefinger.mechanics._touch import (
+    REFERENCE_DEPTH,
+    STANDARD,
+    check_reached,
+    direction,
+    organs,
+    sites,
+)
 from fefinger.records import Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Flat, Scene
 from fefinger.stages import Stages
@@ -99,6 +106,7 @@ def press(
         raise InputError(msg)
     with stages.stage("contact"):
         history = _march(scene, contact)
+        _check_width(scene, contact, float(history.depth.max()), numbers["relative_radius_mm"])
         force = history.stress(contact.force(history.nodes)) / scene.finger.prony.long_time
     pad = pressure = area = middle = None
     if scene.ask.pressure:
@@ -132,6 +140,19 @@ def press(
         notes=notes,
         numbers=numbers,
     )
+
+
+def _check_width(scene: Scene, contact: Contact, deepest: float, radius: float) -> None:
+    """Raise InputError for a contact as wide as its relative radius, or through the tissue."""
+    check_reached(scene, deepest)
+    widest = float(contact.radius(np.array([deepest]))[0])
+    if widest > radius * (1 + 1e-9):
+        msg = (
+            f"motion: expected a contact narrower than its relative radius of {radius:.4g} mm, "
+            f"received one of {widest:.4g} mm at a depth of {deepest:.4g} mm; press less, or take "
+            "a larger indenter"
+        )
+        raise InputError(msg)
 
 
 def _march(scene: Scene, contact: Contact) -> "ContactHistory":

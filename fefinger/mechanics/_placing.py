@@ -43,7 +43,11 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     places = smooth_places(body.space.points, body.normals, surface)
     distance, _ = placed.gap(places)
     if not np.isfinite(distance).any():
-        message = f"{field}: expected a place on the pad, received one that the indenter misses"
+        message = (
+            f"{field}: expected a place on the pad, received one that the indenter misses, or an "
+            "indenter smaller than the facets there; take a larger one or a finer mesh "
+            "(finger.resolution)"
+        )
         raise InputError(message)
     first = np.unravel_index(int(np.argmin(distance)), distance.shape)
     corner = surface.triangles[first[0]]

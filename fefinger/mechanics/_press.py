@@ -26,6 +26,7 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import (
     REFERENCE_DEPTH,
     STANDARD,
+    check_reached,
     folded,
     meshed_at,
     organs,
@@ -171,6 +172,7 @@ def _contact(
             history = method.march(
                 reduced.flexibility, candidates.gap, candidates.travel, memory, asked, report
             )
+        check_reached(scene, float(history.depth.max()))
         pressed = (history.pressure > 0).any(axis=0)
         if np.isin(candidates.vertices[pressed], _placing.border(finger)).any():
             message = (
@@ -179,8 +181,7 @@ def _contact(
             )
             raise InputError(message)
         if not pressed.any():
-            message = "indenter: expected contact with the finger, but it never touches"
-            raise InputError(message)
+            raise InputError(unresolved(float(history.depth.max())))
         if not (pressed & candidates.edge).any():
             return _Contact(touch, reduced, found, time, history)
         reach *= GROW
@@ -194,6 +195,15 @@ def rim_reached(count: int) -> str:
         f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
         f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
         "larger indenter or a finer mesh (finger.resolution)"
+    )
+
+
+def unresolved(depth: float) -> str:
+    """Return what to say when a press to `depth` mm moves no vertex of the pad."""
+    return (
+        f"motion: expected a contact that the mesh resolves, but at a depth of {depth:.3g} mm it "
+        "is smaller than a facet of the pad; press deeper, or take a finer mesh "
+        "(finger.resolution) or hertz"
     )
 
 

@@ -1,9 +1,13 @@
 """The skin that a population lies under: of a meshed finger, and of a spherical pad."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.populations import Surface
+
+if TYPE_CHECKING:
+    from fefinger.neural.populations import Surface
 
 
 Array = NDArray[np.float64]
@@ -12,11 +16,13 @@ LATTICE = 0.4  # mm between the points of a spherical pad
 STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
 
 
-def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half: bool) -> Surface:
+def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half: bool) -> "Surface":
     """Return the skin of a mesh: triangles (n, 3) of its pad, smooth outward normals (n_points, 3).
 
     That of a half model is mirrored.
     """
+    from fefinger.neural.populations import Surface
+
     corners = points[triangles]
     area = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
@@ -35,8 +41,10 @@ def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half:
     return Surface(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), shares)
 
 
-def spherical(radius: float, axis: Array) -> Surface:
+def spherical(radius: float, axis: Array) -> "Surface":
     """Return a pad of `radius` mm that touches the origin, where `axis` (3,) points inward."""
+    from fefinger.neural.populations import Surface
+
     reach = STEEPEST * radius
     x = LATTICE * np.arange(-np.floor(reach / LATTICE), np.floor(reach / LATTICE) + 1)
     flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)

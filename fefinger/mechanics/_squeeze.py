@@ -254,8 +254,7 @@ def _check_contact(
         )
         raise InputError(message)
     if not pressed.any():
-        message = "indenter: expected contact with the finger, but it never touches"
-        raise InputError(message)
+        raise InputError(_press.unresolved(max(depth)))
 
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:

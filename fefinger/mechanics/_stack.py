@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.checks import InputError
 from fefinger.theory.stack import Stack
 from fefinger.theory.table import LEVELS, Table, tabulate_to
 
@@ -47,4 +48,8 @@ class Layered:
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
         """Return e_r, e_t, e_z, e_rz (n, m, 4) at r, z (m,) mm, z > 0 below the surface."""
-        return np.moveaxis(self.table.strain(depth, r, z=z), 1, 2)
+        try:
+            return np.moveaxis(self.table.strain(depth, r, z=z), 1, 2)
+        except ValueError as error:
+            msg = f"ask.depths: {error}; ask for other depths or for no strain, or press less"
+            raise InputError(msg) from error

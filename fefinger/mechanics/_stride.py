@@ -71,6 +71,7 @@ class Stride:
             known = self.chosen[first : last + 1]
             piece = slice(known[0], known[-1] + 1)
             out[piece] = fit(self.clock[known], values[first : last + 1])(self.clock[piece])
+        out[self.chosen] = values  # to the last bit: what is out of contact has no pressure at all
         return out
 
 

@@ -1,10 +1,13 @@
 """Time steps that follow the motion: fine while it moves, growing while it rests."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.checks import InputError
 from fefinger.motion import Motion
 
 
@@ -12,37 +15,84 @@ MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are r
 FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
 STEPS_PER_CYCLE = 40
 STEPS_PER_MOVE = 60
+LONG = 5.0  # s: parts and cycles of a motion that are longer take steps longer by as much
 GROWTH = 1.25  # of successive steps while at rest
 RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
 RESTING_STEPS = 200  # longer rests take longer steps
 
+MOST = 250_000
+"""Steps of which the history of a contact still fits into memory."""
 
-def time_grid(motion: Motion, *, fast: bool, refine: int = 1) -> NDArray[np.float64]:
+
+@dataclass(frozen=True)
+class _Piece:
+    """A part of the motion without corners, from `start` to `stop` s."""
+
+    start: float
+    stop: float
+    step: float
+    moves: bool
+
+    @property
+    def count(self) -> int:
+        """Steps of it, if even."""
+        return max(1, int(np.ceil((self.stop - self.start) / self.step - 1e-9)))
+
+    def times(self) -> NDArray[np.float64]:
+        """Return its times in s but the first."""
+        if self.moves:
+            return np.linspace(self.start, self.stop, self.count + 1)[1:]
+        return _growing(self.start, self.stop, self.step)
+
+
+def time_grid(
+    motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST
+) -> NDArray[np.float64]:
     """Return times (n_t,) in s from 0 to the end of the motion, with all of its corners.
 
-    `fast` limits the step in motion to 0.2 ms; `refine` divides every step.
+    `fast` limits the step in motion to 0.2 ms (a 25000th of parts and cycles longer than 5 s);
+    `refine` divides every step. InputError for a motion that takes more than `most` steps.
     """
-    corners = np.unique(np.clip([0.0, *motion.breaks, motion.duration], 0.0, motion.duration))
-    finest = FAST_STEP if fast else MOVING_STEP
-    frequency = getattr(motion, "frequency", None)
-    if frequency:
-        finest = min(finest, 1.0 / (STEPS_PER_CYCLE * frequency))
-    pieces = [np.zeros(1)]
-    for start, stop in pairwise(corners):
-        middle = (start + stop) / 2
-        move = [end - begin for begin, end in motion.moving if begin <= middle <= end]
-        step = min([finest, *(length / STEPS_PER_MOVE for length in move)])
-        pieces.append(_even(start, stop, step) if move else _growing(start, stop, step))
-    grid = np.concatenate(pieces)
+    pieces = list(_pieces(motion, fast=fast))
+    reason = _too_long(pieces, most)
+    if reason:
+        raise InputError(reason)
+    grid = np.concatenate([np.zeros(1), *(piece.times() for piece in pieces)])
     if refine == 1:
         return grid
     fractions = np.arange(1, refine + 1) / refine
     return np.append(0.0, (grid[:-1, None] + np.diff(grid)[:, None] * fractions).ravel())
 
 
-def _even(start: float, stop: float, step: float) -> NDArray[np.float64]:
-    count = max(1, int(np.ceil((stop - start) / step - 1e-9)))
-    return np.linspace(start, stop, count + 1)[1:]
+def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:
+    """Return why the steps of a motion are too many, if they are."""
+    reason = _too_long(_pieces(motion, fast=fast), most)
+    return (reason,) if reason else ()
+
+
+def _too_long(pieces: "Iterator[_Piece] | list[_Piece]", most: int) -> str:
+    steps = sum(piece.count for piece in pieces if piece.moves)
+    if steps <= most:
+        return ""
+    return (
+        f"motion: expected one of at most {most} time steps, which fit into memory, received one "
+        f"of {steps}; take fewer cycles or a shorter motion"
+    )
+
+
+def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
+    """Yield the parts of the motion between its corners."""
+    corners = np.unique(np.clip([0.0, *motion.breaks, motion.duration], 0.0, motion.duration))
+    finest = FAST_STEP if fast else MOVING_STEP
+    frequency = getattr(motion, "frequency", None)
+    cycle = 1.0 / frequency if frequency else np.inf
+    for start, stop in pairwise(corners.tolist()):
+        middle = (start + stop) / 2
+        move = [end - begin for begin, end in motion.moving if begin <= middle <= end]
+        longest = finest * max(1.0, min(stop - start, cycle) / LONG)
+        shares = (length / STEPS_PER_MOVE for length in move)
+        step = min([longest, cycle / STEPS_PER_CYCLE, *shares])
+        yield _Piece(start, stop, step, bool(move))
 
 
 def _growing(start: float, stop: float, step: float) -> NDArray[np.float64]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.checks import InputError
 from fefinger.library import receptors
 from fefinger.records import Sites
 from fefinger.scene import Flat, Grating, Indenter, Relief, Scene
@@ -66,8 +67,32 @@ def sites(scene: Scene, origin: Array, axis: Array) -> Sites:
     known = {kind: organ.depth for kind, organ in receptors().items()} | dict(scene.ask.depths)
     types = scene.ask.spikes or tuple(known)
     depth = np.array([known[kind] for kind in types])
+    check_sites(scene, depth)
     points = origin + depth[:, None] * axis
     return Sites(points, np.tile(-axis, (len(depth), 1)), depth, tuple(types))
+
+
+def check_sites(scene: Scene, depths: Array) -> None:
+    """Raise InputError for end organs (n,) mm deep that lie in the bone."""
+    deepest = float(depths.max(initial=0.0))
+    if deepest >= scene.finger.pulp:
+        message = (
+            f"ask.depths: expected end organs above the bone, less than {scene.finger.pulp:g} mm "
+            f"deep, received one at {deepest:g} mm; give depths that this finger has, or ask for "
+            "the types of lesser depth alone"
+        )
+        raise InputError(message)
+
+
+def check_reached(scene: Scene, deepest: float) -> None:
+    """Raise InputError for a force that presses the tissue to nothing, to `deepest` mm."""
+    if scene.motion.control == "force" and deepest >= scene.finger.pulp:
+        message = (
+            f"motion.force: expected one that presses less deep than the {scene.finger.pulp:g} mm "
+            f"of tissue under the pad, received {scene.motion.peak:g} N, which presses "
+            f"{deepest:.3g} mm deep; press less"
+        )
+        raise InputError(message)
 
 
 def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface]") -> Sites:

@@ -8,7 +8,7 @@ mesh of `linear` follows the touch.
 
 from dataclasses import replace
 
-from fefinger.mechanics import _evidence, linear
+from fefinger.mechanics import _evidence, _tradeoff, linear
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
@@ -33,7 +33,8 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
-    return _evidence.condensed_error(scene)
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    return _evidence.condensed_error(scene) if found is None else (found.error, found.source)
 
 
 def coarser(scene: Scene) -> Scene | None:

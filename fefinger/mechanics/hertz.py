@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.indenter import ANGLES
-from fefinger.mechanics import _axisymmetric
+from fefinger.machine import slowness
+from fefinger.mechanics import _axisymmetric, _tradeoff
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized
-from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -97,7 +98,8 @@ class HalfSpace:
 
         strain = np.zeros((len(depth), len(r), 4))
         for row, reached in zip(strain, depth, strict=True):
-            if reached > 0:
+            # Deeper nodes are those of a force that has crept for longer than it was held.
+            if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
                 row[:] = self._hooke(field.stress(r, z)).T
         return strain
@@ -136,33 +138,48 @@ def half_space(scene: Scene) -> HalfSpace:
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
-    unable = list(apart(scene.finger))
-    if scene.ask.fields:
-        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    unable = lacking(scene)
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
-        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
         return tuple(Refusal(name, "ability", reason) for reason in unable)
-    if _axisymmetric.touch(scene) is None:
-        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
-    doubts = [*_doubts_of_size(scene), *doubts_of_place(scene)]
+    depth, radius = scene.motion.peak, half_space(scene).relative_radius
+    if scene.motion.control == "depth" and depth > radius:
+        unable.append(f"depth / relative radius = {depth / radius:.3g} > 1: Hertz ends there")
+    measured = not unable and _tradeoff.stated(name, scene) is not None
+    doubts = [] if measured else [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
     )
 
 
+def lacking(scene: Scene) -> list[str]:
+    """Return what of a scene no contact of one sphere with one flat body has a place for."""
+    unable = [*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes)]
+    if scene.ask.fields:
+        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
+    elif _axisymmetric.touch(scene) is None:
+        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
+    return unable
+
+
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s, from a count of operations."""
     steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    return 0.05 + 5e-5 * steps
+    return (0.05 + 5e-5 * steps) * slowness({})
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, and where it comes from.
 
-    The bone makes the force 1 + 1.127 chi times that of Hertz, and more where chi is not small; the
-    skin leaves the modulus open between those of the two tissues.
+    That is the measured one. Where none is, the bone makes the force 1 + 1.127 chi times that of
+    Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
+    two tissues.
     """
+    found = _tradeoff.stated(name, scene)
+    if found is not None:
+        return found.error, found.source
     stiffer = STIFFENING * _thinness(scene)
     modulus, _ = tissue(scene.finger)
     ends = (scene.finger.skin.modulus, scene.finger.subcutaneous.modulus)
@@ -210,12 +227,13 @@ def deepest(scene: Scene) -> float:
     return half_space(scene).depth(scene.motion.peak / NEWTON_PER_MILLINEWTON)
 
 
-def _widest(scene: Scene) -> float:
+def widest(scene: Scene) -> float:
+    """Return the largest contact radius in mm."""
     return float(half_space(scene).radius(np.array(deepest(scene))))
 
 
 def _thinness(scene: Scene) -> float:
-    return _widest(scene) / scene.finger.pulp
+    return widest(scene) / scene.finger.pulp
 
 
 def _doubts_of_size(scene: Scene) -> list[str]:
@@ -228,7 +246,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
         doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
-    steep = _widest(scene) / smallest_radius(scene.indenter)
+    steep = widest(scene) / smallest_radius(scene.indenter)
     if steep > STEEP:
         doubts.append(
             f"contact radius / radius of the object = {steep:.2g} > {STEEP:g}: it is no paraboloid"

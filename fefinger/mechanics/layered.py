@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.checks import InputError
 from fefinger.finger import BONE
-from fefinger.mechanics import _axisymmetric, _evidence, hertz
+from fefinger.mechanics import _axisymmetric, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._touch import REFERENCE_DEPTH
 from fefinger.records import Progress, Refusal, Response
@@ -98,7 +98,7 @@ def contact(scene: Scene) -> "Layered":
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: what it has no place for, and what was not measured."""
-    unable = [item.reason for item in hertz.refuse(scene) if item.about == "ability"]
+    unable = hertz.lacking(scene)
     try:
         bone = stack(scene.finger).thickness
     except InputError as error:
@@ -106,7 +106,8 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     deepest = max(dict(scene.ask.depths).values(), default=0)
     if deepest >= bone:
         unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
-    doubts = [] if unable else _doubts(scene)
+    measured = not unable and _tradeoff.stated(name, scene) is not None
+    doubts = [] if unable or measured else _doubts(scene)
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
@@ -119,7 +120,10 @@ def cost(scene: Scene) -> float:
 
 
 def error(scene: Scene) -> tuple[float, str]:
-    """Return the expected relative error of the force, as measured against `linear`."""
+    """Return the expected relative error of the force against `solid`, else against `linear`."""
+    found = _tradeoff.stated(name, scene)
+    if found is not None:
+        return found.error, found.source
     return _evidence.layered_error(scene.indenter, hertz.deepest(scene))
 
 

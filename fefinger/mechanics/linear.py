@@ -4,10 +4,11 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart
+from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene import Ellipsoid, Flat, Scene, Sphere
 
 
 name = "linear"
@@ -30,7 +31,11 @@ LAW = "neo-hookean"
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    found = [Refusal(name, "ability", reason) for reason in apart(scene.finger)]
+    unable = (*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    found = [Refusal(name, "ability", reason) for reason in unable]
+    found += [Refusal(name, "accuracy", reason) for reason in too_small(scene)]
+    if unable or _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+        return tuple(found)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
@@ -48,6 +53,21 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     return tuple(found)
 
 
+def too_small(scene: Scene) -> tuple[str, ...]:
+    """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
+    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+        return ()
+    facet = _evidence.FACETS[scene.finger.mesh]
+    facets = hertz.widest(scene) / facet
+    if facets >= _evidence.FEWEST:
+        return ()
+    reason = (
+        f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
+        f"{_evidence.FEWEST:g}: the mesh is too coarse for it"
+    )
+    return (reason,)
+
+
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
     return _evidence.linear_seconds(scene)
@@ -55,6 +75,9 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    if found is not None:
+        return found.error, found.source
     return _evidence.linear_error(scene)
 
 
@@ -68,7 +91,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
     from fefinger.mechanics._touch import meshed_at
     from fefinger.mesh.ready import at_hand
 
-    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.resolution)
+    below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)

@@ -4,7 +4,8 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence
+from fefinger.mechanics import _evidence, _tradeoff, linear
+from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
@@ -24,12 +25,18 @@ NOTES = (
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return why it should not answer: only where the mesh error is not measured."""
+    """Return why it should not answer: too many steps, or a mesh error that is not measured."""
+    unable = too_long(scene.motion, fast="FAII" in scene.ask.spikes)
+    if unable:
+        return tuple(Refusal(name, "ability", reason) for reason in unable)
+    doubts = linear.too_small(scene)
+    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+        return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
-    if radius >= least:
-        return ()
-    reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
-    return (Refusal(name, "accuracy", reason),)
+    if radius < least:
+        reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
+        doubts = (reason, *doubts)
+    return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
 
 
 def cost(scene: Scene) -> float:
@@ -39,13 +46,12 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
-    return _evidence.solid_error(scene)
+    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    return _evidence.solid_error(scene) if found is None else (found.error, found.source)
 
 
 def coarser(scene: Scene) -> Scene | None:
     """Return the scene on the next coarser mesh, if that is at hand."""
-    from fefinger.mechanics import linear
-
     return linear.coarser(scene)
 
 

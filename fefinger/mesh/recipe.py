@@ -59,7 +59,7 @@ class Recipe:
             finger.thickness,
             pad_radius=finger.pad_radius,
             skin_thickness=finger.skin.thickness,
-            resolution=finger.resolution,
+            resolution=finger.mesh,
             surface=finger.surface,
             bone_surface=finger.bone_surface,
             touch=touch,

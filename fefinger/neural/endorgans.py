@@ -11,6 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.checks import InputError
 
 
+_APART = 1e-6
+"""Part of a pole by which the next one has to differ: partial fractions of nearer ones cancel."""
+
+
 class Organ(Protocol):
     """A filter between skin and nerve displacement, with `respond` as in `PoleZero`."""
 
@@ -27,7 +31,8 @@ class PoleZero:
     Parameters
     ----------
     zeros, poles
-        Corner frequencies in Hz (z and p are 2 pi times these); poles above 0 and distinct.
+        Corner frequencies in Hz (z and p are 2 pi times these); poles above 0 and distinct, by a
+        millionth at least.
     gain
         M, the gain at high frequency, dimensionless.
 
@@ -50,11 +55,13 @@ class PoleZero:
     def __post_init__(self) -> None:
         """Check the corner frequencies."""
         finite = all(math.isfinite(f) and f >= 0 for f in (*self.zeros, *self.poles))
-        distinct = len(set(self.poles)) == len(self.poles)
+        poles = np.sort(self.poles)
+        distinct = bool((np.diff(poles) > _APART * poles[1:]).all())
         if len(self.zeros) != len(self.poles) or not (finite and distinct and all(self.poles)):
             msg = (
-                "end organ: expected as many zeros as poles, zeros of 0 Hz or more and distinct "
-                f"poles above 0 Hz, received zeros {self.zeros} and poles {self.poles} Hz"
+                "end organ: expected as many zeros as poles, zeros of 0 Hz or more and poles "
+                f"above 0 Hz that differ by {_APART:g} of themselves, received zeros {self.zeros} "
+                f"and poles {self.poles} Hz"
             )
             raise InputError(msg)
 

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from fefinger.theory import elastic
 from fefinger.theory.curvature import relative_radius
 from fefinger.theory.elastic import Array
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.lumped import LARGEST
+from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
 from fefinger.theory.ting import ContactHistory, press_by_depth, radius_nodes
 
 
@@ -63,7 +64,13 @@ class Fingerpad:
     def stiffness(self, depth: ArrayLike) -> Array:
         """Return t (Eq. 3.11) in kPa at the depth u >= 0 in mm; 0 out of contact."""
         reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
-        return np.asarray(self.instantaneous_b / self.m * np.expm1(self.m * reach))
+        exponent = self.m * float(reach.max())
+        if exponent > LARGEST:
+            msg = (
+                f"fingerpad: expected m times depth of at most {LARGEST:g}, received {exponent:.3g}"
+            )
+            raise ValueError(msg)
+        return np.asarray(self.instantaneous_b * reach * exprel(self.m * reach))
 
     def modulus(self, depth: ArrayLike) -> Array:
         """Return Young's modulus 1.5 t of the incompressible tissue at a depth in kPa."""
@@ -94,9 +101,15 @@ class Fingerpad:
         """Return the depth in mm at which T, or c0 T if `relaxed`, is the force in mN."""
         force = elastic.numbers("fingerpad", "force", force, least=0.0)
         force = force / (self.prony.long_time if relaxed else 1.0)
-        low, high = np.zeros_like(force), np.full_like(force, 1 / self.m)
-        while (self.force(high) < force).any():
-            high = high * 2
+        deepest = LARGEST / self.m * (1 - 1e-12)  # within the limit after rounding
+        if (self.force(deepest) < force).any():
+            msg = f"fingerpad: expected a force below that at {deepest:.3g} mm, received more"
+            raise ValueError(msg)
+        # exp(m x) - 1 >= m x bounds the depth, well where it is small; doubling finds the others.
+        soft = (force / (8 / 3 * np.sqrt(self.radius) * self.instantaneous_b)) ** 0.4
+        low, high = np.zeros_like(force), np.minimum(soft, 1 / self.m)
+        while (short := self.force(high) < force * (1 - 1e-12)).any():
+            high = np.where(short, np.minimum(2 * high, deepest), high)
         for _ in range(60):
             middle = (low + high) / 2
             short = self.force(middle) < force

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.theory import elastic
 from fefinger.theory.elastic import Array
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony, creep_integral, exprel
 
 
 LARGEST = 600.0
@@ -57,7 +57,9 @@ class Spring:
 
     def force(self, position: ArrayLike) -> Array:
         """Return T in N at positions in mm, of any shape (Eq. 2.1)."""
-        return self.b / self.m * np.expm1(self.m * self.depth(position))
+        y = self.depth(position)
+        _require_small(self.m * float(y.max()))
+        return self.b * y * exprel(self.m * y)
 
     def stiffness(self, force: ArrayLike) -> Array:
         """Return k = m T + b in N/mm at instantaneous elastic forces in N (Eq. 2.4)."""
@@ -97,10 +99,7 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     y the indentation at its start, dy its change and h the part of the segment in contact.
     """
     time, position = _samples(time, position)
-    deepest = spring.m * float(spring.depth(position).max())
-    if deepest > LARGEST:
-        msg = f"lumped: expected m times depth of at most {LARGEST:g}, received {deepest:.3g}"
-        raise ValueError(msg)
+    _require_small(spring.m * float(spring.depth(position).max()))
     decay, gain = _gains(spring, prony, time, position)
     weights = prony.weights
     start = float(spring.force(position[0]))
@@ -123,7 +122,7 @@ def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: Array
         return pulled
     decay, gain = _gains(spring, prony, time, position)
     weights = np.array(prony.weights)
-    ramp = _mean_decay(np.multiply.outer(np.diff(time), np.array(prony.v)))
+    ramp = exprel(-np.multiply.outer(np.diff(time), np.array(prony.v)))
     elastic = spring.force(position).tolist()
     memory, surface, out = np.full(len(prony.v), elastic[0]), elastic[0], [elastic[0]]
     for i, (before, after) in enumerate(pairwise(elastic)):
@@ -147,28 +146,28 @@ def constant_velocity(spring: Spring, prony: Prony, position: ArrayLike, speed: 
     The closed form of Eq. 2.3: each exponential gives b s (e^(m y) - e^(-v y / s)) / (m s + v).
     """
     elastic.require_positive("constant_velocity", speed=speed)
-    y = spring.depth(position)[..., None]
+    y = spring.depth(position)
+    _require_small(spring.m * float(y.max()))
     rates = np.array((0.0, *prony.v))
-    growth = np.exp(spring.m * y) - np.exp(-rates * y / speed)
-    return growth @ (spring.b * speed * np.array(prony.weights) / (spring.m * speed + rates))
+    kept = exprel(-y[..., None] * (spring.m + rates / speed)) @ np.array(prony.weights)
+    return spring.b * y * np.exp(spring.m * y) * kept
 
 
 def position_under(spring: Spring, prony: Prony, time: ArrayLike, applied: ArrayLike) -> Array:
     """Return the position in mm under the force `applied` >= 0 in N: Eq. 2.3 turned around.
 
     Exact for a force that is linear between samples; a first value above 0 is a step.
-
-    Notes
-    -----
-    T is the integral of J(t - s) dP(s) with the creep function J = J_inf - sum k_j exp(-lam_j t).
-    With the relaxation function H of weights (1, k) / J_inf and rates lam, that is
-    T = (J_inf + 1) P - J_inf (integral of H dP).
+    T is the integral of J(t - s) dP(s) with the creep function J.
     """
     applied = elastic.numbers("position_under", "forces", applied, least=0.0)
-    j_inf, k, lam = prony.creep()
-    share = Prony(tuple(np.concatenate([[1.0], k]) / j_inf), tuple(lam))
-    relaxed = hereditary_integral(share, time, applied)
-    return spring.position(np.maximum((j_inf + 1.0) * applied - j_inf * relaxed, 0.0))
+    return spring.position(np.maximum(creep_integral(prony, time, applied), 0.0))
+
+
+def _require_small(exponent: float) -> None:
+    """Raise ValueError unless the exponent m times depth leaves a force that is a number."""
+    if exponent > LARGEST:
+        msg = f"lumped: expected m times depth of at most {LARGEST:g}, received {exponent:.3g}"
+        raise ValueError(msg)
 
 
 def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
@@ -200,13 +199,8 @@ def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[
     growth = (spring.m * change)[:, None]
     gain = (spring.b * np.exp(spring.m * y[:-1]) * change)[:, None]
     gain = gain * np.exp(np.maximum(growth, -within) - np.multiply.outer(after, rates))
-    gain = gain * _mean_decay(np.abs(growth + within))
+    gain = gain * exprel(-np.abs(growth + within))
     return np.exp(-np.multiply.outer(step, rates)), gain
-
-
-def _mean_decay(x: Array) -> Array:
-    """Return (1 - e^-x) / x for x >= 0, the mean of e^-s over s from 0 to x."""
-    return np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)
 
 
 def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:

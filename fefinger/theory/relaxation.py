@@ -17,6 +17,11 @@ SUM_LIMITS = (0.98, 1.02)
 
 _ROUNDING = 1e-9
 
+_HALVINGS = 64
+
+_NOTHING = 1e-60
+"""Weight that counts as none, and part of an interval that counts as its end."""
+
 
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
@@ -113,13 +118,52 @@ class Prony:
 
         Notes
         -----
-        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, which are the eigenvalues
-        of diag(v) - u u^T with u_i = sqrt(w_i v_i); their residues give k_j = (u . q_j)^2 / lam_j.
+        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each rate, and
+        k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance from the
+        nearer end of its interval, so that rates however far apart keep their digits. Terms of
+        one rate count as one, the others have k = 0 and lam = v, as those without weight.
         """
-        weights, v = np.array(self.weights[1:]), np.array(self.v)
-        u = np.sqrt(weights * v)
-        lam, vectors = np.linalg.eigh(np.diag(v) - np.outer(u, u))
-        return 1.0 / self.long_time, (u @ vectors) ** 2 / lam, lam
+        v, place = np.unique(np.array(self.v), return_inverse=True)
+        w = np.zeros(len(v))
+        np.add.at(w, place, self.weights[1:])
+        whole = np.flatnonzero(w > _NOTHING)
+        k, lam = np.zeros(len(self.v)), np.sort(self.v)
+        if len(whole):
+            at = np.searchsorted(lam, v[whole])
+            k[at], lam[at] = _inverted(self.long_time, w[whole], v[whole])
+        return 1.0 / self.long_time, k, lam
+
+
+def _inverted(w0: float, w: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return k and lam (2, n) for weights w (n,) at rising rates v (n,), see `Prony.creep`."""
+    out = np.empty((2, len(v)))
+    for j, below in enumerate(np.append(0.0, v[:-1])):
+        half = (v[j] - below) / 2
+        low = _residual(half, below, v - below, w0, w) < 0
+        pole, side = (below, 1.0) if low else (v[j], -1.0)
+        ahead = v - pole
+        # From far below rounding to the middle; halved in its logarithm.
+        near, far = _NOTHING * v[j], half
+        for _ in range(_HALVINGS):
+            t = math.sqrt(near * far)
+            above = side * _residual(side * t, pole, ahead, w0, w) > 0
+            near, far = (t, far) if above else (near, t)
+        lam = pole + side * t
+        out[:, j] = 1.0 / (lam * (w * v) @ (ahead - side * t) ** -2.0), lam
+    return out
+
+
+def _residual(
+    t: float, pole: float, ahead: NDArray[np.float64], w0: float, w: NDArray[np.float64]
+) -> float:
+    """Return w0 - sum w_i lam / (v_i - lam) at lam = pole + t; `ahead` is v - pole."""
+    return float(w0 - w @ ((pole + t) / (ahead - t)))
+
+
+def exprel(z: ArrayLike) -> NDArray[np.float64]:
+    """Return (exp(z) - 1) / z, 1 at 0, with all digits."""
+    z = np.asarray(z, float)
+    return np.where(z != 0, np.expm1(z) / np.where(z != 0, z, 1.0), 1.0)
 
 
 def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
@@ -148,26 +192,62 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     Pawluk (1997), Eq. 2.3. Each exponential obeys q(t + dt) = q(t) e^-x + dsignal (1 - e^-x) / x
     with x = v dt, stable for any dt.
     """
-    time, signal = np.asarray(time, float), np.asarray(signal, float)
-    if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
-        msg = (
-            f"hereditary_integral: expected time (n_t,) and signal (n_t,) or (n_t, k), "
-            f"received {time.shape} and {signal.shape}"
-        )
-        raise ValueError(msg)
+    time, signal = _checked("hereditary_integral", time, signal)
     step = np.diff(time)
-    if not (np.isfinite(time).all() and np.isfinite(signal).all() and np.all(step >= 0)):
-        msg = "hereditary_integral: expected finite values and times that never decrease"
-        raise ValueError(msg)
     flat = signal.reshape(len(time), -1)
     weights = np.array(prony.weights)
     x = np.multiply.outer(step, np.array(prony.v))
     decay = np.exp(-x)[:, :, None]
-    ramp = np.where(x > 0, -np.expm1(-x) / np.where(x > 0, x, 1.0), 1.0)[:, :, None]
+    ramp = exprel(-x)[:, :, None]
     memory = np.repeat(flat[:1], len(prony.v), axis=0)
     out = weights[0] * flat
     out[0] += weights[1:] @ memory
     for i, change in enumerate(np.diff(flat, axis=0)):
         memory = decay[i] * memory + ramp[i] * change
         out[i + 1] += weights[1:] @ memory
+    return out.reshape(signal.shape)
+
+
+def _checked(
+    owner: str, time: ArrayLike, signal: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return time and signal as arrays, or raise ValueError."""
+    time, signal = np.asarray(time, float), np.asarray(signal, float)
+    if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
+        msg = (
+            f"{owner}: expected time (n_t,) and signal (n_t,) or (n_t, k), "
+            f"received {time.shape} and {signal.shape}"
+        )
+        raise ValueError(msg)
+    finite = np.isfinite(time).all() and np.isfinite(signal).all()
+    if not (finite and np.all(np.diff(time) >= 0)):
+        msg = f"{owner}: expected finite values and times that never decrease"
+        raise ValueError(msg)
+    return time, signal
+
+
+def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
+    """Return the integral of J(t - s) d signal(s), J the creep inverse of G.
+
+    It undoes `hereditary_integral`. Of a force it is the elastic force that has the contact of a
+    force-controlled history, as long as the contact grows. Arguments and errors as there.
+
+    Notes
+    -----
+    J = 1 + sum k_j (1 - exp(-lam_j t)), and each term r obeys, with x = lam dt, r(t + dt) = r e^-x
+    + signal (1 - e^-x) + dsignal (1 - (1 - e^-x) / x): no sum of it cancels, however far it creeps.
+    """
+    time, signal = _checked("creep_integral", time, signal)
+    _, k, lam = prony.creep()
+    x = np.multiply.outer(np.diff(time), lam)
+    forgotten = -np.expm1(-x)
+    # 1 - (1 - e^-x) / x by its series where the difference would cancel.
+    late = np.where(x < 1e-4, x / 2 - x**2 / 6, 1.0 - exprel(-x))
+    flat = signal.reshape(len(time), -1)
+    crept = np.zeros((len(lam), flat.shape[1]))
+    out = flat.copy()
+    for i, change in enumerate(np.diff(flat, axis=0)):
+        own = forgotten[i][:, None]
+        crept = crept + own * (flat[i] - crept) + late[i][:, None] * change
+        out[i + 1] += k @ crept
     return out.reshape(signal.shape)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony
 
 
 Array = NDArray[np.float64]
@@ -148,23 +148,6 @@ def spring_weights(elastic_force: Array, nodes: Array) -> Array:
         msg = "elastic_force: expected a force that rises ever more steeply with the depth"
         raise ValueError(msg)
     return weights
-
-
-def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> Array:
-    """Return the integral of J(t - s) d signal(s), J the creep inverse of G.
-
-    It is the elastic force that has the contact of a force-controlled history, as long as the
-    contact grows: a(t) and depth(t) are those of P_e(depth) = creep_integral(P).
-    Arguments as `hereditary_integral`.
-    """
-    ceiling, weights, rates = prony.creep()
-    signal = np.asarray(signal, float)
-    if not len(rates):
-        return hereditary_integral(prony, time, signal) / prony.long_time
-    total = float(weights.sum())
-    transient = Prony((0.5, *(0.5 * weights / total)), tuple(rates))
-    decaying = 2 * hereditary_integral(transient, time, signal) - signal
-    return np.asarray(ceiling * signal - total * decaying)
 
 
 def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:

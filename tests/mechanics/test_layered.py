@@ -12,8 +12,7 @@ from fefinger.checks import InputError
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
 from fefinger.theory.indentation import paraboloid
-from fefinger.theory.relaxation import hereditary_integral
-from fefinger.theory.ting import creep_integral
+from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
 FINGER = ff.Finger.subject("a.h.")
@@ -194,15 +193,18 @@ def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
     assert layered.coarser(scene()) is None
 
 
+TILTED = {"indenter": ff.Flat(tilt=5)}
+"""A plate that the trade-off has not measured."""
+
 REFUSED = [
-    ({"motion": ff.Ramp(20, 2.0)}, "depth / measured depth = 2 / 1.5 mm = 1.33 > 1"),
+    ({**TILTED, "motion": ff.Ramp(20, 2.0)}, "depth / measured depth = 2 / 1.5 mm = 1.33 > 1"),
     (
         {"indenter": ff.Sphere(2.0), "motion": ff.Ramp(20, 0.9)},
         "measured depth = 0.9 / 0.6 mm = 1.5 > 1",
     ),
     ({"motion": ff.ForceRampHold(5, 9.0, hold=1.0)}, "> 1: the force is not measured there"),
     ({"indenter": ff.Sphere(1.0)}, "radius = 1 mm < 2 mm"),
-    ({"indenter": ff.Flat(angle=45)}, "angle = 45 degrees"),
+    ({"indenter": ff.Flat(angle=45, tilt=5)}, "angle = 45 degrees"),
     ({"indenter": ff.Sphere(5.0, at=(3.0, 0.0))}, "from the middle = 3 > 2 mm"),
     (
         {"finger": ff.Finger.subject("a.h.", tissue="saal2017")},
@@ -256,9 +258,9 @@ def test_the_stated_error_is_linear_between_the_measured_depths_and_constant_bey
     row = _evidence.layered()["presses"][press]
     first, second, *_, last = row["force_error"]
     at = [0.1, 0.2, 0.35, row["depth_mm"][-1], 3.0]
-    stated = [layered.error(scene(indenter=indenter, motion=ff.Ramp(20, d)))[0] for d in at]
+    stated = [_evidence.layered_error(indenter, depth)[0] for depth in at]
     assert stated == pytest.approx([first, first, (first + second) / 2, last, last])
-    assert f"reports/layered-force.json, {press}" in layered.error(scene(indenter=indenter))[1]
+    assert f"reports/layered-force.json, {press}" in _evidence.layered_error(indenter, 1.0)[1]
 
 
 @pytest.mark.parametrize(
@@ -288,7 +290,7 @@ CHOSEN = [
     ("flat-press", {"ask.strain": False, "ask.pressure": False, "ask.spikes": []}, "lumped"),
     ("sphere-press", {"ask.rel_error": 0.2}, "linear"),
     ("sphere-press", {"ask.rel_error": 0.4}, "layered"),
-    ("sphere-press", {"ask.rel_error": 0.15, "motion.depth": 0.5}, "layered"),
+    ("sphere-press", {"ask.rel_error": 0.25, "motion.depth": 0.5}, "layered"),
 ]
 
 

@@ -111,7 +111,7 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
     assert refusal.reason.startswith(reason)
     assert ff.explain(asked).mechanics == "solid"
     named = ff.run(asked, mechanics="lumped")
-    assert named.plan.overridden == (refusal,)
+    assert named.plan.overridden[0] == refusal
     assert named.force.max() > 0
 
 
@@ -122,11 +122,12 @@ def test_every_subject_of_the_table_is_answered_under_the_plate(subject, angle):
         finger=ff.Finger.subject(subject),
         indenter=ff.Flat(angle=angle),
         motion=ff.RampHold(60, 1.0, hold=5, corner=0),
+        ask=replace(FORCE_ONLY, rel_error=0.4),
     )
     assert lumped.refuse(asked) == ()
     plan = ff.explain(asked)
     assert plan.mechanics == "lumped"
-    assert "not comparable to the finite-element finger" in plan.chosen.evidence
+    assert "18 % at the peaks of sinusoids against the measured" in plan.chosen.evidence
     row = library.pawluk_bulk()[subject]
     peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
     assert lumped.respond(asked).force.max() == pytest.approx(float(peak), rel=1e-9)
@@ -161,7 +162,7 @@ def test_the_repetitive_task_has_the_forces_of_the_recomputed_thesis():
 
 
 def test_a_result_of_force_alone_can_be_saved_reported_and_loaded(tmp_path):
-    result = ff.run(scene())
+    result = ff.run(scene(ask=replace(FORCE_ONLY, rel_error=0.4)))
     written = result.save(str(tmp_path))
     assert [file.rsplit("/", 1)[1] for file in written] == ["result.nc", "report.html"]
     again = ff.load(str(tmp_path))
@@ -169,7 +170,7 @@ def test_a_result_of_force_alone_can_be_saved_reported_and_loaded(tmp_path):
     assert again.plan == result.plan
     assert load(tmp_path).contact_area is None
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "not comparable to the finite-element finger" in html
+    assert "18 % at the peaks of sinusoids against the measured" in html
     assert "None" not in html
     assert "pushes back with up to 1.25 N" in report.answer(result)
     record = run_record(result, {}, [])

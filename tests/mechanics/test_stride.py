@@ -70,3 +70,12 @@ def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> N
     few = hereditary_integral(prony, steps.times, stiffening(steps.value))
     assert few.max() == pytest.approx(exact.max(), rel=peak)
     assert few == pytest.approx(np.interp(steps.times, fine, exact), abs=peak * exact.max())
+
+
+def test_at_its_steps_the_answer_is_what_was_solved_to_the_last_bit():
+    motion = Trapezoid(0.0046825, 0.55848, hold=0.0, corner=0.0)
+    steps = stride(motion, time_grid(motion, fast=False))
+    values = np.sqrt(np.random.default_rng(8).uniform(0, 1, len(steps.chosen)))
+    values[-1] = 0.0
+    for interpolate in (steps.bounded, steps.smooth):
+        np.testing.assert_array_equal(interpolate(values)[steps.chosen], values)

@@ -189,7 +189,7 @@ CALLS = [
     lambda: ting.radius_nodes(NAN),
     lambda: ting.radius_nodes(-1.0),
     lambda: ting.radius_nodes(1.0, count=0),
-    lambda: ting.creep_integral(PRONY, TIME, [0, NAN, 0]),
+    lambda: relaxation.creep_integral(PRONY, TIME, [0, NAN, 0]),
     lambda: ting.spring_weights(np.array([0, 1.0, 0.5]), np.array([0, 1.0, 2.0])),
     lambda: ting.spring_weights(np.array([0, NAN, 1.0]), np.array([0, 1.0, 2.0])),
     lambda: impedance.relaxation_spectrum(PRONY, 0.0),

@@ -11,9 +11,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk, j0, j1
 from threadpoolctl import threadpool_limits
 
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 from fefinger.theory.ting import (
-    creep_integral,
     press_by_depth,
     press_by_force,
     radius_nodes,

@@ -110,9 +110,19 @@ def in_blocks(
 def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
     """Return what units did from `run(frozen)`, again with frozen sodium if that is asked.
 
+    InputError for a current, far below zero or swinging wildly, that no state is left of.
+
     The rows of a run hold the final state, the highest potential in mV and the ms in block.
     """
     times, rows = run(False)
+    lost = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if len(lost):
+        msg = (
+            f"current: expected one that the membrane can follow, received one that drives unit "
+            f"{lost[0]} of {len(rows)} out of the range of its rates; take smaller currents, below "
+            "zero above all, or smaller jumps"
+        )
+        raise InputError(msg)
     driven = [len(each) for each in run(True)[0]] if stimulus_driven else [0] * len(times)
     return Firing(
         times=tuple(1e-3 * each for each in times),

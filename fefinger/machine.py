@@ -1,0 +1,106 @@
+"""How fast this machine is, against those that measured the reports.
+
+The measure is the CPU time of one fixed piece of work, taken once and kept in the user's cache.
+Reports hold that of the machine that measured them as `machine_seconds`.
+"""
+
+import json
+import platform
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+REPORTED = 0.068
+"""Seconds of the work on the machine of the reports, for those that do not say."""
+
+ROUNDS = 5
+"""Times that the work is done; the fastest counts."""
+
+
+def kept_path() -> Path:
+    """Return where the user's cache keeps the time of the work."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("fefinger") / "machine.json"
+
+
+def measure() -> float:
+    """Return the CPU time in s of the work: dense factors, gathered sums and plain loops.
+
+    BLAS has one thread: CPU time counts the others, also while they wait.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        return _work()
+
+
+def _work() -> float:
+    rng = np.random.default_rng(1)
+    dense = rng.random((500, 500)) + 500 * np.eye(500)
+    where, values = rng.integers(0, 100_000, 1_000_000), rng.random(1_000_000)
+    taken = []
+    for _ in range(ROUNDS):
+        started = time.process_time()
+        for _ in range(4):
+            np.linalg.inv(dense)
+        np.bincount(where, values[where], minlength=100_000)
+        total = 0.0
+        for number in range(300_000):
+            total += 0.5 * number
+        taken.append(time.process_time() - started)
+    return min(taken)
+
+
+def seconds(*, now: bool = True) -> float | None:
+    """Return the time of the work on this machine, kept or measured `now` and then kept.
+
+    None where it is not kept and is not to be measured.
+    """
+    known = kept()
+    if known is not None or not now:
+        return known
+    measured = measure()
+    with suppress(OSError):  # without a cache it is measured again the next time
+        kept_path().parent.mkdir(parents=True, exist_ok=True)
+        new = kept_path().with_suffix(".new")
+        new.write_text(json.dumps({"machine": _name(), "seconds": measured}), encoding="utf-8")
+        new.replace(kept_path())
+    return measured
+
+
+def kept() -> float | None:
+    """Return the kept time of this machine, or None; that of another machine counts as none."""
+    try:
+        record = json.loads(kept_path().read_text(encoding="utf-8"))
+        return float(record["seconds"]) if record["machine"] == _name() else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def slowness(report: Mapping[str, Any]) -> float:
+    """Return by what the times of a report are to be multiplied on this machine; 1 if not known."""
+    here = kept()
+    return 1.0 if here is None else here / float(report.get("machine_seconds", REPORTED))
+
+
+def sentence() -> str:
+    """Return what expected times stand for."""
+    here = kept()
+    if here is None:
+        return (
+            "Times are those of the machine of the reports; `fefinger explain` measures this one."
+        )
+    return (
+        f"Times are for this machine, which takes {here:.2g} s for a piece of work that took "
+        f"{REPORTED:.2g} s on the machine of the reports (kept in {kept_path()})."
+    )
+
+
+def _name() -> str:
+    return f"{platform.node()} {platform.machine()} {platform.processor()} numpy {np.__version__}"

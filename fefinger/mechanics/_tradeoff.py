@@ -1,0 +1,197 @@
+"""The measured trade-off between speed and accuracy: stated errors and costs of every candidate.
+
+A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
+its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
+the finger. The stated error is that of the worse neighbor, numerical and model error added, with
+the margins that the report has for what lies between presses, for motions and for other fingers.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from json import loads
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.data import report
+from fefinger.scene import Finger, Flat, Scene, Sphere
+
+
+Array = NDArray[np.float64]
+
+REPORT = "tradeoff.json"
+
+CONTRAST = 1.1
+"""Factor of the ratio of the moduli within which a finger counts as measured, a convention."""
+
+POISSON = 0.005
+"""Distance from the measured Poisson's ratios, likewise."""
+
+LAW = "neo-hookean"
+
+KINDS = ("numerical", "model")
+
+NEAR = 2.0
+"""Distance in mm of a ball from the middle of the pad within which it counts as measured."""
+
+
+class Place(NamedTuple):
+    """Where a press lies among the measured ones: "angle" in degrees, or "curvature" in 1/mm."""
+
+    axis: str
+    value: float
+
+
+class Stated(NamedTuple):
+    """A stated error with its margins, its two parts, and the source."""
+
+    error: float
+    numerical: float
+    model: float
+    source: str
+
+
+@cache
+def read() -> dict[str, Any]:
+    """Return the report."""
+    measured: dict[str, Any] = loads(report(REPORT))
+    return measured
+
+
+def rules() -> dict[str, Any]:
+    """Return the rules of the report."""
+    found: dict[str, Any] = read()["rules"]
+    return found
+
+
+def place(angle: float | None, radius: float | None) -> Place:
+    """Return the place of a plate by its angle, or of a ball by its radius."""
+    if radius is not None:
+        return Place("curvature", 1 / radius)
+    assert angle is not None
+    return Place("angle", angle)
+
+
+def total(candidate: Mapping[str, Any], quantity: str) -> Array:
+    """Return the sum (n,) of numerical and model error of a candidate in a press."""
+    return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
+
+
+def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
+    """Return the presses on either side of a place, or the one at it; beyond all, the last."""
+    known: dict[str, float] = {}
+    for name, row in presses.items():
+        own = place(row["angle"], row["radius"])
+        if own.axis == where.axis:
+            known[name] = own.value
+        elif where.axis == "curvature" and row["angle"] == 30:
+            known[name] = 0.0
+    below = [name for name in known if known[name] <= where.value]
+    above = [name for name in known if known[name] >= where.value]
+    if below and above:
+        ends = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
+        return list(dict.fromkeys(ends))
+    return sorted(below or above, key=lambda name: abs(known[name] - where.value))[:1]
+
+
+def reach(row: Mapping[str, Any]) -> float:
+    """Return the largest depth over thickness that a press was measured at."""
+    return float(row["depth_mm"][-1] / row["thickness_mm"])
+
+
+def told(
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float
+) -> tuple[float, float] | None:
+    """Return numerical and model error of the force at the worse neighbor of a place.
+
+    None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
+    """
+    rows = [presses[name] for name in neighbors(presses, where)]
+    rows = [row for row in rows if candidate in row["candidates"]]
+    if not any(part <= reach(row) * (1 + 1e-9) for row in rows):
+        return None
+    found = []
+    for row in rows:
+        own, parts = row["candidates"][candidate], np.array(row["depth_mm"])
+        at = [np.interp(part, parts / row["thickness_mm"], own[kind]["force"]) for kind in KINDS]
+        found.append((float(at[0]), float(at[1])))
+    return max(found, key=sum)
+
+
+def where(scene: Scene) -> Place | None:
+    """Return the place of a scene, None where no press is like it."""
+    indenter = scene.indenter
+    if isinstance(indenter, Flat) and not indenter.tilt:
+        place_, known = Place("angle", indenter.angle), "angle"
+    elif isinstance(indenter, Sphere) and np.hypot(*(indenter.at or (0.0, 0.0))) <= NEAR:
+        place_, known = Place("curvature", 1 / indenter.radius), "radius"
+    else:
+        return None
+    values = [row[known] for row in rules()["presses"].values() if row[known] is not None]
+    value = indenter.angle if isinstance(indenter, Flat) else indenter.radius
+    beyond = value > max(values) and known == "angle"
+    return None if value < min(values) or beyond else place_
+
+
+def like(finger: Finger) -> bool:
+    """Return whether the tissues of a finger are, up to one modulus, those that were measured."""
+    known = rules()["tissue"]
+    contrast = finger.skin.modulus / finger.subcutaneous.modulus / known["skin_over_subcutaneous"]
+    layers = (finger.skin, finger.subcutaneous)
+    nu = [known["poisson"][name] for name in ("skin", "subcutaneous")]
+    thin, thick = known["skin_over_thickness"]
+    share = (finger.skin.thickness or 0.0) / finger.thickness
+    return (
+        finger.surface is None
+        and thin / CONTRAST <= share <= thick * CONTRAST
+        and max(contrast, 1 / contrast) <= CONTRAST
+        and all(abs(x.poisson - value) <= POISSON for x, value in zip(layers, nu, strict=True))
+        and all(x.law == LAW and x.prony is None for x in layers)
+        and finger.relaxation == "whole"
+    )
+
+
+def part(scene: Scene, press: str) -> float:
+    """Return depth over thickness, of a motion under force control when the finger has crept.
+
+    Forces scale with the modulus and the square of the size.
+    """
+    thickness = scene.finger.thickness
+    if scene.motion.control == "depth":
+        return scene.motion.peak / thickness
+    row = rules()["presses"][press]
+    stiffer = scene.finger.subcutaneous.modulus / row["subcutaneous_kPa"]
+    larger = (thickness / row["thickness_mm"]) ** 2
+    parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
+    wanted = scene.motion.peak / stiffer / larger
+    return float(np.interp(wanted, [0.0, *row["force_N"]], parts, right=np.inf))
+
+
+def stated(candidate: str, scene: Scene) -> Stated | None:
+    """Return the stated error of the force; None where the scene is not like a measured press."""
+    place_ = where(scene)
+    if place_ is None or not like(scene.finger):
+        return None
+    presses, mechanics = rules()["presses"], candidate.split()[0]
+    names = neighbors(presses, place_)
+    found = told(presses, candidate, place_, max(part(scene, name) for name in names))
+    if found is None:
+        return None
+    own = _own(scene.finger, presses[names[0]])
+    numerical = found[0] + rules()["steps"][mechanics]
+    model = found[1] * rules()["directs"][mechanics]
+    model *= 1.0 if own else rules()["fingers"][mechanics]
+    margins = rules()["margins"][candidate]
+    margin = margins["motion"] + (0.0 if own and len(names) == 1 else margins["between"])
+    source = (
+        f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
+        f"{model:.2g} of the model, {margin:.2g} of margin"
+    )
+    return Stated(numerical + model + margin, numerical, model, source)
+
+
+def _own(finger: Finger, row: Mapping[str, Any]) -> bool:
+    """Return whether a finger has the size of the one that was pressed."""
+    size = (finger.width, finger.thickness, finger.pad_radius)
+    return size == (row["width_mm"], row["thickness_mm"], row["pad_radius_mm"])

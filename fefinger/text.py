@@ -1,0 +1,63 @@
+"""Text for a reader of the console or of a message: tables, and the ladder of a plan."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+
+if TYPE_CHECKING:
+    from fefinger.records import Rung
+
+
+def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
+    """Return rows of text in columns that are as wide as their widest entry."""
+    every = [list(heading), *rows] if heading else list(rows)
+    widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in every
+    ]
+    return "\n".join(lines)
+
+
+def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
+    """Return the ladder as a table, one line per refusal, and below it where the errors are from.
+
+    The chosen rung is marked by a star.
+    """
+    rows = []
+    for rung in rungs:
+        said = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
+        star = "*" if rung is chosen else ""
+        mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
+        first = said[0] if said else "chosen" if star else "good enough"
+        rows.append((star, rung.mechanics, mesh, error, seconds, first))
+        rows += [("", "", "", "", "", more) for more in said[1:]]
+    heading = ("", "mechanics", "mesh", "error", "time", "refused because")
+    return f"{table(rows, heading)}\n\n{_sources(rungs)}"
+
+
+def percent(error: float) -> str:
+    """Return an error in percent, a dash where it is not known."""
+    return "-" if math.isnan(error) else f"{100 * error:.2g} %" if error < 10 else "no limit"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in the unit that reads best, a dash where it is not known."""
+    if math.isnan(seconds):
+        return "-"
+    for limit, scale, unit in ((0.95, 1e3, "ms"), (95, 1, "s"), (5700, 1 / 60, "min")):
+        if seconds < limit:
+            return f"{float(f'{scale * seconds:.2g}'):g} {unit}"
+    return f"{float(f'{seconds / 3600:.2g}'):g} h"
+
+
+def _sources(rungs: Sequence["Rung"]) -> str:
+    """Return one line per source of an error, with the mechanics that it is of."""
+    by_source: dict[str, list[str]] = {}
+    for rung in rungs:
+        if not math.isnan(rung.error):
+            name = f"{rung.mechanics} {rung.resolution or ''}".strip()
+            by_source.setdefault(rung.evidence, []).append(name)
+    rows = [(", ".join(names), source) for source, names in by_source.items()]
+    return table(rows, ("error of", "evidence")) if rows else "No error is known."

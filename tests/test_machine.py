@@ -1,0 +1,48 @@
+"""The speed of this machine: measured once, kept, and not that of another machine."""
+
+import json
+
+import pytest
+
+from fefinger import machine
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+
+def test_the_work_takes_a_time_and_is_kept(monkeypatch):
+    monkeypatch.setattr(machine, "ROUNDS", 1)
+    assert machine.seconds(now=False) is None
+    assert "measures this one" in machine.sentence()
+    measured = machine.seconds()
+    assert 0.001 < measured < 10
+    monkeypatch.setattr(machine, "measure", lambda: pytest.fail("measured twice"))
+    assert machine.seconds() == measured
+    assert "Times are for this machine" in machine.sentence()
+
+
+def test_times_scale_with_the_machine_of_the_report(monkeypatch):
+    assert machine.slowness({"machine_seconds": 5.0}) == 1.0
+    monkeypatch.setattr(machine, "measure", lambda: 0.3)
+    machine.seconds()
+    assert machine.slowness({"machine_seconds": 0.1}) == pytest.approx(3.0)
+    assert machine.slowness({}) == pytest.approx(0.3 / machine.REPORTED)
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"machine": "another", "seconds": 1.0}', "[1]"])
+def test_a_record_that_is_not_of_this_machine_counts_as_none(text, monkeypatch):
+    machine.kept_path().parent.mkdir(parents=True)
+    machine.kept_path().write_text(text)
+    assert machine.kept() is None
+    monkeypatch.setattr(machine, "measure", lambda: 0.25)
+    assert machine.seconds() == 0.25
+    assert json.loads(machine.kept_path().read_text())["seconds"] == 0.25
+
+
+def test_without_a_cache_it_is_measured_again(monkeypatch, tmp_path):
+    (tmp_path / "fefinger").write_text("a file in the way")
+    monkeypatch.setattr(machine, "measure", lambda: 0.25)
+    assert machine.seconds() == 0.25
+    assert machine.kept() is None

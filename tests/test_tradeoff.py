@@ -1,0 +1,258 @@
+"""The trade-off: its measures against closed forms, and the report that the planner cites.
+
+The report is read again: what the planner states has to follow from it, and it from itself.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fefinger.validation import tradeoff, tradeoff_errors, tradeoff_motion, tradeoff_scenes
+from fefinger.validation.tradeoff_errors import Press
+from fefinger.validation.tradeoff_held_out import label, summary
+from fefinger.validation.tradeoff_runs import TAXELS, taxels
+from fefinger.validation.tradeoff_study import front
+
+from fefinger import plan
+from fefinger.mechanics import _tradeoff, get, hertz
+from fefinger.records import Rung
+from fefinger.scene import Ask, Finger, Flat, Ramp, RampHold, Scene, Sinusoid, Sphere
+
+
+REPORT = Path(__file__).resolve().parents[1] / "reports" / "tradeoff.json"
+
+
+@pytest.fixture(scope="module")
+def report():
+    return json.loads(REPORT.read_text(encoding="utf-8"))
+
+
+def pressed(scale=1.0, exponent=1.5):
+    depth = np.linspace(0.1, 1.2, 12)
+    strain = -np.multiply.outer(depth, np.tile(np.diag([1.0, -0.5, -0.5]), (4, 1, 1)))
+    return Press(
+        depth=depth,
+        force=scale * depth**exponent,
+        area=np.pi * 9 * depth,
+        centroid=np.zeros((12, 2)),
+        taxels=scale * np.multiply.outer(depth, np.ones((3, 3))),
+        strain=strain,
+        at=np.arange(12),
+    )
+
+
+def test_errors_are_those_of_a_press_that_is_stiffer_by_a_tenth():
+    found = tradeoff_errors.errors(pressed(1.1), pressed())
+    np.testing.assert_allclose(found["force"], 0.1, rtol=1e-9)
+    np.testing.assert_allclose(found["pressure"], 0.1, rtol=1e-9)
+    assert found["area"].max() == found["strain"].max() == 0.0
+    moved = replace(pressed(), centroid=np.tile([0.3, 0.4], (12, 1)))
+    radius = 3 * np.sqrt(pressed().depth)
+    np.testing.assert_allclose(
+        tradeoff_errors.errors(moved, pressed())["centroid"], 0.5 / radius, rtol=1e-12
+    )
+
+
+def test_the_error_of_the_force_is_the_largest_on_the_way():
+    bump = pressed().force.copy()
+    bump[3] += 0.2
+    found = tradeoff_errors.errors(replace(pressed(), force=bump), pressed())["force"]
+    np.testing.assert_allclose(found[:3], 0.0)
+    np.testing.assert_allclose(found[3:], 0.2 / pressed().force[3:])
+
+
+def test_two_meshes_give_the_limit_of_errors_of_second_order():
+    cells = np.array([1e4, 3.7e4])
+    meshes = [pressed(1 + 40 * n ** (-2 / 3)) for n in cells]
+    best = tradeoff_errors.limit(*meshes, cells[1] / cells[0])
+    np.testing.assert_allclose(best.force, pressed().force, rtol=1e-12)
+
+
+def test_what_is_identified_is_what_was_put_in():
+    depth = np.linspace(0.1, 1.2, 12)
+    true = replace(pressed(), force=0.3 / 0.9 * np.expm1(0.9 * depth))
+    found = tradeoff_errors.identify(true, pressed(2.0), 0.5)
+    assert (found.b, found.m) == pytest.approx((0.3, 0.9), rel=1e-6)
+    np.testing.assert_allclose(tradeoff_errors.law(found, depth), true.force, rtol=1e-6)
+    assert found.radius == pytest.approx(9.0)
+    hertzian = tradeoff_errors.identify(pressed(0.75), pressed(3.0), 0.5)
+    assert hertzian.modulus * 4 / 3 * np.sqrt(9.0) / 0.75 / 1e3 == pytest.approx(0.75)
+    assert hertzian.stiffness == pytest.approx(0.25)
+    assert max(hertzian.residual["hertz"], hertzian.residual["layered"]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [RampHold(60, 1.0, hold=0.2), Ramp(1, 0.6, corner=0.05), Sinusoid(0.4, 2.0, 2)],
+    ids=lambda motion: motion.kind,
+)
+def test_a_press_carries_to_a_motion_as_a_direct_answer_has_it(motion):
+    finger = Finger.subject("a.h.")
+    ask = Ask(fields=False)
+    scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=ask)
+    relaxed = tradeoff_scenes.press("flat-30")
+    curve = hertz.respond(relaxed)
+    known = Press.of(curve)
+    carried, direct = tradeoff_motion.passage(known, scene), hertz.respond(scene)
+    assert carried.force == pytest.approx(direct.force, abs=2e-3 * direct.force.max())
+    assert carried.area == pytest.approx(direct.contact_area, abs=5e-3 * direct.contact_area.max())
+    size = np.abs(direct.strain).max()
+    assert np.abs(carried.strain - direct.strain).max() < 0.02 * size
+
+
+def test_taxels_hold_the_force_and_its_center():
+    response = hertz.respond(tradeoff_scenes.press("sphere-10"))
+    found = taxels(response, -1)
+    assert found.sum() == pytest.approx(1e3 * response.force[-1], rel=1e-9)
+    x = np.arange(TAXELS) - TAXELS // 2
+    weights = response.pressure[-1] * response.pad.areas
+    center = weights @ (response.pad.points[:, 0] - response.centroid[-1, 0])
+    assert found.sum(axis=1) @ x == pytest.approx(center, abs=1e-9 * found.sum())
+    assert np.argmax(found) == TAXELS**2 // 2
+
+
+def test_the_front_is_what_nothing_beats():
+    points = {"a": (1.0, 0.5), "b": (2.0, 0.6), "c": (3.0, 0.1), "d": (3.0, 0.2), "e": (9.0, 0.1)}
+    assert front(points) == ["a", "c"]
+
+
+def test_spikes_are_compared_by_count_by_the_first_and_by_distance():
+    class Trains:
+        def __init__(self, *times):
+            self.times = tuple(np.array(each) for each in times)
+
+    true = Trains([0.1, 0.2], [0.3], [], [])
+    found = tradeoff_motion.spike_errors(Trains([0.1005, 0.2], [], [], []), true)
+    assert found == pytest.approx({"count": 1 / 3, "first_ms": 0.5, "distance": 1.5 / 3})
+    assert tradeoff_motion.spike_errors(true, true)["distance"] == 0.0
+
+
+def test_held_out_scenes_are_many_and_drawn_by_seed():
+    drawn = tradeoff_scenes.held_out()
+    assert len(drawn) >= 60
+    assert drawn == tradeoff_scenes.held_out()
+    assert {type(scene.motion).__name__ for scene in drawn.values()} == {
+        *("Ramp", "RampHold", "Trapezoid", "Sinusoid")
+    }
+    assert not set(tradeoff_scenes.HELD_OUT) & set(tradeoff_scenes.BASE)
+
+
+# The report.
+
+
+def on(indenter, depth, resolution="standard"):
+    finger = Finger.subject("a.h.", resolution=resolution)
+    return Scene(
+        finger=finger,
+        indenter=indenter,
+        motion=Ramp(60, depth, corner=0.0),
+        ask=Ask(fields=False, strain=False, pressure=False),
+    )
+
+
+def by_hand(report, press, candidate, depth):
+    """Return numerical and model error at a depth, read from the report by other means."""
+    row = report["rules"]["presses"][press]
+    own = row["candidates"][candidate]
+    numerical, model = (
+        float(np.interp(depth, row["depth_mm"], own[kind]["force"]))
+        for kind in ("numerical", "model")
+    )
+    mechanics = candidate.split()[0]
+    numerical += report["rules"]["steps"][mechanics]
+    return numerical, model * report["rules"]["directs"][mechanics]
+
+
+def margin_of(report, candidate, *, between):
+    own = report["rules"]["margins"][candidate]
+    return own["motion"] + between * own["between"]
+
+
+@pytest.mark.parametrize("name", ["lumped", "hertz", "layered", "condensed", "linear", "solid"])
+@pytest.mark.parametrize("depth", [0.4, 1.5])
+def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, depth):
+    meshed = name in ("condensed", "linear", "solid")
+    candidate = f"{name} coarse" if meshed else name
+    error, source = get(name).error(on(Flat(30), depth, "coarse"))
+    numerical, model = by_hand(report, "flat-30", candidate, depth)
+    margin = margin_of(report, candidate, between=0)
+    expected = numerical + model + margin + (1e-3 if name == "lumped" else 0.0)
+    assert error == pytest.approx(expected, rel=1e-12)
+    assert source.startswith("reports/tradeoff.json, flat-30")
+
+
+def test_between_presses_the_worse_neighbor_tells_the_error(report):
+    margin = margin_of(report, "solid standard", between=1)
+    for indenter, names in (
+        (Flat(12), ("flat-0", "flat-30")),
+        (Sphere(4), ("sphere-10", "sphere-2")),
+        (Sphere(20), ("sphere-10", "flat-30")),
+    ):
+        error, source = get("solid").error(on(indenter, 0.5))
+        worst = max(sum(by_hand(report, press, "solid standard", 0.5)) for press in names)
+        assert error == pytest.approx(worst + margin, rel=1e-9)
+        assert all(press in source for press in names)
+
+
+def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepest(report):
+    error, _ = get("solid").error(on(Flat(12), 1.5))
+    margin = margin_of(report, "solid standard", between=1)
+    known = [sum(by_hand(report, press, "solid standard", 1.5)) for press in ("flat-0", "flat-30")]
+    assert error == pytest.approx(margin + max(known), rel=1e-9)
+    assert _tradeoff.stated("solid standard", on(Flat(0), 1.5)) is None
+
+
+def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
+    own = on(Flat(30), 1.15)
+    other = replace(own, finger=Finger.subject("d.s.", resolution="standard"))
+    factor = report["rules"]["fingers"]["linear"]
+    numerical, model = by_hand(report, "flat-30", "linear standard", 1.0)
+    expected = numerical + factor * model + margin_of(report, "linear standard", between=1)
+    assert factor > 1
+    assert get("linear").error(other)[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_was_not_measured_is_not_stated():
+    assert _tradeoff.stated("solid standard", on(Flat(30), 2.1)) is None
+    assert _tradeoff.stated("solid standard", on(Flat(40), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Flat(30, tilt=5), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Sphere(1.0), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Sphere(5.0, at=(5.0, 0.0)), 0.5)) is None
+    soft = on(Flat(30), 1.0)
+    other = replace(soft, finger=Finger.subject("a.h.", tissue="saal2017"))
+    assert _tradeoff.stated("solid standard", other) is None
+    deviatoric = replace(soft, finger=replace(soft.finger, relaxation="deviatoric"))
+    assert _tradeoff.stated("solid standard", deviatoric) is None
+
+
+def test_the_margins_are_those_of_the_presses_of_the_report(report):
+    assert tradeoff.rederived(report["rules"]) == 0.0
+
+
+def test_the_summary_is_that_of_the_held_out_scenes_of_the_report(report):
+    again = summary(report["held_out"])
+    assert again == pytest.approx(report["summary"], nan_ok=True)
+    assert again["scenes"] >= 60
+
+
+def test_the_planner_states_today_what_the_report_says_that_it_states(report):
+    drawn = tradeoff_scenes.held_out()
+    assert set(drawn) == set(report["held_out"])
+    for key in list(drawn)[::6]:
+        stated = {label(rung): rung for rung in plan.rungs(drawn[key])}
+        for name, row in report["held_out"][key]["candidates"].items():
+            known = np.inf if row["stated"] is None else row["stated"]
+            assert stated[name].error == pytest.approx(known, rel=1e-3)
+            assert (not _of_error(stated[name])) == row["willing"]
+
+
+def _of_error(rung: Rung) -> list[str]:
+    return [refusal.reason for refusal in rung.refusals]
+
+
+def test_the_quick_cases_are_read_from_the_report(report):
+    values = {case.name: case.measure() for case in tradeoff.cases(quick=True)}
+    assert values["margins of the stated errors, derived again"] == 0.0
+    assert values["stated error kept by the picks"] == report["summary"]["stated_kept"]

@@ -1,0 +1,78 @@
+"""Suite `extremes`: scenes and problems at the edges of every range, named and drawn by seed.
+
+Each ends as an answer whose invariants hold, or as a refusal in a sentence. The value of a case is
+the worst violation of an invariant over the most that is allowed, 0 for a refusal; a crash, a
+warning of Python, a number that is not finite and too long a time fail.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+from fefinger.validation import (
+    extremes_bodies,
+    extremes_drawings,
+    extremes_drawn,
+    extremes_nerve,
+    extremes_scenes,
+    extremes_theory,
+)
+from fefinger.validation.case import Case, Told
+from fefinger.validation.extremes_trial import Trial, ending
+
+
+PARTS: tuple[Callable[[], tuple[Trial, ...]], ...] = (
+    extremes_scenes.trials,
+    extremes_drawn.trials,
+    extremes_theory.trials,
+    extremes_bodies.trials,
+    extremes_nerve.trials,
+)
+
+QUICK = ("lumped", "hertz", "theory")
+"""Groups whose trials take milliseconds."""
+
+SLOW = ("cycles", "stack", "contact in and out")
+"""Edges of them that take seconds."""
+
+SOURCES = {
+    "answered": "invariants, closed forms, twins; has to answer",
+    "refused": "has to refuse in a sentence",
+    "either": "invariants, closed forms, twins; or a refusal in a sentence",
+}
+
+EVERY = 3
+"""Of the trials of QUICK, one in so many is for a quick look."""
+
+
+def trials(*, quick: bool) -> tuple[Trial, ...]:
+    """Return all trials; `quick` takes some of those that take milliseconds."""
+    every = tuple(trial for part in PARTS for trial in part())
+    if not quick:
+        return every
+    fast = [trial for trial in every if trial.group in QUICK and trial.edge not in SLOW]
+    return tuple(fast[::EVERY])
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield one case per trial."""
+    for trial in trials(quick=quick):
+        yield Case(
+            "extremes",
+            f"{trial.group}, {trial.edge}: {trial.name}",
+            partial(_measured, trial),
+            0.0,
+            1.0,
+            "of the limit",
+            SOURCES[trial.wants or "either"],
+        )
+
+
+def _measured(trial: Trial) -> Told:
+    end = ending(trial)
+    return Told(end.worst, f"{end.kind}: {end.text}")
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure."""
+    yield from extremes_drawings.figures(trials(quick=False))

@@ -1,0 +1,225 @@
+"""What is wrong with a press by one mechanics, against a converged press of the same finger.
+
+A press is known at DEPTHS evenly spaced depths; every error is one number for each of them.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from fefinger.validation import tradeoff_runs as runs
+from fefinger.validation import tradeoff_scenes as scenes
+from fefinger.validation.evidence import ORDER
+from fefinger.validation.tradeoff_runs import DEPTHS, Run
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError
+from fefinger.records import Response
+
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("force", "pressure", "area", "centroid", "strain")
+
+
+@dataclass(frozen=True)
+class Press:
+    """A press: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm on the way down.
+
+    strain (n, 4, 3, 3) at the central end organs; at (m,): the depths at which it is judged;
+    taxels (m, k, k) mN about the centroid there.
+    """
+
+    depth: Array
+    force: Array
+    area: Array
+    centroid: Array
+    strain: Array
+    at: NDArray[np.int64]
+    taxels: Array
+
+    def scaled(self, factor: float) -> "Press":
+        """Return the press of a body that is stiffer by a factor."""
+        return replace(self, force=factor * self.force, taxels=factor * self.taxels)
+
+    @classmethod
+    def of(cls, response: Response) -> "Press":
+        """Return the press that was answered by a ramp, without the time of first touch."""
+        assert response.contact_area is not None
+        assert response.centroid is not None
+        assert response.strain is not None
+        wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
+        at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
+        return cls(
+            response.depth[1:],
+            response.force[1:],
+            response.contact_area[1:],
+            response.centroid[1:],
+            response.strain[1:],
+            at - 1,
+            np.array([runs.taxels(response, int(step)) for step in at]),
+        )
+
+
+MEASURED = ("force", "area", "centroid", "strain", "taxels")
+
+
+@cache
+def press(name: str, mechanics: str, resolution: str = "standard") -> Press | None:
+    """Return a press that was run; None where the mechanics refused."""
+    arrays = runs.load(Run("press", name, mechanics, resolution))
+    if arrays is None:
+        return None
+    curves = (arrays[key][1:] for key in ("depth", "force", "area", "centroid", "strain"))
+    depth, force, area, centroid, strain = curves
+    return Press(depth, force, area, centroid, strain, arrays["kept"] - 1, arrays["taxels"])
+
+
+def unknowns(name: str, mechanics: str, resolution: str) -> float:
+    """Return the size of the mesh of a press."""
+    arrays = runs.load(Run("press", name, mechanics, resolution))
+    assert arrays is not None
+    return float(arrays["unknowns"])
+
+
+@dataclass(frozen=True)
+class Converged:
+    """A press in the limit of fine meshes, and by what it may be wrong: relative, (n,) each."""
+
+    press: Press
+    bars: dict[str, Array]
+
+
+def limit(coarse: Press, fine: Press, ratio: float) -> Press:
+    """Return the limit of two meshes, with `ratio` times the unknowns, of errors of order 2."""
+    gain = 1 / (ratio ** (ORDER / 3) - 1)
+    return moved(fine, coarse, fine, gain)
+
+
+def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
+    """Return a press moved by `gain` times what leads from one press to another."""
+    values = {
+        name: getattr(press_, name) + gain * (getattr(stop, name) - getattr(start, name))
+        for name in MEASURED
+    }
+    return replace(press_, **values)
+
+
+@cache
+def converged(name: str, mechanics: str = "solid") -> Converged:
+    """Return the press of `solid` (or another one) extrapolated over the meshes that it has.
+
+    Where the coarse mesh is too coarse for the object, `solid` is taken to change with the mesh as
+    `linear` does from the standard to the fine one.
+    """
+    fine = press(name, mechanics, "standard")
+    if fine is None:
+        msg = f"{name}: expected a press of {mechanics} on the standard mesh, it refused"
+        raise InputError(msg)
+    coarse = press(name, mechanics, "coarse")
+    if coarse is not None:
+        sizes = [unknowns(name, mechanics, mesh) for mesh in ("coarse", "standard")]
+        best = limit(coarse, fine, sizes[1] / sizes[0])
+        return Converged(best, errors(fine, best))
+    finest, rough = press(name, "linear", "fine"), press(name, "linear", "standard")
+    assert finest is not None
+    assert rough is not None
+    sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
+    small = limit(rough, finest, sizes[1] / sizes[0])
+    best = moved(fine, rough, small)
+    return Converged(best, errors(fine, best))
+
+
+def errors(found: Press, true: Press) -> dict[str, Array]:
+    """Return the relative errors (n,) of each of QUANTITIES in presses to each depth.
+
+    force: the largest difference on the way to a depth, of the force there; pressure: of the
+    forces on taxels of 1 mm about the centroid, in L2; area: relative; centroid: the distance, of
+    the radius of a circle of that area; strain: Frobenius norm over the four end organs.
+    """
+    at = true.at
+    apart = np.maximum.accumulate(np.abs(found.force - true.force))
+    shift, size = (found.centroid - true.centroid)[at], true.strain[at]
+    return {
+        "force": (apart / true.force)[at],
+        "pressure": _norm(found.taxels - true.taxels) / _norm(true.taxels),
+        "area": np.abs(found.area[at] / true.area[at] - 1),
+        "centroid": np.linalg.norm(shift, axis=1) / np.sqrt(true.area[at] / np.pi),
+        "strain": _norm(found.strain[at] - size) / _norm(size),
+    }
+
+
+def _norm(values: Array) -> Array:
+    return np.asarray(np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1)))
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The free parameters of the mechanics without a mesh, fitted to the force of one press.
+
+    b N/mm and m 1/mm of `lumped`; radius mm and modulus kPa of `hertz`; stiffness, the factor on
+    both moduli of `layered`; residual: the largest difference of each over the largest force.
+    """
+
+    b: float
+    m: float
+    radius: float
+    modulus: float
+    stiffness: float
+    residual: dict[str, float]
+
+
+def identify(true: Press, layered: Press, poisson: float) -> Identified:
+    """Fit lumped, hertz and layered to the force against depth of one press of a plate.
+
+    The radius of `hertz` is that whose contact areas pi R d are those of the press.
+    """
+    from scipy.optimize import least_squares
+
+    depth, force, area = (values[true.at] for values in (true.depth, true.force, true.area))
+
+    def spring(logs: Array) -> Array:
+        b, m = np.exp(logs)
+        return np.asarray(b / m * np.expm1(m * depth) - force)
+
+    found = least_squares(spring, np.zeros(2), x_scale=1.0)
+    b, m = (float(x) for x in np.exp(found.x))
+    radius = _slope(np.pi * depth, area)
+    shape = 4 / 3 * np.sqrt(radius) * depth**1.5 / 1e3  # N per kPa
+    plane = _slope(shape, force)
+    softer = layered.force[layered.at]
+    stiffness = _slope(softer, force)
+    largest = force.max()
+    residual = {
+        "lumped": float(np.abs(found.fun).max() / largest),
+        "hertz": float(np.abs(plane * shape - force).max() / largest),
+        "layered": float(np.abs(stiffness * softer - force).max() / largest),
+    }
+    return Identified(b, m, radius, plane * (1 - poisson**2), stiffness, residual)
+
+
+def _slope(x: Array, y: Array) -> float:
+    """Return the factor a of y = a x by least squares."""
+    return float(x @ y / (x @ x))
+
+
+def law(identified: Identified, depth: Array) -> Array:
+    """Return the force (n,) in N of the identified `lumped`."""
+    b, m = identified.b, identified.m
+    return np.asarray(b / m * np.expm1(m * depth))
+
+
+def hertzian(name: str, identified: Identified) -> Press:
+    """Return the press by the identified `hertz`."""
+    from fefinger.mechanics import hertz
+
+    scene = scenes.press(name)
+    finger, modulus = scene.finger, identified.modulus
+    poisson = hertz.tissue(finger)[1]
+    one = replace(
+        finger,
+        pad_radius=identified.radius,
+        skin=replace(finger.skin, modulus=modulus, poisson=poisson),
+        subcutaneous=replace(finger.subcutaneous, modulus=modulus, poisson=poisson),
+    )
+    return Press.of(hertz.respond(replace(scene, finger=one)))

@@ -1,0 +1,107 @@
+"""Scenes that the rules were not derived from: what the planner picks, and what would have done.
+
+The truth is the converged press of the scene's object, carried to its motion; so are the answers
+of the candidates, to whose error that of their time steps is added, of which carrying has none.
+Presses are shared: the scenes differ in depth, speed, motion, tolerance and in what is asked.
+"""
+
+from typing import Any
+
+import numpy as np
+from fefinger.validation import tradeoff_motion as motion
+from fefinger.validation import tradeoff_scenes as scenes
+from fefinger.validation.tradeoff_errors import Press, converged
+from fefinger.validation.tradeoff_rules import answers
+
+from fefinger.mechanics import _tradeoff
+from fefinger.plan import rungs
+from fefinger.records import Rung
+from fefinger.scene import Scene
+
+
+ENOUGH = 1.2
+"""Cost over that of the cheapest that meets the tolerance which is asked of the planner."""
+
+KEPT = 0.95
+"""Share of the scenes in which the stated error is to hold."""
+
+
+def label(rung: Rung) -> str:
+    """Return the name of a rung as a candidate."""
+    return f"{rung.mechanics} {rung.resolution or ''}".strip()
+
+
+def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
+    """Return the pick, the best possible and the stated and actual errors of a scene."""
+    reference = motion.passage(true, scene)
+    rows: dict[str, dict[str, Any]] = {}
+    for rung in rungs(scene):
+        name = label(rung)
+        if name not in found or any(r.about == "ability" for r in rung.refusals):
+            continue
+        actual = motion.errors(motion.passage(found[name], scene), reference)
+        paced = _tradeoff.rules()["steps"][rung.mechanics]
+        rows[name] = {
+            "seconds": float(f"{rung.seconds:.4g}"),
+            "stated": float(f"{rung.error:.4g}") if np.isfinite(rung.error) else None,
+            "actual": float(f"{actual['force'] + paced:.4g}"),
+            "area": float(f"{actual['area']:.4g}"),
+            "strain": float(f"{actual['strain']:.4g}"),
+            "willing": not rung.refusals,
+        }
+    tolerance = scene.ask.rel_error
+    willing = [name for name, row in rows.items() if row["willing"]]
+    able = [name for name, row in rows.items() if row["actual"] <= tolerance]
+    pick = min(willing, key=lambda name: rows[name]["seconds"]) if willing else None
+    best = min(able, key=lambda name: rows[name]["seconds"]) if able else None
+    return {
+        "motion": scene.motion.kind,
+        "depth_mm": scene.motion.peak,
+        "seconds": scene.motion.duration,
+        "asked": [x for x in ("pressure", "strain") if getattr(scene.ask, x)],
+        "tolerance": tolerance,
+        "pick": pick,
+        "best": best,
+        "ratio": rows[pick]["seconds"] / rows[best]["seconds"] if pick and best else None,
+        "candidates": rows,
+    }
+
+
+def all_scenes() -> dict[str, dict[str, Any]]:
+    """Return the judgment of every held-out scene."""
+    truths = {name: converged(name).press for name in scenes.HELD_OUT}
+    found = {name: answers(name) for name in scenes.HELD_OUT}
+    return {
+        key: judge(scene, found[key[3:]], truths[key[3:]])
+        for key, scene in scenes.held_out().items()
+    }
+
+
+def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Return how good the picks are: costs against the best, tolerances met, stated errors kept."""
+    picked = [each for each in judged.values() if each["pick"]]
+    picks = [(each, each["candidates"][each["pick"]]) for each in picked]
+    ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
+    every = [row for each in judged.values() for row in each["candidates"].values()]
+    finite = [row for row in every if row["stated"] is not None]
+    total = sum(each["candidates"][each["pick"]]["seconds"] for each in picked if each["best"])
+    least = sum(each["candidates"][each["best"]]["seconds"] for each in picked if each["best"])
+    return {
+        "scenes": len(judged),
+        "answered": len(picked),
+        "refused_although_possible": sum(
+            1 for each in judged.values() if not each["pick"] and each["best"]
+        ),
+        "tolerance_met": _share([row["actual"] <= each["tolerance"] for each, row in picks]),
+        "stated_kept": _share([row["actual"] <= row["stated"] for _, row in picks]),
+        "stated_kept_by_all_candidates": _share([r["actual"] <= r["stated"] for r in finite]),
+        "within_1.2": _share(list(ratios <= ENOUGH)),
+        "median_ratio": float(np.median(ratios)),
+        "worst_ratio": float(ratios.max()),
+        "geometric_mean_ratio": float(np.exp(np.log(ratios).mean())),
+        "total_seconds_over_least": float(total / least),
+    }
+
+
+def _share(held: list[Any]) -> float:
+    return float(np.mean(held)) if held else float("nan")

@@ -1,0 +1,142 @@
+"""The scenes of the trade-off: presses of relaxed tissue, base scenes, and scenes held out.
+
+With one G for all tissue the elastic press decides every motion (`tradeoff_motion`), so one press
+serves many scenes of its object.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fefinger.scene import (
+    Ask,
+    Finger,
+    Flat,
+    Indenter,
+    Motion,
+    Prony,
+    Ramp,
+    RampHold,
+    Scene,
+    Sinusoid,
+    Sphere,
+    Trapezoid,
+)
+
+
+TYPES = ("SAI", "SAII", "FAI", "FAII")
+
+SPEED = 60.0
+"""mm/s of every press; of relaxed tissue, so that it has no meaning but the number of steps."""
+
+
+@dataclass(frozen=True)
+class Object:
+    """A press: subject whose finger is pressed, the object, and the largest depth in mm."""
+
+    subject: str
+    indenter: Indenter
+    depth: float
+
+
+BASE = {
+    "flat-30": Object("a.h.", Flat(30), 2.0),
+    "flat-0": Object("a.h.", Flat(0), 1.0),
+    "sphere-10": Object("a.h.", Sphere(10), 2.0),
+    "sphere-2": Object("a.h.", Sphere(2), 0.6),
+}
+"""Presses that the planner's rules are derived from."""
+
+HELD_OUT = {
+    "flat-20": Object("a.h.", Flat(20), 1.5),
+    "sphere-7": Object("a.h.", Sphere(7), 1.8),
+    "d.s./flat-30": Object("d.s.", Flat(30), 2.0),
+}
+"""Presses of other objects, and of another finger, that the held-out scenes are drawn on."""
+
+PRESSES = BASE | HELD_OUT
+
+MOTIONS: dict[str, tuple[str, Motion]] = {
+    "flat-0 fast": ("flat-0", RampHold(60, 0.8, hold=1.0)),
+    "flat-30 fast, deep": ("flat-30", RampHold(60, 1.5, hold=1.0)),
+    "flat-30 slow, shallow": ("flat-30", RampHold(1, 0.5, hold=0.5, corner=0.05)),
+    "sphere-2 fast": ("sphere-2", RampHold(20, 0.5, hold=0.5)),
+    "sphere-10 fast, deep": ("sphere-10", RampHold(60, 1.5, hold=1.0)),
+    "sphere-10 slow, shallow": ("sphere-10", RampHold(2, 0.5, hold=0.5, corner=0.05)),
+    "flat-30 sinusoid": ("flat-30", Sinusoid(0.5, 2.0, 2)),
+}
+"""Base scenes: which press each is of, and its motion. The sinusoid unloads to first touch."""
+
+N_HELD_OUT, SEED = 72, 8
+
+TOLERANCES = (0.02, 0.05, 0.1, 0.2, 0.4)
+
+PALE = Ask(pressure=True, strain=True, fields=False)
+
+
+def finger(name: str, resolution: str = "standard") -> Finger:
+    """Return the finger of a press."""
+    return Finger.subject(PRESSES[name].subject, resolution=resolution)
+
+
+def press(name: str, resolution: str = "standard") -> Scene:
+    """Return the ramp of relaxed tissue to the largest depth of a press."""
+    relaxed = replace(finger(name, resolution), prony=Prony((1.0,), ()))
+    motion = Ramp(SPEED, PRESSES[name].depth, corner=0.0)
+    return Scene(
+        name=name, finger=relaxed, indenter=PRESSES[name].indenter, motion=motion, ask=PALE
+    )
+
+
+def base(name: str, resolution: str = "standard") -> Scene:
+    """Return a base scene, with the tissue that relaxes and all four afferents."""
+    pressed, motion = MOTIONS[name]
+    ask = replace(PALE, spikes=TYPES)
+    return Scene(
+        name=name,
+        finger=finger(pressed, resolution),
+        indenter=PRESSES[pressed].indenter,
+        motion=motion,
+        ask=ask,
+    )
+
+
+def held_out(count: int = N_HELD_OUT, seed: int = SEED) -> dict[str, Scene]:
+    """Return the held-out scenes: press, depth, speed, motion, tolerance and quantities by chance.
+
+    Depths are 15 to 95 % of that of the press, speeds 1 to 100 mm/s.
+    """
+    rng = np.random.default_rng(seed)
+    names = list(HELD_OUT)
+    scenes = {}
+    for number in range(count):
+        pressed = names[number % len(names)]
+        depth = round(float(rng.uniform(0.15, 0.95)) * PRESSES[pressed].depth, 3)
+        speed = float(f"{10 ** rng.uniform(0, 2):.3g}")
+        kind = str(rng.choice(["ramp-hold", "ramp", "trapezoid", "sinusoid"]))
+        alone = bool(rng.random() < 0.4)  # the force and nothing else
+        ask = Ask(
+            pressure=not alone,
+            strain=not alone,
+            fields=False,
+            rel_error=float(rng.choice(TOLERANCES)),
+        )
+        scenes[f"{number:02d} {pressed}"] = Scene(
+            name=f"held-out {number:02d}, {pressed}",
+            finger=Finger.subject(PRESSES[pressed].subject),
+            indenter=PRESSES[pressed].indenter,
+            motion=_motion(kind, depth, speed),
+            ask=ask,
+        )
+    return scenes
+
+
+def _motion(kind: str, depth: float, speed: float) -> Motion:
+    corner = min(0.01, 0.1 * depth / speed)
+    if kind == "ramp":
+        return Ramp(speed, depth, corner=corner)
+    if kind == "ramp-hold":
+        return RampHold(speed, depth, hold=1.0, corner=corner)
+    if kind == "trapezoid":
+        return Trapezoid(speed, depth, hold=0.3, corner=corner)
+    return Sinusoid(depth / 2, float(f"{speed / (np.pi * depth):.3g}"), 2)
