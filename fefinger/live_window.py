@@ -139,11 +139,11 @@ def watch(finger: Finger) -> Frame:
 
 def require(*, off_screen: bool = False) -> None:
     """Raise InputError where VTK cannot draw, or there is no display for a window."""
-    from fefinger.view import renderer_available
+    from fefinger.view import renderer_lacking
 
     displays = ("DISPLAY", "WAYLAND_DISPLAY")
     hidden = sys.platform.startswith("linux") and not any(map(os.environ.get, displays))
-    missing = renderer_available()
+    missing = renderer_lacking()
     if hidden and not off_screen:
         missing = "live: expected a display for a window, found none."
     if missing:

@@ -3,6 +3,9 @@
 LINEAR_RESIDUAL = 1e-10
 """Relative residual of a linear solution: forces must balance to 1e-6, reached with a margin."""
 
+FORCE_BALANCE = 1e-8
+"""Relative residual that rounding may leave where moduli are far apart: what forces balance to."""
+
 FACTOR_COMPRESSIBILITY = 1e-6
 """Compressibility, against the shear compliance, with which an incompressible body is factored;
 refinement removes its effect, at a rate of about this number per step."""

@@ -26,7 +26,7 @@ def sections(html: str) -> list[str]:
 @pytest.fixture(autouse=True)
 def plain_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw without a renderer: the pictures of view have their own tests."""
-    monkeypatch.setattr(renderer, "renderer_available", lambda: "No renderer (said in the test).")
+    monkeypatch.setattr(renderer, "renderer_lacking", lambda: "No renderer (said in the test).")
 
 
 def test_a_full_report_has_every_section_and_stands_alone(

@@ -19,17 +19,17 @@ from fefinger.view.subject import colors, subject
 
 
 needs_renderer = pytest.mark.skipif(
-    bool(view.renderer_available()), reason=view.renderer_available() or "a renderer exists"
+    bool(view.renderer_lacking()), reason=view.renderer_lacking() or "a renderer exists"
 )
 
 
 @pytest.fixture
 def no_renderer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Make the probe end as VTK does where there is no renderer: by a crash of the process."""
-    view.renderer_available.cache_clear()
+    view.renderer_lacking.cache_clear()
     monkeypatch.setattr(renderer, "PROBE", "import os; os.abort()")
     yield
-    view.renderer_available.cache_clear()
+    view.renderer_lacking.cache_clear()
 
 
 @pytest.fixture
@@ -52,14 +52,14 @@ def without_fields(result: Result) -> Result:
 
 
 def test_a_crash_of_the_probe_becomes_a_sentence_with_the_packages(no_renderer: None) -> None:
-    assert "libegl1 or libosmesa6" in view.renderer_available()
+    assert "libegl1 or libosmesa6" in view.renderer_lacking()
 
 
 def test_without_a_renderer_the_section_is_drawn_and_the_reason_told(
     synthetic: Result, tmp_path: Path, no_renderer: None
 ) -> None:
     said = view.section_png(synthetic, tmp_path / "a.png")
-    assert said == view.renderer_available() != ""
+    assert said == view.renderer_lacking() != ""
     assert np.ptp(picture(tmp_path / "a.png")) > 0.5
 
 
@@ -86,7 +86,7 @@ def test_a_rendered_section_looks_like_the_one_of_matplotlib(
     synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert view.section_png(synthetic, tmp_path / "a.png", field="strain zz", time=5.0) is None
-    monkeypatch.setattr(renderer, "renderer_available", lambda: "none")
+    monkeypatch.setattr(renderer, "renderer_lacking", lambda: "none")
     assert view.section_png(synthetic, tmp_path / "b.png", field="strain zz", time=5.0) == "none"
     rendered, plain = picture(tmp_path / "a.png"), picture(tmp_path / "b.png")
     assert rendered.shape == plain.shape

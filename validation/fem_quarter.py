@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fefinger.fem.contact import Complementarity, Patch, patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.probe import strain_at, tensors
+from fefinger.fem.recover import recovered_strain_at
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Space
 from fefinger.theory.loads import point_displacement
@@ -141,6 +142,11 @@ class Pressed:
     def strain(self, points: Array) -> Array:
         """Return the strain (n_points, 3, 3) at points (n_points, 3) mm."""
         rows = strain_at(self.body.space, points) @ self.unknowns
+        return tensors(rows.reshape(-1, 6))
+
+    def recovered_strain(self, points: Array) -> Array:
+        """Return the strain (n_points, 3, 3) recovered from the displacements around the points."""
+        rows = recovered_strain_at(self.body.space, points, planes=(0, 1)) @ self.unknowns
         return tensors(rows.reshape(-1, 6))
 
     def pressure_error(self, exact: Exact, within: float) -> float:

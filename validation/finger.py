@@ -1,7 +1,7 @@
 """Suite `finger`: a real finger balances, converges, fires the same again, and is not Hertz's."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from typing import Any
@@ -9,41 +9,71 @@ from typing import Any
 import numpy as np
 from fefinger.validation import finger_causes, finger_figures, finger_solid
 from fefinger.validation.case import Case
+from numpy.typing import NDArray
 
 from fefinger import scenes
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.forms import Elastic
 from fefinger.fem.probe import strain_at
 from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._press import held, press, tissues
 from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
+from fefinger.mesh.record import BONE
 from fefinger.records import Response
 from fefinger.run import fire
 from fefinger.scene import Flat, Ramp, Scene
 
 
+Array = NDArray[np.float64]
+
 DEPTH = 1.0  # mm
+BONE_TISSUE = Elastic(17e6, 0.3)  # along the bone: Reilly and Burstein, J. Biomech. 8:393, 1975
 QUICK, STANDARD = "coarse", "standard"
 KINDS = ("SAI", "SAII", "FAI", "FAII")
 
 
+@dataclass(frozen=True)
+class Balance:
+    """A small-strain press: force in mN of the meshed half, and the sum (3,) of the reactions."""
+
+    axis: Array
+    force: float
+    reactions: Array
+
+
 @cache
-def balance(resolution: str) -> tuple[float, float]:
-    """Return the relative differences of contact force and reactions, along and across the axis."""
+def pressed(resolution: str, depth: float, *, elastic: bool = False) -> Balance:
+    """Return the press of relaxed tissue; an `elastic` bone is held at its cut, not all around."""
     finger = replace(scenes.load("flat-press").finger, resolution=resolution)
-    rigid = body(ready(finger, half=True), tissues(finger), held(finger))
-    touch = _placing.obstacle(Flat(30), rigid)
-    on_pad = patch(rigid.space, rigid.pad, rigid.normals, touch, 1.25 * DEPTH)
-    small = reduce(rigid, on_pad, strain_at(rigid.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.travel)
+    materials, holds = tissues(finger), held(finger)
+    if elastic:
+        materials, holds = materials | {BONE: BONE_TISSUE}, (*holds[1:], "bone-cut")
+    whole = body(ready(finger, half=True), materials, holds)
+    touch = _placing.obstacle(Flat(30), whole)
+    on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
+    small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)
     loads = on_pad.loads @ pressure
-    reactions = np.zeros(rigid.space.n_unknowns)
-    reactions[rigid.system.fixed] = rigid.system.reactions(rigid.system.solve(loads), loads)
-    total = reactions[: rigid.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    force = float(on_pad.travel @ pressure)
-    across = np.cross([0.0, 1.0, 0.0], touch.axis)
-    return float(-total @ touch.axis / force - 1), float(total @ across / force)
+    reactions = np.zeros(whole.space.n_unknowns)
+    reactions[whole.system.fixed] = whole.system.reactions(whole.system.solve(loads), loads)
+    total = reactions[: whole.space.n_displacements].reshape(-1, 3).sum(axis=0)
+    return Balance(touch.axis, float(on_pad.travel @ pressure), total)
+
+
+def balance(resolution: str, *, elastic: bool = False) -> tuple[float, float]:
+    """Return the relative differences of contact force and reactions, along and across the axis."""
+    found = pressed(resolution, DEPTH, elastic=elastic)
+    across = np.cross([0.0, 1.0, 0.0], found.axis)
+    along = float(-found.reactions @ found.axis / found.force - 1)
+    return along, float(found.reactions @ across / found.force)
+
+
+def yielding(resolution: str) -> float:
+    """Return the relative change of the force at DEPTH by an elastic bone."""
+    forces = [pressed(resolution, DEPTH, elastic=flag).force for flag in (False, True)]
+    return forces[1] / forces[0] - 1
 
 
 @cache
@@ -52,8 +82,8 @@ def ramp(resolution: str, angle: float = 30.0, tilt: float = 0.0) -> Response:
     scene = scenes.load("flat-press")
     asked = replace(scene.ask, spikes=(), fields=False)
     finger = replace(scene.finger, resolution=resolution)
-    pressed = Scene(finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=asked)
-    return linear.respond(pressed)
+    press = Scene(finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=asked)
+    return linear.respond(press)
 
 
 def mirror(resolution: str) -> float:
@@ -102,6 +132,25 @@ def cases(*, quick: bool) -> Iterator[Case]:
         lambda: balance(resolution)[1],
         0.0,
         1e-6,
+        "1",
+        statics,
+    )
+    yield Case(
+        "finger",
+        "an elastic bone of 17 GPa held at its cut: change of the force",
+        lambda: 100 * yielding(resolution),
+        0.0,
+        0.5,
+        "%",
+        "the rigid bone",
+        reason="it bends; what the rigid bone of every scene leaves out",
+    )
+    yield Case(
+        "finger",
+        "an elastic bone: contact force against reactions, moduli 5e5 apart",
+        lambda: balance(resolution, elastic=True)[0],
+        0.0,
+        1e-8,
         "1",
         statics,
     )

@@ -7,12 +7,14 @@ psi_i n . axis times the gap at first touch, m_i that of psi_i n . axis and d th
 w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis is m . lambda.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 
 from fefinger.checks import ConvergenceError
 from fefinger.fem.obstacle import Rigid
@@ -173,13 +175,14 @@ class Complementarity:
     """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
 
     Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994): finite for every
-    positive definite F. It starts from the last active set, whose factor is kept.
+    positive definite F. It starts from the last active set, whose factor is kept. With `any_sign`,
+    F may be indefinite, as that of a body which would buckle under its load without the obstacle.
     """
 
-    def __init__(self, flexibility: Array) -> None:
-        self.flexibility = flexibility
+    def __init__(self, flexibility: Array, *, any_sign: bool = False) -> None:
+        self.flexibility, self.any_sign = flexibility, any_sign
         self.active = np.zeros(len(flexibility), dtype=bool)
-        self._factored: tuple[bytes, Integers, tuple[Array, bool]] | None = None
+        self._factored: tuple[bytes, Integers, Callable[[Array], Array]] | None = None
 
     def solve(self, offset: Array) -> Array:
         """Return lambda (n,) for b = `offset` (n,).
@@ -215,14 +218,19 @@ class Complementarity:
         key = self.active.tobytes()
         if self._factored is None or self._factored[0] != key:
             where = np.flatnonzero(self.active)
-            try:
-                factors = cho_factor(self.flexibility[np.ix_(where, where)], check_finite=False)
-            except LinAlgError as error:
-                message = "contact: the flexibility of the pad is not positive definite"
-                raise ConvergenceError(message) from error
-            self._factored = (key, where, factors)
-        _, where, factors = self._factored
+            self._factored = (key, where, self._inverse(self.flexibility[np.ix_(where, where)]))
+        _, where, inverse = self._factored
         answer = np.zeros(len(right))
         if len(where):
-            answer[where] = cho_solve(factors, right[where], check_finite=False)
+            answer[where] = inverse(right[where])
         return answer
+
+    def _inverse(self, block: Array) -> Callable[[Array], Array]:
+        """Return what solves with a block of F."""
+        try:
+            return partial(cho_solve, cho_factor(block, check_finite=False), check_finite=False)
+        except LinAlgError as error:
+            if not self.any_sign:
+                message = "contact: the flexibility of the pad is not positive definite"
+                raise ConvergenceError(message) from error
+        return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)

@@ -1,6 +1,6 @@
 """Equilibrium of a hyperelastic body in contact: Newton's method on a factor that is kept.
 
-One iteration linearizes the body with the factored tangent K0 and leaves the complementarity of
+One iteration linearizes the body with a factored tangent K0 and leaves the complementarity of
 the contact exact: with r the residual force, the displacements change by K0^-1 r + Z dlambda, Z =
 K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted gaps that this change
 leaves. Residual and gaps are always those of the true body, so an old factor costs iterations and
@@ -25,10 +25,11 @@ from fefinger.tolerances import EQUILIBRIUM
 
 
 ITERATIONS = 120
-PATIENCE = 10  # iterations of one step between looks at its factor
+PATIENCE = 25  # iterations of one step before its factor is renewed
 FEW = 6  # iterations of a step that a good factor takes
-RENEWAL = 25  # iterations beyond FEW, over steps, that a new factor is worth
+RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
+BED = 4.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
 
@@ -68,7 +69,8 @@ class Equilibrium:
         self._excess, self._whole = 0, True
         at_rest = np.zeros(body.space.n_unknowns)
         first = rough(body.space, system.matrix, system)
-        self._factored = _Factored(first, system.free, contact.gaps(at_rest, 0.0)[1], 1.0)
+        _, loads = contact.gaps(at_rest, 0.0)
+        self._factored = _Factored(first, system.free, loads, 1.0, np.zeros(len(contact)))
 
     def find(self, start: State, asked: Asked) -> State:
         """Return the equilibrium near `start`.
@@ -81,15 +83,12 @@ class Equilibrium:
         try:
             return self._search(start, asked)
         except ConvergenceError:
-            if not self._whole:
-                raise
-        self._whole = False
-        self._renew(start, asked.memory, self.contact.gaps(start.values, start.depth)[1])
+            self._whole = False  # slower, but it converges from farther away
         try:
+            self._renew(start, asked)
             return self._search(start, asked)
-        except ConvergenceError:
-            self._whole = True  # the definite tangent did no better
-            raise
+        finally:
+            self._whole = True
 
     def _search(self, start: State, asked: Asked) -> State:
         """Iterate from `start` with the tangent of the present kind."""
@@ -111,10 +110,10 @@ class Equilibrium:
             gaps, loads = self.contact.gaps(state.values, state.depth)
             error = self._error(state, asked, inner, gaps, loads @ state.pressure)
             if error <= EQUILIBRIUM:
+                self._excess += max(0, count - FEW) ** 2
                 return state
-            self._excess += count >= FEW
-            if count % PATIENCE == 0 and self._excess > RENEWAL:
-                self._renew(state, asked.memory, loads)
+            if self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1:
+                self._renew(state, asked)
                 mixing = _Anderson(MEMORY)
             state = self._step(state, asked, inner, gaps, loads, mixing)
         message = (
@@ -144,22 +143,34 @@ class Equilibrium:
         worst = max(errors)
         return worst if np.isfinite(worst) else np.inf
 
-    def _renew(self, state: State, memory: Memory, loads: sparse.csc_matrix) -> None:
-        """Factor the tangent of the state.
+    def _renew(self, state: State, asked: Asked) -> None:
+        """Factor the tangent of the state, on a bed where it touches.
+
+        Without what it leans on, a body under pressure may be about to buckle. Under depth control
+        the true tangent is therefore factored with a stiffness of its own against what the contact
+        forbids anyhow; `_step` takes its force off again.
 
         Raises
         ------
         ConvergenceError
             If it is singular.
         """
-        matrix = self.body.tangent(state.values, memory, whole=self._whole)
+        body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
+        matrix = body.tangent(state.values, asked.memory, whole=self._whole)
+        touched, bed = state.pressure > 0, 0.0
+        if self._whole and asked.control == "depth":
+            bed = BED * gain * body.scale / float(np.sqrt(contact.travel.sum()))
+            matrix = matrix + bed * contact.bed(state.values, state.depth, touched)
         try:
-            renewed = rough(self.body.space, matrix, self.system)
+            renewed = rough(body.space, matrix, self.system)
         except InputError as error:
             # The body at rest was factored, so that it is this iterate that has gone astray.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
-        self._factored = _Factored(renewed, self.system.free, loads, float(memory.gains.mean()))
+        _, loads = contact.gaps(state.values, state.depth)
+        self._factored = _Factored(
+            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0)
+        )
         self.factors, self._excess = self.factors + 1, 0
 
     def _step(
@@ -177,7 +188,9 @@ class Equilibrium:
         apart = gaps / travel
         near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
         softer = held.gain / float(asked.memory.gains.mean())
-        alone = softer * held.solve(loads @ state.pressure - inner)
+        bed = held.bed * (state.pressure > 0) / softer
+        force = loads @ (state.pressure - bed * apart) - inner
+        alone = softer * held.solve(force)
         free = gaps + state.depth * travel + loads.T @ alone
         while True:
             solver = held.contact(near)
@@ -199,12 +212,15 @@ class Equilibrium:
 
 
 class _Factored:
-    """A factored tangent with the loads and the gain of its time, and the rows of Z' so far."""
+    """A factored tangent with the loads and the gain of its time, and the rows of Z' so far.
+
+    bed (n_candidates,) kPa / mm: the stiffness that was put under the candidates.
+    """
 
     def __init__(
-        self, rough: Single, free: Integers, loads: sparse.csc_matrix, gain: float
+        self, rough: Single, free: Integers, loads: sparse.csc_matrix, gain: float, bed: Array
     ) -> None:
-        self.rough, self.free, self.loads, self.gain = rough, free, loads, gain
+        self.rough, self.free, self.loads, self.gain, self.bed = rough, free, loads, gain, bed
         self.known = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))
@@ -231,7 +247,8 @@ class _Factored:
             self.flexibility = self.loads[:, order].T @ self.columns.T
         where = self.known[near]
         flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
-        self._near, self._solver = near, Complementarity((flexibility + flexibility.T) / 2)
+        symmetric = (flexibility + flexibility.T) / 2
+        self._near, self._solver = near, Complementarity(symmetric, any_sign=True)
         return self._solver
 
     def moved(self, pressure: Array) -> Array:

@@ -11,12 +11,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact import Candidates, candidates
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import Array, Integers, Space
 
+
+Flags = NDArray[np.bool_]
 
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
 
@@ -56,6 +59,22 @@ class Sliding:
         entries = (block.ravel()[kept], (rows[kept], columns[kept]))
         shape = (self.n_unknowns, len(self))
         return self._gathered(weighted), sparse.coo_matrix(entries, shape=shape).tocsc()
+
+    def bed(self, values: Array, depth: float, chosen: Flags) -> sparse.csr_matrix:
+        """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
+        _, gradient, _ = self.obstacle.implicit(self.now(values), depth)
+        owner = self.on.owner
+        weights = np.einsum("tjq,tj->tq", self.hats, (owner >= 0) & chosen[owner])
+        along = np.einsum("kq,tqc->tqkc", self.on.part.quadratic, gradient)
+        along = along.reshape(*along.shape[:2], -1)
+        block = np.einsum("tq,tqi,tqj->tij", weights, along, along)
+        rows = self._rows().reshape(len(block), -1)
+        where = (
+            np.broadcast_to(rows[:, :, None], block.shape).ravel(),
+            np.broadcast_to(rows[:, None, :], block.shape).ravel(),
+        )
+        shape = (self.n_unknowns, self.n_unknowns)
+        return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
 
     def now(self, values: Array) -> Array:
         """Return where the quadrature points (n_tri, n_q, 3) mm are."""

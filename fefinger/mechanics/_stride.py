@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Curve = Callable[[Array], Array]
 
-STRIDES = 18  # steps to the peak of the motion, of equal ways
-PACES = 6  # more of them, of equal times: tissue relaxes in slow corners
+STRIDES = 12  # steps to the peak of the motion, of equal ways
+PACES = 12  # more of them, of equal times: tissue relaxes in slow corners
 REST = 0.5  # a step of a rest, against the time that it has lasted
 STILL = 1e-9  # path against the peak that counts as none
 
@@ -26,7 +26,8 @@ class Stride:
 
     time (n_t,) s and path (n_t,) the motion's value at all times; chosen (n,) the numbers of the
     steps; clock (n_t,) what the answer is smooth in between them: the way gone while the indenter
-    moves, the time while it rests; seams: the numbers among the chosen where one piece ends.
+    moves, the logarithm of the time while it rests; seams: the numbers among the chosen where one
+    piece ends.
     """
 
     time: Array
@@ -78,7 +79,7 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
     """Choose steps of nearly equal ways, some * `refine` to the peak, and growing ones at rest.
 
     Even ways alone make the last step of a rounded ramp so long that its relaxation is 2 % of the
-    peak force; a quarter of the steps is therefore even in time.
+    peak force; half of the steps is therefore even in time.
     """
     path = np.asarray(motion.value(time), dtype=np.float64)
     rises = np.diff(path)
@@ -92,13 +93,13 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
         inside = np.arange(first, last + 1)
         if still[first]:
             passed = time[inside] - time[first]
-            clock[inside] = clock[first] + passed
+            clock[inside] = clock[first] + np.log1p(passed / passed[1])
             marks = _growing(passed, REST / refine)
         else:
             gone = way[inside] - way[first]
-            clock[inside] = clock[first] + gone
             passed = time[inside] - time[first]
             due = STRIDES * gone + PACES * gone[-1] * passed / passed[-1]
+            clock[inside] = clock[first] + gone
             count = max(int(np.ceil(refine * due[-1] / motion.peak)), 3)
             marks = np.searchsorted(due, np.linspace(0, due[-1], count + 1)[1:])
         chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))

@@ -18,7 +18,8 @@ NOTES = (
     "Frictionless contact with a rigid indenter, which the skin may slide along.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
-    "The bone is rigid, and is held together with the nail, as glued in the experiment.",
+    "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
+    "one of 17 GPa, held at its cut, would take 0.2 % off the force.",
     "Quasi-static: no inertia and no waves.",
 )
 

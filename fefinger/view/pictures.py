@@ -50,7 +50,7 @@ def section_figure(
     moment = section.peak_time(result) if time is None else time
     frame = section.nearest_frame(fields, moment)
     cut = medial.medial(result, field, frame)
-    missing = renderer.renderer_available()
+    missing = renderer.renderer_lacking()
     raster = None if missing else _raster(fields, frame, cut)
     return medial.draw(cut, raster), missing or None
 

@@ -22,7 +22,7 @@ PATIENCE = 60  # s that the probe may take
 
 
 @functools.cache
-def renderer_available() -> str:
+def renderer_lacking() -> str:
     """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
     try:
         done = subprocess.run(
@@ -40,7 +40,7 @@ def renderer_available() -> str:
 
 def require() -> None:
     """Raise InputError where VTK cannot draw, with what works without."""
-    missing = renderer_available()
+    missing = renderer_lacking()
     if missing:
         message = f"{missing} Without one, `fefinger view DIR --html FILE` works: a browser draws."
         raise InputError(message)

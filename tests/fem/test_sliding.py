@@ -50,6 +50,21 @@ def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_sa
     assert loads.T @ rigid == pytest.approx(contact.travel)
 
 
+def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
+    space, contact, _ = surface(Plane())
+    values = 0.1 * np.random.default_rng(2).normal(size=space.n_unknowns)
+    bed = contact.bed(values, 0.2, np.ones(len(contact), dtype=bool))
+    rigid, across = np.zeros((2, space.n_unknowns))
+    rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
+    across[: space.n_displacements] = np.tile([0.8, 0.0, 0.6], space.n_nodes)
+    assert rigid @ bed @ rigid == pytest.approx(contact.travel.sum())
+    assert np.abs(bed @ across).max() < 1e-15
+    _, loads = contact.gaps(values, 0.2)
+    assert bed @ rigid == pytest.approx(loads @ np.ones(len(contact)))
+    one = np.arange(len(contact)) == 0
+    assert contact.bed(values, 0.2, one).sum() < bed.sum()
+
+
 def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     space, contact, top = surface(Plane())
     flat = np.zeros_like(space.points)

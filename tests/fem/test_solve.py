@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from fefinger.checks import InputError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import multifrontal, solve
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
@@ -129,3 +129,25 @@ def test_moduli_a_billion_apart_cost_no_balance() -> None:
     assert reactions.reshape(-1, 3).sum(axis=0) == pytest.approx(
         [0, 0, -loads.sum()], abs=1e-9 * loads.sum()
     )
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.5])
+def test_a_stiff_tissue_that_floats_on_a_soft_one_balances_to_rounding_or_says_so(
+    poisson: float,
+) -> None:
+    line = np.linspace(0, 1, 4)
+    even = box(line, line, line)
+    tissue = np.where(even.points[even.cells][:, :, 2].mean(axis=1) < 0.5, 1, 2).astype(np.int8)
+    space = Space(even.points, even.cells, tissue)
+    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 1, 3))
+    loads = np.zeros(space.n_unknowns)
+    loads[3 * np.flatnonzero(space.node_points[:, 2] == 0) + 2] = 0.01
+    for ratio in (1e3, 1e6):
+        tissues = {1: Elastic(ratio, poisson), 2: Elastic(1.0, 0.49)}
+        system = solve.factor(space, stiffness(space, tissues), held)
+        along = system.reactions(system.solve(loads), loads).reshape(-1, 3)[:, 2].sum()
+        assert along == pytest.approx(-loads.sum(), rel=1e-8)
+    tissues = {1: Elastic(1e9, poisson), 2: Elastic(1.0, 0.49)}
+    system = solve.factor(space, stiffness(space, tissues), held)
+    with pytest.raises(ConvergenceError, match="moduli closer"):
+        system.solve(loads)

@@ -1,0 +1,97 @@
+"""Strain by recovery: exact for cubics, of higher order than that of the cells, one tissue only."""
+
+import numpy as np
+import pytest
+
+from fefinger.checks import InputError
+from fefinger.fem.grids import box
+from fefinger.fem.probe import strain_at
+from fefinger.fem.recover import POWERS, recovered_strain_at
+from fefinger.fem.spaces import Space
+
+
+def grid(cells: int) -> Space:
+    """Return a cube of uneven cells."""
+    even = box(*3 * (np.linspace(0.0, 1.0, cells + 1),))
+    inside = ((even.points > 0) & (even.points < 1)).all(axis=1)
+    shift = np.random.default_rng(1).uniform(-0.2, 0.2, even.points.shape) / cells
+    return Space(even.points + shift * inside[:, None], even.cells, even.tissue)
+
+
+def unknowns(space: Space, moved: object) -> np.ndarray:
+    values = np.zeros(space.n_unknowns)
+    values[: space.n_displacements] = moved(space.node_points).ravel()  # type: ignore[operator]
+    return values
+
+
+SITES = np.array([[0.5, 0.5, 0.5], [0.21, 0.33, 0.04], [0.0, 0.4, 0.7], [1.0, 1.0, 1.0]])
+
+
+def test_the_strain_of_a_cubic_displacement_is_exact():
+    space = grid(4)
+    weights = np.random.default_rng(2).normal(size=(len(POWERS), 3))
+
+    def moved(x: np.ndarray) -> np.ndarray:
+        return np.prod(x[:, None, :] ** POWERS, axis=2) @ weights
+
+    h = 1e-6
+    steps = [(moved(SITES + h * e) - moved(SITES - h * e)) / (2 * h) for e in np.eye(3)]
+    gradient = np.stack(steps, axis=2)
+    strain = (gradient + gradient.transpose(0, 2, 1)) / 2
+    found = (recovered_strain_at(space, SITES) @ unknowns(space, moved)).reshape(-1, 6)
+    exact = strain[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    assert found == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
+
+
+def waves(x: np.ndarray) -> np.ndarray:
+    return np.stack([np.sin(2 * x[:, 1]), np.sin(2 * x[:, 2]), np.cos(2 * x[:, 0])], axis=1)
+
+
+def waves_strain(x: np.ndarray) -> np.ndarray:
+    out = np.zeros((len(x), 6))
+    out[:, 3], out[:, 4] = np.cos(2 * x[:, 1]), np.cos(2 * x[:, 2])
+    out[:, 5] = -np.sin(2 * x[:, 0])
+    return out
+
+
+def test_it_converges_faster_than_the_strain_of_the_cells():
+    points = np.random.default_rng(3).uniform(0.1, 0.9, (20, 3))
+    errors = []
+    for cells in (4, 8):
+        space = grid(cells)
+        values = unknowns(space, waves)
+        errors.append(
+            [
+                np.abs((rows @ values).reshape(-1, 6) - waves_strain(points)).max()
+                for rows in (strain_at(space, points), recovered_strain_at(space, points))
+            ]
+        )
+    (cell, found), (cell_fine, found_fine) = errors
+    assert found < cell
+    assert found_fine < 0.2 * cell_fine
+    assert np.log2(found / found_fine) > 2.5
+
+
+def test_mirror_planes_stand_for_the_missing_half():
+    half, point = grid(6), np.array([[0.0, 0.5, 0.5]])
+    values = unknowns(half, lambda x: np.stack([x[:, 0] ** 3, x[:, 0] ** 2, x[:, 0] ** 4], axis=1))
+    strain = recovered_strain_at(half, point, planes=(0,)) @ values
+    assert strain[[3, 5]] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_it_does_not_look_into_the_next_tissue():
+    space = grid(6)
+    centers = space.points[space.cells].mean(axis=1)
+    two = Space(space.points, space.cells, np.where(centers[:, 2] < 0.5, 1, 2).astype(np.int8))
+    point = np.array([[0.51, 0.47, 0.4]])
+    rows = recovered_strain_at(two, point)
+    used = np.unique(rows.indices // 3)
+    assert two.node_points[used, 2].max() < 0.62
+
+
+def test_a_point_with_too_little_around_it_is_refused():
+    space = grid(2)
+    alone = np.arange(len(space.cells), dtype=np.int64) % 100 + 1
+    lonely = Space(space.points, space.cells, alone.astype(np.int8))
+    with pytest.raises(InputError, match="of one tissue"):
+        recovered_strain_at(lonely, np.array([[0.3, 0.3, 0.3]]))
