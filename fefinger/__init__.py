@@ -18,6 +18,8 @@ from fefinger.version import VERSION
 
 if TYPE_CHECKING:
     from fefinger.ask import Ask as Ask
+    from fefinger.calibration.calibrate import calibrate as calibrate
+    from fefinger.calibration.record import Calibration as Calibration
     from fefinger.checks import ConvergenceError as ConvergenceError
     from fefinger.checks import InputError as InputError
     from fefinger.files import load as load
@@ -58,6 +60,8 @@ __version__ = VERSION
 
 _HOMES = {
     "ask": ("Ask",),
+    "calibration.calibrate": ("calibrate",),
+    "calibration.record": ("Calibration",),
     "checks": ("ConvergenceError", "InputError"),
     "files": ("load",),
     "finger": ("Finger",),

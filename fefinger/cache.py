@@ -1,4 +1,4 @@
-"""The user's cache: meshes, operators and patches that were made once and are used again.
+"""The user's cache: meshes, operators, patches, presses that were made once and are used again.
 
 What is in it appears complete or not at all, and leaves at once: whoever reads it while it is
 removed keeps what is open, and whoever comes later makes it anew.
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 
-KINDS = ("meshes", "operators", "patches")
+KINDS = ("meshes", "operators", "patches", "presses")
 LIMITS_MB = {"operators": 10_000, "patches": 2000}
 """What a kind may take, beyond which the least recently used of it goes: an operator is kept for
 every finger, a patch for every indenter and set of end organs."""
@@ -108,6 +108,8 @@ def _kept(kind: str) -> Iterator[Entry]:
                 yield Entry(kind, UNFINISHED, (path,), _size(path), path.stat().st_mtime)
             elif path.is_dir():
                 yield Entry(kind, _told(path), (path,), _size(path), path.stat().st_mtime)
+            elif path.suffix == ".npz":
+                yield Entry(kind, "", (path,), path.stat().st_size, path.stat().st_mtime)
             elif path.suffix == ".json":
                 both = (path.with_suffix(".vtu"), path)
                 size = sum(each.stat().st_size for each in both)

@@ -44,7 +44,9 @@ class Finger:
     bone_surface
         File with the surface of the bone, placed as in `surface`, or None for a parametric bone.
     tissue
-        Name of the set in the library that `skin` and `subcutaneous` are taken from by default.
+        Name of the set in the library that `skin` and `subcutaneous` are taken from by default, or
+        a file that `fefinger calibrate` wrote (.toml); a set that was fitted to a finger also gives
+        its pad radius and relaxation.
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -86,10 +88,11 @@ class Finger:
         if self.subject_name is not None:
             choice("finger.subject", self.subject_name, library.subjects())
         tissues = library.tissue_set(self.tissue)
-        self._default("pad_radius", library.pawluk_quasistatic()[name].radius)
+        radius = tissues.pad_radius or library.pawluk_quasistatic()[name].radius
+        self._default("pad_radius", radius)
         self._default("skin", tissues.skin)
         self._default("subcutaneous", tissues.subcutaneous)
-        self._default("prony", library.pawluk_relaxation()[name])
+        self._default("prony", tissues.prony or library.pawluk_relaxation()[name])
         for size in ("width", "thickness", "pad_radius"):
             value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
             object.__setattr__(self, size, value)

@@ -8,6 +8,8 @@ compression), named in its first line; others are ignored. Both identifications 
 import csv
 import json
 import math
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,18 +78,30 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
 
 def read(file: str | Path) -> tuple[Array, Array, Array]:
     """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked."""
-    head, rows = _rows(Path(file))
-    where = {name: _column(str(file), head, name) for name in UNITS}
-    table = np.array([_numbers(str(file), i, row, head, where) for i, row in rows])
-    time, position, force = table.reshape(-1, len(where)).T
-    _check_times(str(file), time, [i for i, _ in rows])
+    time, position, force = columns(file, UNITS).T
     for name, values in zip(UNITS, (time, position, force), strict=True):
         _check_unit(str(file), name, values)
     _check_signs(str(file), position, force)
     return time - time[0], position, force
 
 
-def _rows(file: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+def columns(file: str | Path, units: dict[str, str]) -> Array:
+    """Return the columns of a CSV file that `units` names, "time" among them, (n, n_columns).
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, a column that is missing or in another unit, a number that is
+        not finite, or times that do not rise.
+    """
+    head, rows = _rows(Path(file), units)
+    where = {name: _column(str(file), head, name, unit) for name, unit in units.items()}
+    table = np.array([_numbers(str(file), i, row, head, where) for i, row in rows])
+    _check_times(str(file), table[:, list(units).index("time")], [i for i, _ in rows])
+    return table
+
+
+def _rows(file: Path, names: Iterable[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the names of the columns, and the lines below with their number."""
     try:
         with file.open(newline="", encoding="utf-8-sig") as stream:
@@ -97,24 +111,24 @@ def _rows(file: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         raise InputError(msg) from None
     lines = [(i, row) for i, row in lines if any(cell.strip() for cell in row)]
     if len(lines) < 2:
-        msg = f"{file}: expected the columns {', '.join(UNITS)} and rows below, found none"
+        msg = f"{file}: expected the columns {', '.join(names)} and rows below, found none"
         raise InputError(msg)
     return [cell.strip() for cell in lines[0][1]], lines[1:]
 
 
-def _column(file: str, head: list[str], name: str) -> int:
+def _column(file: str, head: list[str], name: str, unit: str) -> int:
     """Return where the column called `name` is; its name may end in its unit."""
-    found = [i for i, cell in enumerate(head) if cell.lower().startswith(name)]
+    found = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
     if len(found) != 1:
         which = "none" if not found else f"{len(found)}: {', '.join(head[i] for i in found)}"
         msg = (
-            f"{file}: expected one column {name!r} ({UNITS[name]}) in the first line, "
+            f"{file}: expected one column {name!r} ({unit}) in the first line, "
             f"found {which} in {','.join(head)!r}"
         )
         raise InputError(msg)
-    unit = head[found[0]][len(name) :].strip(" _-()[]/,")
-    if unit and unit.lower() != UNITS[name].lower():
-        msg = f"{file}: column {head[found[0]]!r}: expected {name} in {UNITS[name]}; convert it"
+    said = head[found[0]][len(name) :].strip(" _-()[]/,")
+    if said and said.lower() != unit.lower():
+        msg = f"{file}: column {head[found[0]]!r}: expected {name} in {unit}; convert it"
         raise InputError(msg)
     return found[0]
 

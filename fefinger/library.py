@@ -4,10 +4,12 @@ Confidence: "high" is read in the source, "medium" is quoted from memory of a wi
 and has to be checked before it decides anything, "low" is a guess that fills a gap.
 """
 
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Literal
 
-from fefinger.checks import choice
+from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 
@@ -59,6 +61,17 @@ def pawluk_bulk() -> dict[str, Lumped]:
     return {name: Lumped(*row[:4], Prony(*row[4:])) for name, row in rows.items()}
 
 
+def pawluk_accounted() -> dict[str, tuple[float, float]]:
+    """Return VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
+    return {
+        "d.p.": (0.98, 0.99),
+        "d.s.": (0.97, 0.85),
+        "a.h.": (0.98, 0.88),
+        "p.w.": (0.96, 0.77),
+        "means": (0.97, 0.87),
+    }
+
+
 def pawluk_relaxation() -> dict[str, Prony]:
     """Return Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
     return {
@@ -96,12 +109,18 @@ def subjects() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class TissueSet:
-    """Elastic properties of the two soft layers, relaxed values, with where they come from."""
+    """Elastic properties of the two soft layers, relaxed values, with where they come from.
+
+    pad_radius mm and prony: those of the finger that a set was fitted to; None leaves them to the
+    subject.
+    """
 
     skin: Tissue
     subcutaneous: Tissue
     source: str
     confidence: Confidence
+    pad_radius: float | None = None
+    prony: Prony | None = None
 
 
 def maeno1998() -> TissueSet:
@@ -151,12 +170,125 @@ def saal2017() -> TissueSet:
     )
 
 
-TISSUE_SETS = {"maeno1998": maeno1998, "dandekar2003": dandekar2003, "saal2017": saal2017}
+CALIBRATED = "calibrated.json"
+"""Report of the calibrations that the sets below are from."""
+
+_FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
+    "d.p.": (6.918, 7.52, 15.0, (0.2209, 0.4504, 0.1495, 0.1791), (252.6, 13.92, 0.6669)),
+    "d.s.": (15.25, 2.849, 12.0, (0.291, 0.3988, 0.1878, 0.1223), (181.3, 10.49, 0.8003)),
+    "a.h.": (9.375, 3.561, 14.0, (0.2564, 0.4036, 0.1856, 0.1544), (221.1, 13.61, 0.6886)),
+    "p.w.": (9.717, 3.716, 17.0, (0.2965, 0.385, 0.1955, 0.123), (259.5, 21.11, 0.7597)),
+}
+"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
+
+SKIN_RATIO = 102.4 / 34
+"""Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
+
+
+def calibrated_name(subject: str) -> str:
+    """Return the name of the calibrated set of a subject, as "calibrated_ah" for "a.h."."""
+    return f"calibrated_{subject.replace('.', '')}"
+
+
+def _calibrated(subject: str) -> TissueSet:
+    """Return a fit of the model (Demiray's law in both layers) to a subject, not a measurement."""
+    modulus, exponent, radius, c, v = _FITTED[subject]
+    skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
+    return TissueSet(
+        skin=skin,
+        subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
+        source=f"fitted to the curves of subject {subject} in Table 2.1 of {PAWLUK} by `fefinger "
+        f"calibrate` (reports/{CALIBRATED}): a fit of a model, not a measurement of tissue",
+        confidence="low",
+        pad_radius=radius,
+        prony=Prony(c, v),
+    )
+
+
+def calibrated_dp() -> TissueSet:
+    """Return a fit of the model to the curves of subject d.p., not a measurement of tissue.
+
+    Modulus and exponent of Demiray's law with which `solid` shows the stiffness against force of
+    Table 2.1 (confidence low: they trade against each other and against the ratio of the layers,
+    which is a prior; see `reports/calibrated.json` for the uncertainties). The relaxation is that
+    of the same table. With the finger of the subject; at small strain the exponent says nothing,
+    and the set is too soft.
+    """
+    return _calibrated("d.p.")
+
+
+def calibrated_ds() -> TissueSet:
+    """Return a fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
+    return _calibrated("d.s.")
+
+
+def calibrated_ah() -> TissueSet:
+    """Return a fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
+    return _calibrated("a.h.")
+
+
+def calibrated_pw() -> TissueSet:
+    """Return a fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
+
+    (confidence low)
+    """
+    return _calibrated("p.w.")
+
+
+TISSUE_SETS = {
+    "maeno1998": maeno1998,
+    "dandekar2003": dandekar2003,
+    "saal2017": saal2017,
+    "calibrated_dp": calibrated_dp,
+    "calibrated_ds": calibrated_ds,
+    "calibrated_ah": calibrated_ah,
+    "calibrated_pw": calibrated_pw,
+}
 
 
 def tissue_set(name: str) -> TissueSet:
-    """Return the tissue set called `name`, or raise InputError with the nearest name."""
+    """Return the tissue set called `name`, or the one in a file that ends in .toml.
+
+    Raises
+    ------
+    InputError
+        A name that is not known, with the nearest one, or a file that holds no tissue set.
+    """
+    if isinstance(name, str) and name.endswith(TISSUE_FILE):
+        return _tissue_file(name)
     return TISSUE_SETS[choice("finger.tissue", name, TISSUE_SETS)]()
+
+
+TISSUE_FILE = ".toml"
+"""How the name of a file with a tissue set ends; `fefinger calibrate` writes them."""
+
+
+def _tissue_file(name: str) -> TissueSet:
+    """Return the tissue set of a file, as `fefinger calibrate` writes it."""
+    try:
+        table = tomllib.loads(Path(name).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        msg = f"finger.tissue: expected a TOML file with a tissue set, received {name!r}: {error}"
+        raise InputError(msg) from None
+    expected = [field.name for field in fields(TissueSet)]
+    reject_unknown(f"finger.tissue ({name})", table, expected)
+    try:
+        layers = {layer: Tissue(**table.pop(layer)) for layer in ("skin", "subcutaneous")}
+        prony = table.pop("prony", None)
+        own = {"prony": None if prony is None else Prony(**prony)}
+        return TissueSet(**({"source": name, "confidence": "low"} | table | layers | own))
+    except (KeyError, TypeError, ValueError) as error:
+        msg = (
+            f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and "
+            f"perhaps pad_radius and prony in {name!r}, received {error}"
+        )
+        raise InputError(msg) from None
 
 
 def _stretched_together(*layers: Tissue) -> Tissue:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.checks import InputError
-from fefinger.scene import Flat
+from fefinger.scene import Flat, Indenter
 
 
 if TYPE_CHECKING:
@@ -48,14 +48,24 @@ def read(
 
 def on_plate(result: "Result") -> "Array":
     """Return the points of the pad (n, 2) mm as the plate sees them: distal, sideways."""
+    assert result.pad is not None
+    return plane(result.scene.indenter, result.pad.points)
+
+
+def plane(indenter: Indenter, points: "Array") -> "Array":
+    """Return points (n, 3) mm as the plate sees them, (n, 2) mm: distal, sideways.
+
+    Raises
+    ------
+    InputError
+        For an indenter that is no plate.
+    """
     from fefinger.mechanics._touch import direction
 
-    indenter = result.scene.indenter
     if not isinstance(indenter, Flat):
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
         raise InputError(msg)
-    assert result.pad is not None
     axis = direction(indenter)
     distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
     distal /= np.linalg.norm(distal)
-    return np.asarray(result.pad.points @ np.stack([distal, np.cross(axis, distal)], axis=1))
+    return np.asarray(points @ np.stack([distal, np.cross(axis, distal)], axis=1))

@@ -93,7 +93,10 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     for name in ("surface", "bone_surface"):
         if isinstance(table.get(name), str):
             table[name] = str(folder / table[name])
-    known = library.tissue_set(table.get("tissue", "maeno1998"))
+    tissue = table.get("tissue", "maeno1998")
+    if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
+        tissue = table["tissue"] = str(folder / tissue)
+    known = library.tissue_set(tissue)
     for layer in ("skin", "subcutaneous"):
         if layer in table:
             given = _subtable(f"finger.{layer}", table)

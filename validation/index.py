@@ -20,6 +20,8 @@ ABOUT = {
     "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
     "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
+    "calibrated": "The calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
     "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",

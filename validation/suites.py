@@ -10,7 +10,9 @@ from fefinger.validation.case import Case, Outcome, Told
 from fefinger.checks import choice
 
 
-SUITES = ("fem", "finger", "condensed", "neural", "thesis", "tradeoff", "extremes")
+SUITES = (
+    *("fem", "finger", "condensed", "calibration", "neural", "thesis", "tradeoff", "extremes"),
+)
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:

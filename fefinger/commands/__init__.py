@@ -2,6 +2,7 @@
 
 from fefinger.commands.bench import bench
 from fefinger.commands.cache import cache
+from fefinger.commands.calibrate import calibrate
 from fefinger.commands.explain import explain
 from fefinger.commands.fit import fit
 from fefinger.commands.live import live
@@ -14,5 +15,8 @@ from fefinger.commands.validate import validate
 from fefinger.commands.view import view
 
 
-COMMANDS = (run, explain, scenes, study, mesh, spikes, view, live, fit, validate, bench, cache)
+COMMANDS = (
+    *(run, explain, scenes, study, mesh, spikes, view, live, fit, calibrate, validate, bench),
+    cache,
+)
 """In the order of the help."""

@@ -14,10 +14,10 @@ from fefinger.commands.options import json_option
 def cache(days: float | None, as_json: bool) -> None:
     """See and prune what is kept to be used again.
 
-    Meshes that were built, operators of condensed fingers (a few hundred MB each) and patches, one
-    for every indenter and set of end organs. Beyond 10 GB of operators and 2 GB of patches the
-    least recently used go by themselves. All is made anew when it is needed; `--prune 0` removes
-    everything.
+    Meshes that were built, operators of condensed fingers (a few hundred MB each), patches, one
+    for every indenter and set of end organs, and presses of a calibration (small). Beyond 10 GB
+    of operators and 2 GB of patches the least recently used go by themselves. All is made anew
+    when it is needed; `--prune 0` removes everything.
     """
     from fefinger import cache as kept
     from fefinger.checks import number

@@ -1,0 +1,252 @@
+"""Force against depth of a finger at any exponent and pad radius, between presses that were solved.
+
+The relaxed force is P = x^(3/2) exp(q(x)): Hertz's power times what bone, shape, finite strain and
+law make of it. Between presses q and the share of every element of the array are interpolated at
+the same depth by Lagrange's polynomial. Moduli scale the force as a whole.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.calibration.press import Press
+from fefinger.checks import InputError
+
+
+Array = NDArray[np.float64]
+
+DEGREE = 4
+"""Degree of q through the few steps of `solid`, whose contact grows by whole vertices."""
+
+DENSE = 100
+"""Steps from which q goes through every one of them: small strain costs nothing."""
+
+SHALLOW = 0.1
+"""Part of the depth below which the steps of a mesh are too coarse to judge q by."""
+
+NODES = 161
+"""Even depths at which q is kept, and joined by a cubic spline."""
+
+SHARES = 24
+"""Even depths at which the shares of the array's elements are kept."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The relaxed force on a finger at the moduli of its presses.
+
+    q (NODES,) at even depths from 0 to deepest mm, beyond which log P goes on as a straight line;
+    shares (SHARES, 64) 1/mm² of the force at even depths; growth: m in 1/mm of a factor
+    [exp(m x) - 1] / m, the t(u) of the thesis over its b, or None.
+    """
+
+    q: Array
+    deepest: float
+    shares: Array
+    growth: float | None = None
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import CubicSpline
+
+        return CubicSpline(np.linspace(0.0, self.deepest, len(self.q)), self.q)
+
+    def power(self, depth: ArrayLike) -> Array:
+        """Return q at depths of 0 to `deepest` mm."""
+        return np.asarray(self._spline(depth))
+
+    def force(self, depth: ArrayLike) -> Array:
+        """Return the force in N at depths in mm, 0 out of contact."""
+        x: Array = np.maximum(np.asarray(depth, float), 0.0)
+        inside = np.where(x > 0, np.minimum(x, self.deepest), self.deepest)
+        beyond = np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
+        return np.asarray(np.where(x > 0, np.exp(self._logarithm(inside) + beyond), 0.0))
+
+    def stiffness(self, depth: ArrayLike) -> Array:
+        """Return dP/dx in N/mm at depths above 0 mm."""
+        depth = np.asarray(depth, float)
+        return self.force(depth) * self._steepness(np.minimum(depth, self.deepest))
+
+    def depth(self, force: ArrayLike) -> Array:
+        """Return the depths in mm at forces above 0 N, by Newton's method on the logarithms."""
+        wanted = np.log(np.asarray(force, float))
+        depth = np.full(wanted.shape, 0.5 * self.deepest)
+        for _ in range(60):
+            error = np.log(self.force(depth)) - wanted
+            if np.abs(error).max() < 1e-13:
+                break
+            slope = depth * self._steepness(np.minimum(depth, self.deepest))
+            depth = depth * np.exp(np.clip(-error / slope, -1.0, 1.0))
+        return depth
+
+    def felt(self, depth: ArrayLike) -> Array:
+        """Return what the array feels (n, 64) kPa at depths (n,) mm."""
+        depth = np.asarray(depth, float)
+        even = np.linspace(0.0, self.deepest, len(self.shares))
+        return np.asarray(1e3 * self.force(depth)[:, None] * _columns(depth, even, self.shares))
+
+    def _logarithm(self, depth: Array) -> Array:
+        value = 1.5 * np.log(depth) + self.power(depth)
+        if self.growth is None:
+            return np.asarray(value)
+        return np.asarray(value + np.log(grown(self.growth, depth)))
+
+    def _steepness(self, depth: ArrayLike) -> Array:
+        """Return d log P / dx in 1/mm."""
+        depth = np.asarray(depth, float)
+        slope = 1.5 / depth + self._spline(depth, 1)
+        if self.growth is None:
+            return np.asarray(slope)
+        return np.asarray(slope + np.exp(self.growth * depth) / grown(self.growth, depth))
+
+
+def grown(m: float, depth: ArrayLike) -> Array:
+    """Return [exp(m u) - 1] / m, and u for m = 0."""
+    depth = np.asarray(depth, float)
+    return np.asarray(np.expm1(m * depth) / m if m > 0 else depth)
+
+
+def curve(press: Press) -> tuple[Curve, float]:
+    """Return the curve of a press, and the largest relative distance of its steps from it."""
+    x, force = press.depth, press.force
+    power, deepest = np.log(force / x**1.5), float(x[-1])
+    even = np.linspace(0.0, deepest, NODES)
+    if len(x) >= DENSE:
+        q = np.asarray(np.interp(even, x, power))
+    else:
+        weights = np.minimum(x / (SHALLOW * deepest), 1.0)
+        q = np.asarray(polynomial.polyval(even, polynomial.polyfit(x, power, DEGREE, w=weights)))
+    share = press.felt / (1e3 * force[:, None])
+    found = Curve(q, deepest, _columns(np.linspace(0.0, deepest, SHARES), x, share))
+    deep = x > SHALLOW * deepest
+    return found, float(np.abs(found.force(x[deep]) / force[deep] - 1).max())
+
+
+@dataclass(frozen=True)
+class Family:
+    """Curves over the shape of the law, and what pad radius and skin add to them.
+
+    What the shape is, is up to the mechanics: the exponent of a law in `solid`, m of t(u) in
+    `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
+    by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
+    first order; shares_by_radius (SHARES, 64) likewise; correction (NODES,) and shares_correction
+    (SHARES, 64) are added to every q and all shares; ripple: the largest relative distance of a
+    solved step from its curve.
+    """
+
+    shapes: tuple[float, ...]
+    curves: tuple[Curve, ...]
+    radius: float
+    ripple: float
+    correction: Array
+    by_ratio: Array
+    by_radius: Array
+    shares_by_radius: Array
+    shares_correction: Array
+
+    @property
+    def deepest(self) -> float:
+        """Depth in mm that all curves reach."""
+        return min(each.deepest for each in self.curves)
+
+    def at(self, shape: float, radius: float, ratio: float = 1.0) -> Curve:
+        """Return the curve at a shape, a pad radius in mm and a ratio of the moduli.
+
+        `ratio` is that of skin to subcutaneous modulus, over that of the presses.
+        """
+        weights = _lagrange(self.shapes, shape) if len(self.shapes) > 1 else np.ones(1)
+        wider = np.log(radius / self.radius)
+        q: Array = self.correction + np.log(ratio) * self.by_ratio + wider * self.by_radius
+        shares: Array = self.shares_correction + wider * self.shares_by_radius
+        even, few = (np.linspace(0.0, self.deepest, count) for count in (NODES, SHARES))
+        for weight, each in zip(weights.tolist(), self.curves, strict=True):
+            q = q + weight * each.power(even)
+            own = np.linspace(0.0, each.deepest, SHARES)
+            shares = shares + weight * _columns(few, own, each.shares)
+        growth = None if len(self.shapes) > 1 else shape
+        return Curve(q, self.deepest, shares, growth)
+
+    def corrected(self, press: Press, shape: float, radius: float) -> "Family":
+        """Return the family shifted so that it meets a better press at a shape and radius."""
+        mine, (better, ripple) = self.at(shape, radius), curve(press)
+        return replace(
+            self,
+            ripple=ripple,
+            correction=self.correction + self._apart(mine, better),
+            shares_correction=self.shares_correction + self._shares_apart(mine, better),
+        )
+
+    def with_ratio(self, press: Press, shape: float, factor: float) -> "Family":
+        """Return the family that knows the effect of the ratio, from a press at `factor` times it.
+
+        The other press is at the same subcutaneous modulus.
+        """
+        shift = self._apart(self.at(shape, self.radius), curve(press)[0])
+        return replace(self, by_ratio=shift / np.log(factor))
+
+    def with_radius(self, press: Press, shape: float, radius: float) -> "Family":
+        """Return the family that knows the effect of the radius, from a press at another one."""
+        mine, other = self.at(shape, self.radius), curve(press)[0]
+        wider = np.log(radius / self.radius)
+        return replace(
+            self,
+            by_radius=self._apart(mine, other) / wider,
+            shares_by_radius=self._shares_apart(mine, other) / wider,
+        )
+
+    def _apart(self, one: Curve, other: Curve) -> Array:
+        """Return by how much log P of `other` is above that of `one`, (NODES,)."""
+        even = np.linspace(0.0, self.deepest, NODES)
+        at = np.minimum(even, min(one.deepest, other.deepest))
+        return other.power(at) - one.power(at)
+
+    def _shares_apart(self, one: Curve, other: Curve) -> Array:
+        """Return by how much the shares of `other` are above those of `one`, (SHARES, 64)."""
+        even = np.linspace(0.0, self.deepest, SHARES)
+        theirs = _columns(even, np.linspace(0.0, other.deepest, SHARES), other.shares)
+        return np.asarray(theirs - one.shares)
+
+
+def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
+    """Return the family of the presses at some shapes; `press` gives the one at a shape.
+
+    Raises
+    ------
+    InputError
+        Shapes that do not rise.
+    """
+    if not len(shapes) or (np.diff(shapes) <= 0).any():
+        msg = f"family.shapes: expected numbers that rise, received {list(shapes)}"
+        raise InputError(msg)
+    found = [curve(press(shape)) for shape in shapes]
+    return Family(
+        tuple(shapes),
+        tuple(each for each, _ in found),
+        radius,
+        max(ripple for _, ripple in found),
+        np.zeros(NODES),
+        np.zeros(NODES),
+        np.zeros(NODES),
+        np.zeros_like(found[0][0].shares),
+        np.zeros_like(found[0][0].shares),
+    )
+
+
+def _columns(at: Array, depth: Array, values: Array) -> Array:
+    """Return the columns of values (n, k) at depths (n,), joined by straight lines."""
+    return np.stack([np.interp(at, depth, column) for column in values.T], axis=1)
+
+
+def _lagrange(nodes: Sequence[float], at: float) -> Array:
+    """Return the weights (n,) of values at the nodes in the polynomial through them."""
+    weights = np.ones(len(nodes))
+    for i, node in enumerate(nodes):
+        for j, other in enumerate(nodes):
+            if j != i:
+                weights[i] *= (at - other) / (node - other)
+    return weights

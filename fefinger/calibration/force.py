@@ -1,0 +1,212 @@
+"""The residuals of a force: stiffness and relaxation of a subject, or the record of a user.
+
+The finger is a curve of relaxed force and one G: T = P / c0 is the instantaneous force, and the
+force at any pace is the integral of G(t - s) dT(s) while the contact grows.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger import library
+from fefinger.calibration.curve import Curve, Family
+from fefinger.calibration.inverse import Unknown, Values
+from fefinger.calibration.target import Bulk, Record
+from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.ting import press_by_depth, radius_nodes
+
+
+Array = NDArray[np.float64]
+
+MODULUS, SHAPE, RATIO, RADIUS, TOUCH = "modulus", "exponent", "skin_ratio", "pad_radius", "x0"
+GAIN, GROWTH = "t_b", "t_m"
+
+NODES = 96
+"""Depths at which a curve enters a contact history."""
+
+SHARE_SD, RATE_SD = 0.35, 1.0
+"""Standard deviations of the logarithms of ci / c0 and vi: the scatter of Table 3.1, widened."""
+
+MODULUS_SD = math.log(2.0)
+RATIO_SD = 0.6
+
+RADII = (5.0, 40.0)
+"""Pad radii in mm that a finger may have."""
+
+FRAMES = "the frames of the array, by the thesis's own fit; its scatter is the prior here"
+
+
+def relaxation_unknowns(name: str) -> tuple[Unknown, ...]:
+    """Return the unknowns of G, about Table 3.1 of a subject or the means."""
+    table = library.pawluk_relaxation()
+    prony = table.get(name, table["means"])
+    weights = prony.weights
+    source = "Table 3.1 of Pawluk (1997), with the scatter of its five subjects"
+    found = [
+        Unknown(
+            f"c{i}/c0", c / weights[0], 1e-3, 1e2, "1", source, prior=(c / weights[0], SHARE_SD)
+        )
+        for i, c in enumerate(weights[1:], start=1)
+    ]
+    found += [
+        Unknown(f"v{i}", v, 1e-2, 1e4, "1/s", source, prior=(v, RATE_SD))
+        for i, v in enumerate(prony.v, start=1)
+    ]
+    return tuple(found)
+
+
+def prony_of(values: Values) -> Prony:
+    """Return G of the values of `relaxation_unknowns`, fastest term first."""
+    count = sum(name.endswith("/c0") for name in values)
+    shares = np.array([1.0, *(values[f"c{i}/c0"] for i in range(1, count + 1))])
+    rates = [values[f"v{i}"] for i in range(1, count + 1)]
+    order = np.argsort(rates)[::-1]
+    weights = shares / shares.sum()
+    return Prony(
+        (weights[0], *(float(weights[1 + i]) for i in order)), tuple(rates[i] for i in order)
+    )
+
+
+def elastic_unknowns(family: Family, modulus: float, ratio: float) -> tuple[Unknown, ...]:
+    """Return the unknowns of the relaxed curve: moduli and exponent, or the t(u) of the thesis.
+
+    `modulus` kPa and `ratio` are those of the presses.
+    """
+    if len(family.shapes) == 1:
+        return (
+            Unknown(GAIN, 1.0, 1e-3, 1e3, "1/mm", "bounds alone"),
+            Unknown(GROWTH, 1.0, 0.0, 10.0, "1/mm", "bounds alone", log=False),
+        )
+    soft = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 2"
+    stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the former"
+    return (
+        Unknown(MODULUS, modulus, 0.3, 2e3, "kPa", soft, prior=(modulus, MODULUS_SD)),
+        Unknown(
+            SHAPE,
+            3.0,
+            max(family.shapes[0], 0.02),
+            family.shapes[-1],
+            "1",
+            "bounds alone, those of the presses that were solved",
+            log=False,
+        ),
+        Unknown(RATIO, ratio, 1.0, 30.0, "1", stiff, prior=(ratio, RATIO_SD), held=True),
+    )
+
+
+def scaled(
+    family: Family, values: Values, modulus: float, ratio: float, radius: float
+) -> tuple[Curve, float]:
+    """Return the curve of the values, and the factor on its force."""
+    if len(family.shapes) == 1:
+        return family.at(values[GROWTH], radius), values[GAIN]
+    shifted = family.at(values[SHAPE], radius, values.get(RATIO, ratio) / ratio)
+    return shifted, values[MODULUS] / modulus
+
+
+class Forces:
+    """The residual of a target for the curves of a family at one pad radius.
+
+    modulus kPa and ratio: subcutaneous modulus of the presses, and that of the skin over it;
+    radius mm, and its standard deviation where frames gave it, which adds to all others.
+    """
+
+    def __init__(
+        self,
+        target: Bulk | Record,
+        family: Family,
+        modulus: float,
+        ratio: float,
+        radius: float,
+        radius_sd: float | None = None,
+    ) -> None:
+        self.target, self.family = target, family
+        self.radius, self.radius_sd = radius, radius_sd
+        self.modulus, self.ratio = modulus, ratio
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """What the target can decide."""
+        found = elastic_unknowns(self.family, self.modulus, self.ratio)
+        if isinstance(self.target, Record):
+            x0 = self.target.lumped.spring.x0
+            touch = "bounds about the touch of the lumped fit"
+            found += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
+        if self.radius_sd is not None:
+            prior = (self.radius, self.radius_sd / self.radius)
+            found += (
+                Unknown(
+                    *(RADIUS, self.radius, *RADII, "mm", FRAMES),
+                    prior=prior,
+                    held=True,
+                    elsewhere=True,
+                ),
+            )
+        return found + relaxation_unknowns(self.target.name)
+
+    def starts(self) -> list[Values]:
+        """Return starts over the shape of the law, with the modulus that the target asks for."""
+        if len(self.family.shapes) == 1:
+            shapes: Sequence[float] = (0.3, 1.5)
+        else:
+            low, high = self.family.shapes[0], self.family.shapes[-1]
+            shapes = np.linspace(low, high, 5)[1:4].tolist()
+        return [self._start(shape) for shape in shapes]
+
+    def curve(self, values: Values) -> tuple[Curve, float]:
+        """Return the relaxed curve of the values, and the factor on its force."""
+        radius = values.get(RADIUS, self.radius)
+        return scaled(self.family, values, self.modulus, self.ratio, radius)
+
+    def residual(self, values: Values) -> Array:
+        """Return what is missed, in standard deviations of the data."""
+        curve, factor = self.curve(values)
+        prony = prony_of(values)
+        if isinstance(self.target, Record):
+            found = loading(
+                curve, factor, prony, self.target.time, self.target.position - values[TOUCH]
+            )
+            return (found - self.target.force) / self.target.force_sd
+        at = stiffness(curve, factor, prony, self.target.force)
+        missed = (at - self.target.stiffness) / self.target.stiffness_sd
+        relaxed = prony.relaxation(self.target.time) - self.target.relaxation
+        return np.concatenate([missed, relaxed / self.target.relaxation_sd])
+
+    def _start(self, shape: float) -> Values:
+        """Return the start at a shape of the law that has the force of the target at its middle."""
+        solid = len(self.family.shapes) > 1
+        values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
+        curve, _ = scaled(self.family, values, self.modulus, self.ratio, self.radius)
+        if isinstance(self.target, Record):
+            spring, prony = self.target.lumped.spring, self.target.lumped.prony
+            top = float(spring.force(self.target.position).max())
+        else:
+            spring, prony, top = self.target.spring, self.target.prony, self.target.force[-1]
+        depth = min(float(spring.position(top)) - spring.x0 + 0.2, 0.8 * curve.deepest)
+        factor = prony.long_time * top / float(curve.force(depth))
+        if solid:
+            return {SHAPE: shape, MODULUS: float(np.clip(factor * self.modulus, 0.5, 1e3))}
+        return {GROWTH: shape, GAIN: float(np.clip(factor, 2e-3, 5e2))}
+
+
+def stiffness(curve: Curve, factor: float, prony: Prony, force: ArrayLike) -> Array:
+    """Return dT/dx in N/mm where the instantaneous force T is `force` in N."""
+    relaxed = prony.long_time * np.asarray(force, float) / factor
+    return curve.stiffness(curve.depth(relaxed)) * factor / prony.long_time
+
+
+def loading(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
+    """Return the force in N of a contact that grows, at depths in mm."""
+    return hereditary_integral(prony, time, factor * curve.force(depth)) / prony.long_time
+
+
+def predicted(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
+    """Return the force in N through any motion; depths (n_t,) mm from first touch.
+
+    Right on unloading, detachment and touching again (`theory/ting.py`).
+    """
+    nodes = radius_nodes(max(float(depth.max()), 1e-6), NODES)
+    history = press_by_depth(prony, time, depth, nodes)
+    return history.stress(factor * curve.force(nodes) / prony.long_time)

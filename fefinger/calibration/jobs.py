@@ -1,0 +1,139 @@
+"""Several calibrations: from what the command line was given to texts and files."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fefinger.calibration.calibrate import calibrate
+from fefinger.calibration.record import Calibration
+from fefinger.checks import InputError
+from fefinger.finger import Finger
+from fefinger.records import Progress
+
+
+@dataclass(frozen=True)
+class Job:
+    """One calibration: its source, and the keywords of `calibrate`."""
+
+    source: str
+    options: dict[str, Any]
+
+
+def jobs(
+    data: str | None, subjects: Sequence[str], size: dict[str, Any], options: dict[str, Any]
+) -> tuple[Job, ...]:
+    """Return what is to be done for a file or for subjects.
+
+    Raises
+    ------
+    InputError
+        Neither, or what does not belong together.
+    """
+    if data is None:
+        if not subjects:
+            msg = 'calibrate: expected DATA.csv or --subject, as --subject "a.h.", received neither'
+            raise InputError(msg)
+        if options.get("check") is not None:
+            msg = (
+                "--check: expected DATA.csv beside it, because it is predicted with the touch of "
+                "that record; subjects are checked on sinusoids by themselves"
+            )
+            raise InputError(msg)
+        chosen = {name: Finger.subject(name, **size) for name in subjects}
+        return tuple(Job(name, options | {"finger": finger}) for name, finger in chosen.items())
+    if len(subjects) > 1:
+        msg = f"--subject: expected one beside DATA.csv, for its size, received {len(subjects)}"
+        raise InputError(msg)
+    if subjects:
+        return (Job(data, options | {"finger": Finger.subject(subjects[0], **size)}),)
+    missing = [name for name in ("width", "thickness") if name not in size]
+    if missing:
+        msg = (
+            f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
+            "--width and --thickness, or --subject"
+        )
+        raise InputError(msg)
+    return (Job(data, options | {"finger": Finger(**size)}),)
+
+
+def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -> list[Calibration]:
+    """Return the calibrations, `workers` of them at a time in processes of their own."""
+    if workers == 1 or len(todo) == 1:
+        return [calibrate(job.source, progress=report, **job.options) for job in todo]
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    found = []
+    with ProcessPoolExecutor(min(workers, len(todo)), mp_context=get_context("spawn")) as pool:
+        futures = [pool.submit(_one, job) for job in todo]
+        for done, _ in enumerate(as_completed(futures), start=1):
+            if report is not None:
+                report("subjects", done / len(todo))
+        found = [future.result() for future in futures]
+    return found
+
+
+def _one(job: Job) -> Calibration:
+    return calibrate(job.source, **job.options)
+
+
+def folders(todo: Sequence[Job], output: str | None) -> list[Path]:
+    """Return the folder of every job below `output`, made now; none without an output."""
+    from fefinger.files import output_folder
+
+    if output is None:
+        return []
+    whole = output_folder(output)
+    if len(todo) == 1:
+        return [whole]
+    return [output_folder(str(whole / job.source.strip(".").replace(".", ""))) for job in todo]
+
+
+def save(found: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
+    """Write the calibrations into their folders and return the files."""
+    if not places:
+        return []
+    return [
+        file for each, place in zip(found, places, strict=True) for file in each.save(str(place))
+    ]
+
+
+def summary(found: Calibration) -> str:
+    """Return a calibration as text: parameters, misfits, what was not found, stages."""
+    from fefinger.console import table
+
+    rows = [
+        [
+            each.name,
+            f"{each.value:.4g} +- {each.sd:.2g}",
+            each.unit,
+            "-" if each.prior is None else f"{each.prior[0]:.4g}",
+            each.how,
+        ]
+        for each in found.parameters
+    ]
+    stages = [
+        [
+            each.name,
+            f"{each.cpu:.1f}",
+            f"{each.presses} of {each.presses_cpu:.1f}" if each.presses else "-",
+            "-" if each.misfit is None else f"{each.misfit:.3g}",
+        ]
+        for each in found.stages
+    ]
+    misfits = [[name, f"{value:.4g}"] for name, value in found.residuals.items()]
+    misfits += [
+        [
+            f"{name}, not fitted",
+            f"mse {100 * errors['mse']:.2g} %, peaks {100 * errors['peak']:.2g} %",
+        ]
+        for name, errors in found.checks.items()
+    ]
+    parts = [
+        found.status,
+        table(rows, ("", "value +- one sd", "unit", "prior", "")),
+        table(misfits, ("", "")),
+        table(stages, ("stage", "CPU s", "presses, CPU s", "misfit")),
+    ]
+    return "\n".join([*parts, *(f"not identified: {said}" for said in found.unidentified)])

@@ -1,0 +1,200 @@
+"""The slow press of a relaxed finger by the plate: all of mechanics that a calibration needs.
+
+With one G the force at any pace is an integral of this one curve, and the curve is proportional to
+the moduli at a fixed ratio of them. So a finger is solved once per shape and exponent; every press
+is kept in the user's cache under the hash of what decides it, and a calibration that was
+interrupted goes on where it stopped.
+"""
+
+import hashlib
+import json
+import os
+import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import cache
+from fefinger.checks import ConvergenceError, InputError, Stopped
+from fefinger.finger import Finger
+from fefinger.records import Progress, Response
+from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
+from fefinger.theory.sensor import ArraySensor
+
+
+Array = NDArray[np.float64]
+
+FORMAT = 2
+"""Raised when the mechanics or this file change, so that presses are solved again."""
+
+PART = 0.18
+"""Depth of a press over the thickness of the finger."""
+
+EVENLY = 401
+"""Times of a press at small strain that are kept."""
+
+PLATE = Flat(30.0)
+RELAXED = Prony((1.0,), ())
+
+
+@dataclass(frozen=True)
+class Press:
+    """A slow press of relaxed tissue.
+
+    depth (n,) mm and force (n,) N of solved steps, without the first touch; felt (n, 64) kPa, what
+    the array of the thesis reads without noise; area (n,) mm²; seconds of CPU that it took; halt:
+    why it ended before its depth, or "".
+    """
+
+    depth: Array
+    force: Array
+    felt: Array
+    area: Array
+    seconds: float
+    halt: str = ""
+
+
+def press(
+    finger: Finger, mechanics: str, progress: Progress | None = None, *, part: float = PART
+) -> Press:
+    """Return the press of a finger by "condensed" or "solid", from the cache or solved now.
+
+    `part` is its depth over the thickness of the finger.
+
+    Raises
+    ------
+    InputError
+        If the plate cannot press the finger so deep.
+    ConvergenceError
+        If hardly a step is solved.
+    """
+    scene = pressed(finger, part)
+    place = root() / f"{key(scene, mechanics)}.npz"
+    with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
+        depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
+        return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
+    found = _solved(scene, mechanics, progress)
+    with suppress(OSError):  # without room for it, it is solved again the next time
+        _keep(found, place)
+    return found
+
+
+def small(finger: Finger) -> Press:
+    """Return the press at small strain: by `condensed`, or where it does not reach by `linear`.
+
+    The operator of `condensed` ends at the sides of the finger, where a flat pad has candidates for
+    contact; `linear` gives the same numbers without one.
+    """
+    try:
+        return press(finger, "condensed")
+    except InputError:
+        return press(finger, "linear")
+
+
+def pressed(finger: Finger, part: float = PART) -> Scene:
+    """Return the scene of a press."""
+    motion = Ramp(1.0, part * finger.thickness, corner=0.0)
+    ask = Ask(strain=False, fields=False)
+    return Scene(
+        name="press",
+        finger=replace(finger, prony=RELAXED),
+        indenter=PLATE,
+        motion=motion,
+        ask=ask,
+    )
+
+
+def root() -> Path:
+    """Return the folder of the presses."""
+    return cache.root() / "presses"
+
+
+def key(scene: Scene, mechanics: str) -> str:
+    """Return the hash of all that decides a press."""
+    from fefinger.mesh.recipe import Recipe
+
+    table = scene.to_dict()
+    parts = [FORMAT, mechanics, table, Recipe.of(scene.finger).key()]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _solved(scene: Scene, mechanics: str, progress: Progress | None) -> Press:
+    from fefinger.mechanics import get
+
+    started, halt = time.process_time(), ""
+    try:
+        response = get(mechanics).respond(scene, progress)
+    except Stopped as stop:
+        response, halt = stop.reached, str(stop)
+    steps = _steps(scene, response, mechanics)
+    force = response.force[steps]
+    if len(force) < 8 or not (np.diff(force) > 0).all():
+        message = (
+            f"press: expected a force that rises over 8 steps or more, found {len(force)} on the "
+            f"finger of {scene.finger.thickness:g} mm{f' ({halt})' if halt else ''}"
+        )
+        raise ConvergenceError(message)
+    assert response.contact_area is not None
+    return Press(
+        response.depth[steps],
+        force,
+        felt(scene, response)[steps],
+        response.contact_area[steps],
+        time.process_time() - started,
+        halt,
+    )
+
+
+def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64]:
+    """Return the numbers of the times to keep: those that `solid` solves, and EVENLY many others.
+
+    What is not in contact is left out.
+    """
+    from fefinger.mechanics._stride import stride
+    from fefinger.mechanics._timeline import time_grid
+
+    if mechanics == "solid":
+        chosen = stride(scene.motion, time_grid(scene.motion, fast=False)).chosen
+        chosen = chosen[chosen < len(response.time)]
+    else:
+        count = min(EVENLY, len(response.time))
+        chosen = np.linspace(0, len(response.time) - 1, count).astype(np.int64)
+    return chosen[response.force[chosen] > 0]
+
+
+def felt(scene: Scene, response: Response) -> Array:
+    """Return what the array feels (n_t, 64) kPa, its middle under the center of the last pressure.
+
+    The pressure is linear in every triangle of the pad and summed over the middles of its sides,
+    because the vertices of a coarse mesh alone are too far apart for the elements of the array.
+    """
+    from fefinger.sensing import plane
+
+    assert response.pad is not None
+    assert response.pressure is not None
+    pad, pressure = response.pad, response.pressure
+    points = plane(scene.indenter, pad.points)
+    loads = pressure[-1] * pad.areas
+    points = points - loads @ points / loads.sum()
+    used = pad.triangles[(pressure.max(axis=0)[pad.triangles] > 0).any(axis=1)]
+    one, two = (pad.points[used[:, i]] - pad.points[used[:, 0]] for i in (1, 2))
+    areas = np.linalg.norm(np.cross(one, two), axis=1) / 2
+    read = np.zeros((len(pressure), ArraySensor().elements ** 2))
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        middle = (points[used[:, i]] + points[used[:, j]]) / 2
+        weights = ArraySensor().weights(middle, areas / 3)
+        read += (pressure[:, used[:, i]] + pressure[:, used[:, j]]) / 2 @ weights.T
+    return read
+
+
+def _keep(found: Press, place: Path) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    values: dict[str, Any] = dict(vars(found))
+    with tempfile.NamedTemporaryFile(dir=place.parent, suffix=".npz", delete=False) as stream:
+        np.savez_compressed(stream, **values)
+    os.replace(stream.name, place)

@@ -1,0 +1,252 @@
+"""What a calibrated finger has to show: a subject's curves, or the record of a user."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import fitting, library
+from fefinger.checks import InputError, choice
+from fefinger.theory.identify import Identification, joint
+from fefinger.theory.lumped import Spring, constant_velocity
+from fefinger.theory.ramphold import RampHold, averages, split
+from fefinger.theory.relaxation import Prony
+from fefinger.theory.sensor import ArraySensor
+
+
+Array = NDArray[np.float64]
+
+SPEED = 60.0
+"""mm/s of the ramps of the thesis."""
+
+PEAK = 2.5
+"""N at the end of these ramps (2 to 3 N, section 2.2.2)."""
+
+FORCES = 40
+"""Forces at which the stiffness of a subject is compared: a ramp of 30 ms, sampled at 13 kHz and
+averaged over 9 samples, has about as many independent stiffnesses."""
+
+HOLD = 6.0
+"""Length of the holds of the thesis in s (5 to 7 s)."""
+
+LIVELY = 1e-3
+"""Part of the peak force by which a force has to fall in a hold to count as relaxing."""
+
+STIFFNESS = (0.02, 100.0)
+"""N/mm that a finger can have at half of its largest force, with a wide margin."""
+
+RETURN = 0.1
+"""Part of the way in that an indenter has to come back for a record to count as unloading."""
+
+FEWEST = 4
+"""Frames that a press needs for three numbers to be fitted."""
+
+PRESSURE = (1.0, 500.0)
+"""kPa that the largest reading of an array on a finger can be."""
+
+
+@dataclass(frozen=True)
+class Bulk:
+    """A subject of Table 2.1: elastic stiffness against force, and relaxation.
+
+    force (n,) N of the instantaneous response; stiffness (n,) N/mm and stiffness_sd N/mm, the
+    scatter that VAF_k leaves; time (k,) s after a step, relaxation (k,) and relaxation_sd likewise.
+    """
+
+    name: str
+    spring: Spring
+    prony: Prony
+    force: Array
+    stiffness: Array
+    stiffness_sd: float
+    time: Array
+    relaxation: Array
+    relaxation_sd: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """A ramp and hold of a user, averaged: time s, position mm, force N and its sd N, (n,) each."""
+
+    name: str
+    record: RampHold
+    lumped: Identification
+    time: Array
+    position: Array
+    force: Array
+    force_sd: Array
+
+
+@dataclass(frozen=True)
+class Frames:
+    """What an array read in a slow press.
+
+    depth (n_t, n) mm, pressure (n_t, n) kPa of elements at distance (n,) mm from the center of
+    contact.
+    """
+
+    depth: Array
+    pressure: Array
+    distance: Array
+
+
+def subject(name: str) -> Bulk:
+    """Return the target of a subject of Table 2.1, by the lumped model.
+
+    Raises
+    ------
+    InputError
+        For a name that Table 2.1 does not have.
+    """
+    rows = library.pawluk_bulk()
+    choice("subject", name, [each for each in rows if each != "means"])
+    row, (stiffness_vaf, hold_vaf) = rows[name], library.pawluk_accounted()[name]
+    spring = Spring(row.b, row.m)
+    deepest = float(spring.position(PEAK / row.prony.long_time))
+    depth = np.linspace(0.0, deepest, 2000)
+    ramp = constant_velocity(spring, row.prony, depth, SPEED)
+    top = float(spring.force(np.interp(PEAK, ramp, depth)))
+    force = np.linspace(0.0, top, FORCES + 1)[1:]
+    time = np.geomspace(1e-3, HOLD, 100)
+    even = row.prony.relaxation(np.linspace(1e-3, HOLD, 10000))
+    stiffness = spring.stiffness(force)
+    return Bulk(
+        name=name,
+        spring=spring,
+        prony=row.prony,
+        force=force,
+        stiffness=stiffness,
+        stiffness_sd=math.sqrt(1 / stiffness_vaf - 1) * float(np.std(stiffness)),
+        time=time,
+        relaxation=row.prony.relaxation(time),
+        relaxation_sd=math.sqrt(1 / hold_vaf - 1) * float(np.std(even)),
+    )
+
+
+def record(file: str | Path) -> Record:
+    """Return the target in a CSV file of time (s), position (mm) and force (N), once checked.
+
+    Raises
+    ------
+    InputError
+        A file without a usable ramp and hold, in other units, or of nothing that a finger does.
+    """
+    return made(str(file), *fitting.read(file))
+
+
+def made(name: str, time: Array, position: Array, force: Array) -> Record:
+    """Return the target of a record (n_t,) s, mm, N that is called `name` in messages."""
+    try:
+        parts = split(time, position, force)
+        found = joint(time, position, force)
+    except ValueError as error:
+        msg = f"{name}: {error}"
+        raise InputError(msg) from None
+    except RuntimeError as error:
+        msg = f"{name}: expected a force that rises on the ramp and falls in the hold, but {error}"
+        raise InputError(msg) from None
+    _check_finger(name, parts, found)
+    t, x, f, size = averages(parts)
+    stiffness = np.where(x > found.spring.x0, found.spring.stiffness(found.spring.force(x)), 0.0)
+    noise = np.hypot(parts.force_noise, stiffness * parts.position_noise)
+    sd = np.maximum(noise, 1e-6 * f.max()) / np.sqrt(size)
+    return Record(name, parts, found, t, x, f, sd)
+
+
+def unloading(file: str | Path) -> tuple[Array, Array, Array]:
+    """Return time s, position mm and force N of a record that a fit is to predict.
+
+    Raises
+    ------
+    InputError
+        As `fitting.read`, or where the indenter never comes back.
+    """
+    time, position, force = fitting.read(file)
+    top = int(np.argmax(position))
+    way = float(position[top] - position[0])
+    back = float(position[top] - position[top:].min())
+    if back < RETURN * way:
+        msg = (
+            f"{file}: expected a record that also unloads, as a sinusoid or a ramp out, because "
+            f"loading is what was fitted; the indenter comes back {back:.3g} of {way:.3g} mm"
+        )
+        raise InputError(msg)
+    return time, position, force
+
+
+def frames(file: str | Path, sensor: ArraySensor | None = None) -> Frames:
+    """Return the frames of the array in a CSV file: time, position (mm from touch), p1 ... p64.
+
+    One frame per row, in kPa, read element by element in the row order of the array, so that the
+    depth is that at the time of every element. The array is aligned by the frame with the largest
+    sum, as in section 3.2.1 of the thesis.
+
+    Raises
+    ------
+    InputError
+        Missing columns, times that do not rise, another unit, or no contact.
+    """
+    sensor = sensor or ArraySensor()
+    count = len(sensor.positions)
+    units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
+    table = fitting.columns(file, units)
+    time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
+    if len(table) < FEWEST:
+        msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
+        raise InputError(msg)
+    _check_pressure(str(file), float(pressure.max()))
+    reached = np.interp(time[:, None] + sensor.delays, time, depth)
+    return aligned(reached, pressure, sensor)
+
+
+def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
+    """Return frames (n_t, n) mm and kPa about the center of pressure of the heaviest one."""
+    heaviest = np.maximum(pressure[int(np.argmax(pressure.sum(axis=1)))], 0.0)
+    center = heaviest @ sensor.positions / heaviest.sum()
+    distance = np.hypot(*(sensor.positions - center).T)
+    return Frames(depth, pressure, distance)
+
+
+def _check_pressure(file: str, largest: float) -> None:
+    low, high = PRESSURE
+    if low <= largest <= high:
+        return
+    likely = "MPa" if largest < low else "Pa"
+    if largest <= 0:
+        msg = f"{file}: p1 ... : expected pressures above 0 in contact, received none"
+    else:
+        msg = (
+            f"{file}: p1 ... : expected kPa, with a largest pressure of {low:g} to {high:g}, "
+            f"received {largest:.3g}, as if it were in {likely}; convert the columns"
+        )
+    raise InputError(msg)
+
+
+def _check_finger(name: str, parts: RampHold, found: Identification) -> None:
+    """Refuse what no finger does: no relaxation, a force that rises in the hold, other stiffness.
+
+    The ramp and its hold are those of a finger only if the stiffness is, in N/mm.
+    """
+    hold = parts.force[parts.hold :]
+    early, late = (
+        float(hold[: max(5, len(hold) // 50)].mean()),
+        float(hold[-len(hold) // 5 :].mean()),
+    )
+    if late > (1 - LIVELY) * early:
+        msg = (
+            f"{name}: expected a force that falls in the hold, because a finger relaxes, received "
+            f"{early:.4g} N at its start and {late:.4g} N at its end; is this a finger, and is the "
+            "force the right column?"
+        )
+        raise InputError(msg)
+    half = float(found.spring.stiffness(0.5 * parts.force.max()))
+    low, high = STIFFNESS
+    if not low <= half <= high:
+        msg = (
+            f"{name}: expected a stiffness of {low:g} to {high:g} N/mm at half of the largest "
+            f"force, received {half:.3g} N/mm, which no fingertip has; check what was pressed, and "
+            "the units"
+        )
+        raise InputError(msg)

@@ -1,0 +1,67 @@
+"""`fefinger calibrate`: fit a finger to subjects of the thesis or to a record."""
+
+from typing import Any
+
+import click
+
+from fefinger import console
+from fefinger.commands.options import json_option, output_option
+
+
+@click.command()
+@click.argument("data", metavar="[DATA.csv]", required=False)
+@click.option(
+    "--subject",
+    "subjects",
+    multiple=True,
+    metavar="NAME",
+    help="Subject of the thesis to fit (repeatable), or whose size the finger in DATA.csv has.",
+)
+@click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
+@click.option("--thickness", type=float, help="Its thickness in mm.")
+@click.option("--pad-radius", type=float, help="Its effective pad radius in mm.")
+@click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
+@click.option("--check", metavar="FILE", help="CSV of a motion that is predicted, not fitted.")
+@click.option("--mechanics", default="solid", help="solid, or condensed: small strain times t(u).")
+@click.option("--resolution", default="standard", help="Mesh to end on: coarse, standard, fine.")
+@click.option("--workers", default=1, type=click.IntRange(1), help="Subjects at a time.")
+@output_option("calibration.json and tissue.toml")
+@json_option
+def calibrate(
+    data: str | None,
+    subjects: tuple[str, ...],
+    width: float | None,
+    thickness: float | None,
+    pad_radius: float | None,
+    frames: str | None,
+    check: str | None,
+    mechanics: str,
+    resolution: str,
+    workers: int,
+    output: str | None,
+    as_json: bool,
+) -> None:
+    """Fit a finger to subjects of the thesis, or to your own ramp and hold.
+
+    DATA.csv has the columns time (s), position (mm) and force (N). What was solved is kept, so an
+    interrupted calibration goes on where it stopped.
+    """
+    from fefinger.calibration import jobs
+
+    size: dict[str, Any] = {"width": width, "thickness": thickness, "pad_radius": pad_radius}
+    todo = jobs.jobs(
+        data,
+        subjects,
+        {name: value for name, value in size.items() if value is not None},
+        {"mechanics": mechanics, "resolution": resolution, "frames": frames, "check": check},
+    )
+    folders = jobs.folders(todo, output)
+    with console.progress() as report:
+        found = jobs.run(todo, workers, report)
+    files = jobs.save(found, folders)
+    if as_json:
+        records = [each.record() for each in found]
+        console.print_json({"calibrations": records, "files": files})
+    else:
+        texts = [jobs.summary(each) for each in found]
+        click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))

@@ -1,0 +1,60 @@
+"""The suite `calibration`: what is shipped is what the report holds, and its figures can be drawn.
+
+The twins are measured by `fefinger validate calibration`, which takes longer than a test may.
+"""
+
+import numpy as np
+import pytest
+from fefinger.validation import calibration, calibration_split, calibration_twin
+from fefinger.validation.calibration_report import calibrated, rows
+
+from fefinger import figures, library
+from fefinger.finger import Finger
+
+
+SUBJECTS = ("a.h.", "d.s.", "d.p.", "p.w.")
+
+
+def test_the_report_has_all_subjects_that_are_shipped():
+    assert tuple(rows()) == SUBJECTS
+    shipped = [name for name in library.TISSUE_SETS if name.startswith("calibrated_")]
+    assert sorted(map(library.calibrated_name, SUBJECTS)) == sorted(shipped)
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
+    assert calibration.shipped(subject) < 5e-3
+    kept = library.tissue_set(library.calibrated_name(subject))
+    assert "not a measurement" in kept.source
+    assert kept.confidence == "low"
+    finger = Finger.subject(subject, tissue=library.calibrated_name(subject))
+    assert finger.prony == kept.prony
+    assert finger.pad_radius == kept.pad_radius
+    assert finger.skin.law == finger.subcutaneous.law == "demiray"
+    assert finger.skin.thickness == 1.0
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_the_parts_of_the_stiffening_add_up_to_table_2_1(subject):
+    split = rows()[subject]["split"]
+    total = sum(split[part] for part in calibration_split.PARTS)
+    assert total == pytest.approx(library.pawluk_bulk()[subject].m)
+    assert sum(split["shares"].values()) == pytest.approx(1.0)
+    found = calibrated(subject)
+    own = calibration_split.steepness(found.curve.force, split["depth"])
+    assert own == pytest.approx(total - split["rest"], rel=1e-6)
+
+
+def test_steepness_of_an_exponential_is_its_exponent_at_any_scale():
+    for scale in (1.0, 7.0):
+        found = calibration_split.steepness(lambda x, s=scale: s * np.expm1(2.1 * x), 1.5)
+        assert found == pytest.approx(2.1, rel=1e-3)
+
+
+def test_the_quick_cases_are_named_once_and_their_figures_drawn():
+    names = [case.name for case in calibration.cases(quick=True)]
+    assert len(names) == len(set(names))
+    assert sum(name.startswith("twin") for name in names) == len(calibration_twin.TRUTH) + 2
+    for caption, drawn in calibration.figures():
+        assert caption.endswith(".")
+        assert "<svg" in figures.svg(drawn)

@@ -1,0 +1,74 @@
+"""Where the stiffening of a calibrated finger comes from: contact, bone and shape, strain, tissue.
+
+The measure is m of the line k = m P + b through stiffness against force (Pawluk 1997, Eq. 2.4),
+over the depths that the subject's ramp reaches. It does not change with the modulus, so every model
+is taken at its own.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import library
+from fefinger.calibration import press, target
+from fefinger.calibration.calibrate import EXPONENTS
+from fefinger.calibration.curve import curve
+from fefinger.calibration.outcome import layer, line
+from fefinger.calibration.record import Calibration
+from fefinger.scene import Finger
+
+
+Array = NDArray[np.float64]
+
+PARTS = {
+    "contact": "growth of the contact: Hertz's half-space",
+    "bone": "bone and shape of the finger: the same tissue on it, at small strain",
+    "strain": "finite strain: tissue that itself does not stiffen",
+    "tissue": "the exponent of the tissue that was fitted",
+    "rest": "what Table 2.1 has more, or less",
+}
+COUNT = 40
+"""Forces at which the stiffness is taken, evenly."""
+
+
+def split(found: Calibration) -> dict[str, float]:
+    """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
+    finger = Finger.subject(found.target, resolution="coarse")
+    wanted = target.subject(found.target)
+    deep = float(found.curve.depth(wanted.prony.long_time * wanted.force[-1]))
+    deep = min(deep, found.deepest)
+    linear, _ = curve(press.small(finger))
+    neo = replace(
+        finger,
+        skin=layer(finger.skin, EXPONENTS[0]),
+        subcutaneous=layer(finger.subcutaneous, EXPONENTS[0]),
+    )
+    finite, _ = curve(press.press(neo, "solid"))
+    chain = [
+        steepness(lambda x: x**1.5, deep),
+        steepness(linear.force, deep),
+        steepness(finite.force, deep),
+        steepness(found.curve.force, deep),
+        library.pawluk_bulk()[found.target].m,
+    ]
+    parts = np.diff(chain, prepend=0.0).tolist()
+    return dict(zip(PARTS, parts, strict=True)) | {"depth": deep}
+
+
+def steepness(force: Callable[[Array], Array], deepest: float) -> float:
+    """Return m in 1/mm of a force law over depths up to `deepest` mm."""
+    depth = np.linspace(0.0, deepest, 2001)
+    forces = force(depth)
+    k = np.gradient(forces, depth)
+    even = np.linspace(0.0, float(forces[-1]), COUNT + 1)[1:]
+    return line(even, np.interp(even, forces, k))[0]
+
+
+def table(found: Calibration) -> dict[str, Any]:
+    """Return the split and the share of every part in m of Table 2.1."""
+    parts = split(found)
+    whole = library.pawluk_bulk()[found.target].m
+    return parts | {"shares": {name: parts[name] / whole for name in PARTS}}

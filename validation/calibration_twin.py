@@ -1,0 +1,153 @@
+"""Twins: fingers of known parameters, pressed by `Condensed`, measured with noise, calibrated.
+
+The twin is stepped by the real-time finger with its own memory; the calibration knows elastic
+presses and integrals of G only.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.calibration import press
+from fefinger.calibration.calibrate import SMALLER, calibrate
+from fefinger.calibration.outcome import FREQUENCIES, errors
+from fefinger.calibration.record import Calibration
+from fefinger.motion import Ramp, RampSinusoid
+from fefinger.realtime import Condensed
+from fefinger.scene import Finger, Prony
+from fefinger.stiffening import Stiffening
+from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.synthetic import FORCE_NOISE, POSITION_NOISE
+
+
+Array = NDArray[np.float64]
+
+PRONY = Prony((0.27, 0.45, 0.16, 0.12), (200.0, 9.0, 0.6))
+TOUCH = 0.6  # mm
+LAW = Stiffening(0.25, 0.9)  # 2.2 N at the depth below
+SPEED, DEPTH, HOLD = 60.0, 1.5, 6.0
+SLOW, PRESS = 0.2, 1.8  # mm/s, mm
+RATE, FRAMES = 1e4, 40
+TRUTH = {
+    **{"t_b": LAW.b, "t_m": LAW.m, "x0": TOUCH, "pad_radius": SMALLER * 14.0},
+    **{f"c{i}": c for i, c in enumerate(PRONY.weights)},
+    **{f"v{i}": v for i, v in enumerate(PRONY.v, start=1)},
+}
+SPREAD = 2.0
+"""Standard deviations within which a parameter counts as recovered."""
+
+
+@dataclass(frozen=True)
+class Twin:
+    """A finger of which all is known.
+
+    time s, position mm, force N (n_t,) of its ramp and hold; frame_time s, frame_depth mm (k,) and
+    frames (k, 64) kPa of its slow press.
+    """
+
+    time: Array
+    position: Array
+    force: Array
+    frame_time: Array
+    frame_depth: Array
+    frames: Array
+
+
+def finger() -> Finger:
+    """Return the finger of the twin."""
+    return replace(start(), pad_radius=TRUTH["pad_radius"], prony=PRONY)
+
+
+def start() -> Finger:
+    """Return what the calibration is told of it: its pad radius is a fourth too large."""
+    return Finger.subject("a.h.", resolution="coarse", prony=press.RELAXED)
+
+
+@cache
+def twin() -> Twin:
+    """Return the twin without noise."""
+    own = Condensed(finger(), press.PLATE, deepest=PRESS, stiffening=LAW)
+    end = (TOUCH + DEPTH) / SPEED
+    rest = np.concatenate([np.arange(1, 2000) / RATE, np.geomspace(0.2, HOLD, 600)])
+    steps = np.concatenate([np.arange(0.0, end, 1 / RATE), end + rest])
+    force = stepped(own, steps, np.minimum(SPEED * steps, SPEED * end) - TOUCH)
+    time = np.arange(0.0, end + HOLD, 1 / RATE)
+    position = np.minimum(SPEED * time, SPEED * end)
+    scene = press.pressed(finger())
+    response = own.run(Ramp(SLOW, PRESS, corner=0.0))
+    chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
+    read = press.felt(scene, response)[chosen]
+    return Twin(
+        time,
+        position,
+        np.interp(time, steps, force),
+        response.time[chosen],
+        response.depth[chosen],
+        read,
+    )
+
+
+def stepped(own: Condensed, time: Array, depth: Array) -> Array:
+    """Return the force in N of a finger that is stepped through depths in mm."""
+    own.reset()
+    lengths = np.diff(time, prepend=time[0])
+    depths = np.maximum(depth, 0.0)
+    return np.array([own.step(d, dt).force for d, dt in zip(depths, lengths, strict=True)])
+
+
+@cache
+def calibrated(seed: int) -> Calibration:
+    """Return the calibration of the twin measured with noise."""
+    one, rng = twin(), np.random.default_rng(seed)
+    position = one.position + rng.normal(0.0, POSITION_NOISE, len(one.time))
+    force = one.force + rng.normal(0.0, FORCE_NOISE, len(one.time))
+    frames = one.frames + rng.normal(0.0, ArraySensor().noise, one.frames.shape)
+    with TemporaryDirectory() as name:
+        data, array = Path(name) / "press.csv", Path(name) / "frames.csv"
+        _write(data, "time,position,force", one.time, position, force)
+        heads = ",".join(f"p{i}" for i in range(1, frames.shape[1] + 1))
+        depth = one.frame_depth - SLOW * ArraySensor().delays.mean()
+        _write(array, f"time,position,{heads}", one.frame_time, depth, *frames.T)
+        return calibrate(
+            str(data), finger=start(), mechanics="condensed", resolution="coarse", frames=array
+        )
+
+
+def _write(path: Path, head: str, *columns: Array) -> None:
+    np.savetxt(path, np.column_stack(columns), "%.8g", ",", header=head, comments="")
+
+
+def deviations(seed: int) -> dict[str, float]:
+    """Return by how many of its standard deviations each parameter misses the truth."""
+    found = calibrated(seed)
+    return {name: (found[name].value - true) / found[name].sd for name, true in TRUTH.items()}
+
+
+def recovered(name: str, seeds: int) -> int:
+    """Return in how many of the seeds a parameter is within SPREAD deviations of the truth."""
+    return sum(abs(deviations(seed)[name]) <= SPREAD for seed in range(seeds))
+
+
+def sharpness(name: str) -> float:
+    """Return the stated standard deviation over the true value, of the first seed."""
+    return calibrated(0)[name].sd / TRUTH[name]
+
+
+def sinusoid(frequency: int) -> dict[str, float]:
+    """Return the errors of the prediction of a sinusoid that was not fitted, first seed."""
+    motion = RampSinusoid(20.0, 1.2, amplitude=0.3, frequency=frequency, cycles=5, corner=0.0)
+    time = np.linspace(0.0, motion.duration, 2401)
+    own = Condensed(finger(), press.PLATE, deepest=PRESS, stiffening=LAW)
+    measured = stepped(own, time, motion.value(time))
+    found = calibrated(0)
+    model = found.predict(time, motion.value(time) + TOUCH - found["x0"].value)
+    return errors(measured, model)
+
+
+def worst_sinusoid(what: str) -> float:
+    """Return the largest "mse" or "peak" error over the frequencies."""
+    return max(sinusoid(frequency)[what] for frequency in FREQUENCIES)
