@@ -80,7 +80,7 @@ class System:
         rounding = float(np.finfo(float).eps * np.max(sums / scale, initial=0.0))
         if worst <= min(rounding, FORCE_BALANCE):
             return answer
-        advice = "check the held facets and the mesh"
+        advice = "check the held facets, the mesh, and whether the moduli are too far apart"
         if worst <= rounding:
             advice = (
                 f"rounding leaves up to {rounding:.1e} of it between a stiff tissue and the soft "

@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation import evidence_layered
 
 import fefinger as ff
-from fefinger import mechanics, scenes
+from fefinger import machine, mechanics, scenes
 from fefinger.checks import InputError
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
@@ -279,7 +279,8 @@ def test_the_error_is_that_of_the_next_blunter_object(indenter, press):
 
 def test_the_expected_time_is_that_of_the_report():
     measured, motion = _evidence.layered(), ff.RampHold(20, 0.5, hold=1.0)
-    assert layered.cost(scene(motion=motion)) > measured["setup_seconds"]
+    setup = measured["setup_seconds"] * machine.slowness(measured)
+    assert layered.cost(scene(motion=motion)) > setup
     more = layered.cost(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
     assert more > layered.cost(scene(motion=motion, ask=replace(ASK, spikes=())))
 
