@@ -1,6 +1,7 @@
 """Which mechanics answers a scene, on which mesh: the cheapest that is good enough."""
 
 import math
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -179,11 +180,13 @@ def _settings(scene: Scene, chosen: Rung) -> Settings:
     from fefinger.mechanics._timeline import time_grid
 
     ask, meshed = scene.ask, chosen.resolution is not None
-    strained = chosen.mechanics != "lumped"
+    fast = chosen.mechanics != "lumped" and "FAII" in ask.spikes
+    # What is too long for the mechanics it has refused itself.
+    times = time_grid(scene.motion, fast=fast, most=sys.maxsize)
     return Settings(
         resolution=chosen.resolution,
         half=symmetric(scene) if meshed else None,
-        times=len(time_grid(scene.motion, fast=strained and "FAII" in ask.spikes)),
+        times=len(times),
         computed=("force", *(x for x in ("pressure", "strain", "fields") if getattr(ask, x))),
         afferents=ask.spikes,
     )

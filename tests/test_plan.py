@@ -188,6 +188,14 @@ def test_the_settings_are_what_was_asked():
     assert fast.settings.times > slow.settings.times
 
 
+def test_a_long_motion_that_the_mechanics_can_take_is_planned():
+    motion = ff.Sinusoid(amplitude=0.3, frequency=200, cycles=10_000)
+    ask = ff.Ask(pressure=False, strain=False, fields=False)
+    asked = ff.Scene(finger=ff.Finger.subject("a.h."), motion=motion, ask=ask)
+    found = plan.choose(asked, "lumped")
+    assert found.settings.times == 400_001
+
+
 def test_no_mesh_is_asked_after_where_a_force_law_will_do():
     found = plan.choose(asked())
     assert found.mechanics == "lumped"
