@@ -181,7 +181,8 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
     if force.max() < -force.min():
         msg = f"{file}: force: expected pressing to be positive, received up to {force.min():.3g} N"
         raise InputError(msg)
-    if position[force.argmax()] < np.median(position[: max(1, len(position) // 100)]):
+    highest = int(force.argmax())
+    if position[highest] < np.median(position[: highest + 1]):
         msg = (
             f"{file}: position: expected it to grow into the finger, but it falls while the force "
             "rises; change its sign"

@@ -90,7 +90,7 @@ class Condensed:
     def __init__(
         self,
         finger: Finger,
-        indenter: Indenter | Rigid = Flat(30.0),  # noqa: B008 - immutable
+        indenter: Indenter | Rigid = STANDARD,
         *,
         deepest: float = 2.0,
         sites: Sites | None = None,

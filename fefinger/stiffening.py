@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, number
+from fefinger.mechanics._touch import STANDARD
 from fefinger.realtime import Condensed
-from fefinger.scene import Finger, Flat, Indenter
+from fefinger.scene import Finger, Indenter
 from fefinger.theory.relaxation import Prony
 
 
@@ -48,7 +49,7 @@ class Stiffening:
         finger: Finger,
         depth: ArrayLike,
         force: ArrayLike,
-        indenter: Indenter = Flat(30.0),  # noqa: B008 - immutable
+        indenter: Indenter = STANDARD,
     ) -> Self:
         """Return the t with which the linear finger has forces nearest to the relaxed ones (n,) N.
 

@@ -75,8 +75,9 @@ def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
 
 
 def test_a_window_shows_what_is_recorded() -> None:
-    if renderer_lacking():
-        pytest.skip("no renderer here")
+    lacking = renderer_lacking()
+    if lacking:
+        pytest.skip(lacking)
     show = live.Show(FINGER)
     window = Window(show, off_screen=True)
     pictures = []

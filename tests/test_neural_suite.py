@@ -4,18 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from fefinger.neural.membranes import ConnorStevens, IntegrateAndFire
-
-
-suites = pytest.importorskip("fefinger.validation.suites")
-sweep = pytest.importorskip("fefinger.validation.neural_sweep")
-from fefinger.validation import (  # noqa: E402
+from fefinger.validation import (
     neural_filters,
     neural_phases,
     neural_ramps,
     neural_sinusoids,
+    suites,
 )
+from fefinger.validation import neural_sweep as sweep
+
+from fefinger.neural.membranes import ConnorStevens, IntegrateAndFire
 
 
 @pytest.fixture(scope="module")

@@ -191,7 +191,7 @@ def solved(kind: Kind, body: Quarter, depth: float) -> tuple[Pressed, Array, flo
     The seconds are of assembly, factor, loads and contact, not of the mesh and its numbering.
     """
     space, patch = body.space, body.patch
-    space.pressures  # noqa: B018 numbers the unknowns, which all kinds need
+    _ = space.pressures  # numbers the unknowns, which all kinds need
     wide = embedding(kind, space)
     started = time.process_time()
     discrete = assembled(kind, space, body.tissues)

@@ -16,7 +16,7 @@ from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.impedance import impedance
-from fefinger.theory.indentation import paraboloid
+from fefinger.theory.indentation import Contact, paraboloid
 from fefinger.theory.relaxation import hereditary_integral
 from fefinger.theory.sphere import Sphere
 from fefinger.theory.stack import Layer, Stack
@@ -280,12 +280,12 @@ def _stack(contrast: float, poisson: float, wide: float) -> Findings:
     }
 
 
-def _carried(contact: object) -> float:
+def _carried(contact: Contact) -> float:
     """Return the force of the pressure by its own integral, in r = a sin t."""
     nodes, weights = np.polynomial.legendre.leggauss(200)
     t = np.pi / 4 * (nodes + 1)
-    a = contact.contact_radius  # type: ignore[attr-defined]
-    p = contact.pressure(a * np.sin(t))  # type: ignore[attr-defined]
+    a = contact.contact_radius
+    p = contact.pressure(a * np.sin(t))
     return float(2 * np.pi * a**2 * np.pi / 4 * weights @ (p * np.sin(t) * np.cos(t)))
 
 

@@ -5,7 +5,7 @@ or those of Hodgkin and Huxley, in compiled steps that make no array.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -181,7 +181,7 @@ class Afferents:
         reference_types: Sequence[str],
         reference_strain: ArrayLike,
         reference_normals: ArrayLike,
-        **options: object,
+        **options: Any,
     ) -> Self:
         """Return units whose lengths follow from a small flat press, as `afferents.from_strain`."""
         drives = options.get("drives")
@@ -203,7 +203,7 @@ class Afferents:
             )
             drive = DRIVES[{**DEFAULT_DRIVE, **named}[kind]](one, direction)
             lengths[kind] = float(moved[0, 0] / drive[0])
-        return cls(types, normals, lengths, **options)  # type: ignore[arg-type]
+        return cls(types, normals, lengths, **options)
 
     def reset(self) -> None:
         """Go back to rest, at time 0."""

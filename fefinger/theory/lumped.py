@@ -193,7 +193,7 @@ def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[
     touching = y[:-1] > 0
     share = np.divide(change, travel, out=touching.astype(float), where=travel != 0)
     inside = step * share
-    after = np.where(touching, step - inside, 0.0)
+    after = np.where(touching, np.maximum(step - inside, 0.0), 0.0)
     rates = np.array(prony.v)
     within = np.multiply.outer(inside, rates)
     growth = (spring.m * change)[:, None]

@@ -135,7 +135,10 @@ def test_pressure_that_does_not_relax_changes_a_compressible_cube_only():
 def test_retraction_leaves_the_plate_without_pull_and_work_is_lost_in_the_cycle():
     material = neo_hookean(Elastic(40.0, 0.49))
     times = np.linspace(0.0, 0.08, 41)
-    depth = lambda t: 0.3 - abs(0.3 - 7.5 * t)  # noqa: E731
+
+    def depth(t: float) -> float:
+        return 0.3 - abs(0.3 - 7.5 * t)
+
     forces = passed(material, times, depth)
     assert (forces >= 0).all()
     assert (forces[-5:] == 0).all()

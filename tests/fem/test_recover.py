@@ -1,5 +1,7 @@
 """Strain by recovery: exact for cubics, of higher order than that of the cells, one tissue only."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -18,9 +20,9 @@ def grid(cells: int) -> Space:
     return Space(even.points + shift * inside[:, None], even.cells, even.tissue)
 
 
-def unknowns(space: Space, moved: object) -> np.ndarray:
+def unknowns(space: Space, moved: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     values = np.zeros(space.n_unknowns)
-    values[: space.n_displacements] = moved(space.node_points).ravel()  # type: ignore[operator]
+    values[: space.n_displacements] = moved(space.node_points).ravel()
     return values
 
 
