@@ -4,21 +4,18 @@ The baseline of factor and loads is SciPy's SuperLU in symmetric mode, given the
 unknowns (its own orders are several times slower) and one BLAS thread, which is faster for it too.
 """
 
-import resource
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger import scenes
-from fefinger.bench import Figure, Progress
+from fefinger.bench import Figure, Progress, _solvers
 from fefinger.fem import body, solve
 from fefinger.fem.contact import patch
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
+from fefinger.fem.forms import stiffness
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.probe import strain_at
 from fefinger.fem.threads import one_thread
@@ -33,16 +30,13 @@ LOADS, STEPS = 64, 1000
 DEPTH, REACH = 1.5, 2.0  # mm
 NU = 0.49
 HERTZ = fem_hertz.Grading(fem_hertz.LINES, core=0.3, rim=0.06, slope=0.42, sectors=6)
-CUBES = (7, 10, 15, 22)  # boxes along an edge: 11 thousand to 285 thousand unknowns
-COLUMNS = 16  # loads of a cube
-FITTED = 3  # largest cubes that the exponents are fitted over
 
 T = TypeVar("T")
 
 
 def figures(progress: Progress) -> list[Figure]:
-    """Measure the finger, Hertz contact and the growth with size."""
-    return [*finger_figures(progress), *hertz_figures(), *growth_figures(progress)]
+    """Measure the finger, Hertz contact and the linear solvers as size grows."""
+    return [*finger_figures(progress), *hertz_figures(), *_solvers.figures(progress)]
 
 
 @one_thread
@@ -94,45 +88,6 @@ def hertz_figures() -> list[Figure]:
             if "anywhere" not in key
         ),
     ]
-
-
-def growth_figures(progress: Progress) -> Iterator[Figure]:
-    """Measure cubes held at one face, the worst shape for a factor, and fit how costs grow."""
-    rows = []
-    for number, boxes in enumerate(CUBES):
-        unknowns, costs = _cube(boxes)
-        rows.append([unknowns, *costs.values()])
-        for name, value in costs.items():
-            yield Figure(f"cube of {unknowns} unknowns, {name}", value, name.split()[-1])
-        progress("fem", 0.2 + 0.8 * (number + 1) / len(CUBES))
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    yield Figure("peak memory of the process", peak, "MB")
-    logs = np.log(np.array(rows)[-FITTED:])
-    for name, column in zip(costs, logs[:, 1:].T, strict=True):
-        slope = float(np.polyfit(logs[:, 0], column, 1)[0])
-        yield Figure(f"exponent in the unknowns, {name.split(' /')[0]}", slope, "1")
-
-
-@one_thread
-def _cube(boxes: int) -> tuple[int, dict[str, float]]:
-    """Return the unknowns of a cube and its costs by name, each with its unit at the end."""
-    line: NDArray[np.float64] = np.linspace(0, 10, boxes + 1)
-    space = box(line, line, line)
-    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 10, 3))
-    times = [time.process_time()]
-    matrix = stiffness(space, {1: Elastic(34.0, NU)})
-    times.append(time.process_time())
-    system = solve.factor(space, matrix, held)
-    times.append(time.process_time())
-    system.solve(np.random.default_rng(0).normal(size=(space.n_unknowns, COLUMNS)))
-    times.append(time.process_time())
-    assembly, factor, loads = np.diff(times)
-    return space.n_unknowns, {
-        "assembly / s": float(assembly),
-        "factor / s": float(factor),
-        f"{COLUMNS} loads / s": float(loads),
-        "memory of the factor / MB": 8e-6 * system.solver.entries,
-    }
 
 
 def contact(solid: body.Body, finger: Finger) -> float:

@@ -70,12 +70,14 @@ class System:
     def _refined(self, right: Array) -> Array:
         scale = np.linalg.norm(right, axis=0)
         scale = np.where(scale > 0, scale, 1.0)
-        answer = self.solver.solve(right)
+        answer, worst = self.solver.solve(right), np.inf
         for _ in range(REFINEMENTS):
-            residual = right - self.reduced @ answer
+            residual, last = right - self.reduced @ answer, worst
             worst = float(np.max(np.linalg.norm(residual, axis=0) / scale, initial=0.0))
             if worst <= LINEAR_RESIDUAL:
                 return answer
+            if last / 2 < worst <= FORCE_BALANCE:
+                break  # it no longer falls: what is left may be rounding
             answer = answer + self.solver.solve(residual)
         # A stiff part that floats on a soft one moves as a whole: its forces are small differences.
         sums = np.linalg.norm(abs(self.reduced) @ np.abs(answer), axis=0)

@@ -147,7 +147,7 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
     assert tuple(solvers.SOLVERS) == SOLVERS
 
     def answer(solver: str | None) -> Response:
-        return linear.respond(scene(solver, depth=0.1))
+        return linear.respond(scene(solver, depth=0.05))
 
     found = {name: answer(name) for name in (None, "single", "iterative")}
     assert [found[name].sources["solver"] for name in found] == [
@@ -157,7 +157,7 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
     ]
     for response in found.values():
         assert response.force == pytest.approx(found[None].force, rel=1e-8)
-    result = run(scene("single", depth=0.1), mechanics="linear")
+    result = run(scene("single", depth=0.05), mechanics="linear")
     assert result.provenance["solver"] == "single"
 
 
