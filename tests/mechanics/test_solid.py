@@ -73,6 +73,17 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
     assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
 
 
+def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate():
+    finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ff.Prony((1.0,), ()))
+    motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
+    scene = Scene(finger=finger, indenter=ff.Flat(30), motion=motion, ask=ff.Ask(fields=False))
+    found = solid.respond(scene)
+    assert found.gap is not None
+    assert found.pressure is not None
+    assert found.gap[found.pressure > 0].min() > -0.1  # mm; it was -0.2 at 1.74 mm, and no end
+    assert found.force[-1] == pytest.approx(3.36, rel=0.01)
+
+
 def test_stiffening_tissue_pushes_back_harder():
     scene = press(ff.Ramp(60, 0.4, corner=0))
     skin, pulp = (
