@@ -30,9 +30,11 @@ def validate(
         from fefinger.validation import index
         from fefinger.validation.provenance import provenance
 
-        pictures = every.figures([suite["suite"] for suite in record["suites"]])
+        names = [suite["suite"] for suite in record["suites"]]
+        pictures, findings = every.figures(names), every.findings(names)
         words = ["fefinger validate", *suites, *(["--quick"] if quick else [])]
-        validation_report.save(record, folder, pictures, provenance(" ".join(words)), name)
+        made = provenance(" ".join(words))
+        validation_report.save(record, folder, pictures, made, name, findings)
         if (folder / "index.html").exists():
             index.write(folder)
     if as_json:
