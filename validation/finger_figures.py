@@ -139,8 +139,8 @@ def _table_caption() -> str:
         f"stack, the layers are a factor of {low:.2f} to {high:.2f} under the plate, not "
         f"{min(mine):.2f} to {max(mine):.2f}. All forces are of relaxed tissue. With one "
         "G small strain keeps these ratios at any pace; at finite strain, where the stress of the "
-        f"deformed tissue relaxes, a ramp at 60 mm/s to a fifth of the thickness of a.h. takes {more:.3f} times "
-        "the integral of G over the relaxed force."
+        "deformed tissue relaxes, a ramp at 60 mm/s to a fifth of the thickness of a.h. takes "
+        f"{more:.3f} times the integral of G over the relaxed force."
     )
 
 

@@ -127,6 +127,8 @@ def told() -> tuple[str, ...]:
     shape = _range(together, "{:.2f}")
     finite = _range(lambda s: factors(s, press)["solid"], "{:.2f}")
     deep = _range(lambda s: factors(s, press, last(s))["solid"], "{:.2f}")
+    ball = _range(lambda s: _over_hertz(s, "solid", AT["sphere-5"], "sphere-5"), "{:.1f}")
+    bone, narrow, small = (_under_ball(model) for model in ("bone", "linear", "solid"))
     rates = {model: _rate(model) for model in models(press) if model != "level"}
     theirs = _range(lambda s: printed(s)[0], "{:.1f}")
     tissue = row(SUBJECTS[0], "demiray")["exponent"]
@@ -139,6 +141,8 @@ def told() -> tuple[str, ...]:
         "the bone adds. Layers matter little: the half-space has their mean compliance.",
         f"Finite strain is a factor of {finite} at that depth and of {deep} at {_deepest()} of the "
         "thickness: small strain is too soft, and the more so the deeper.",
+        f"Under a ball of 5 mm it is {ball} times Hertz's force at that depth: the bone is a "
+        f"factor of {bone}, the shape of the finger {narrow}, finite strain {small}.",
         "Stiffening, told as m of the exponential spring (b / m) (exp(m x) - 1) between the "
         f"deepest press x and x / 2, is {rates['hertz']} per mm for Hertz (the growing contact "
         f"alone), {rates['layered']} for the flat stack, {rates['linear']} on the finger and "
@@ -175,8 +179,12 @@ def _rate(model: str) -> str:
     return _range(lambda subject: steepness(subject, model), "{:.2f}")
 
 
-def _over_hertz(subject: str, model: str, number: int) -> float:
-    mine, hertz = (force(subject, "flat-30", name)[number - 1] for name in (model, "hertz"))
+def _under_ball(model: str) -> str:
+    return _range(lambda subject: factors(subject, "sphere-5")[model], "{:.2f}")
+
+
+def _over_hertz(subject: str, model: str, number: int, press: str = "flat-30") -> float:
+    mine, hertz = (force(subject, press, name)[number - 1] for name in (model, "hertz"))
     return float(mine / hertz)
 
 
