@@ -5,18 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.checks import InputError
+from fefinger.pressures import cuts, net
 from fefinger.scene import Flat, Indenter
 
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
-
     from fefinger.records import Array, Pad, Result
     from fefinger.theory.sensor import ArraySensor, Reading
-
-
-FINEST = 16
-"""Pieces along the edge of a triangle of the pad that the array is read from, at most."""
 
 
 def read(
@@ -45,48 +40,30 @@ def read(
         raise InputError(msg)
     points = points - heaviest @ points / heaviest.sum()
     sensor = sensor or ArraySensor()
-    places, areas, hats = finer(points, pad, sensor.sigma / 2)
     try:
-        return sensor.read(result.time, places, areas, (hats @ pressure.T).T, seed=seed)
+        felt = pressure @ response(sensor, pad, points).T
+        return sensor.scan(result.time, felt, seed=seed)
     except ValueError as error:
         msg = f"sensor: {error}"
         raise InputError(msg) from None
 
 
-def finer(points: "Array", pad: "Pad", side: float) -> "tuple[Array, Array, csr_matrix]":
-    """Return places (k, 2), areas (k,) mm² and hats (k, n): the pad cut into pieces for a sum.
+def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
+    """Return the matrix (n_elements, n_pad) from pressures on the pad to what the elements feel.
 
-    points (n, 2) mm are those of the pad in a plane; the pressure at the places is `hats` times
-    that at the points, linear in each triangle, and no piece is longer than `side` mm unless that
-    takes more than FINEST of them along an edge. The force is kept: each point has its own area.
+    places (n_pad, 2) mm are the points of the pad in the plane of the array. The pressure is taken
+    as linear between them.
+
+    Raises
+    ------
+    ValueError
+        If the triangles of the pad are too large for the elements.
     """
-    from scipy.sparse import coo_matrix, diags
-
-    corners = points[pad.triangles]
-    edges = corners - np.roll(corners, 1, axis=1)
-    parts = int(np.ceil(np.linalg.norm(edges, axis=2).max(initial=0.0) / side))
-    parts = min(max(parts, 1), FINEST)
-    local = _pieces(parts)
-    places = np.einsum("qa,tad->tqd", local, corners).reshape(-1, 2)
-    size = np.abs(edges[:, 1, 0] * edges[:, 2, 1] - edges[:, 1, 1] * edges[:, 2, 0]) / 2
-    areas = np.repeat(size / len(local), len(local))
-    rows = np.repeat(np.arange(len(places)), 3)
-    columns = np.repeat(pad.triangles, len(local), axis=0).ravel()
-    values = np.tile(local, (len(corners), 1)).ravel()
-    hats = coo_matrix((values, (rows, columns)), shape=(len(places), len(points))).tocsr()
-    owned = areas @ hats
-    share = np.divide(pad.areas, owned, out=np.zeros_like(owned), where=owned > 0)
+    fine = net(pad, cuts(pad, sensor.sigma))
+    areas = np.asarray(fine.loads.sum(axis=1)).ravel()
     kept = areas > 0
-    return places[kept], areas[kept], (hats @ diags(share))[kept]
-
-
-def _pieces(parts: int) -> "Array":
-    """Return the middles (parts², 3) of the pieces of a triangle, in its three coordinates."""
-    i, j = np.meshgrid(np.arange(parts), np.arange(parts), indexing="ij")
-    up, down = i + j < parts, i + j < parts - 1
-    one = np.concatenate([i[up] + 1 / 3, i[down] + 2 / 3]) / parts
-    two = np.concatenate([j[up] + 1 / 3, j[down] + 2 / 3]) / parts
-    return np.column_stack([one, two, 1 - one - two])
+    weights = sensor.weights((fine.between @ places)[kept], areas[kept]) / areas[kept]
+    return np.asarray(weights @ fine.loads[kept])
 
 
 def on_plate(result: "Result") -> "Array":

@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.records import Array, Integers, Result
 from fefinger.scene import Flat, Sphere
-from fefinger.sensing import finer
+from fefinger.sensing import response
 from fefinger.theory.moments import Moments, moments
 from fefinger.theory.sensor import ArraySensor, isobar
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -228,8 +228,11 @@ def _sensed(seen: View, where: float) -> dict[str, Any]:
         return {}
     heaviest = pressure[int(np.argmax(seen.result.response.force))] * pad.areas
     middle = heaviest @ seen.places / heaviest.sum()
-    fine, areas, hats = finer(seen.places - middle, pad, sensor.sigma / 2)
-    felt, element = sensor.weights(fine, areas) @ (hats @ _at(pressure, where)), sensor.pitch**2
+    try:
+        weights = response(sensor, pad, seen.places - middle)
+    except ValueError as error:
+        return {"sensor_note": f"not read: {error}"}
+    felt, element = weights @ _at(pressure, where), sensor.pitch**2
     places = sensor.positions + middle
     triangles = _both_ways(sensor)
     halves = np.full(len(triangles), element / 4)
