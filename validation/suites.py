@@ -39,6 +39,16 @@ def figures(suites: Sequence[str]) -> dict[str, list[tuple[str, Any]]]:
     return found
 
 
+def findings(suites: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return what those suites find that say it: texts and tables."""
+    found = {}
+    for suite in suites:
+        module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
+        if hasattr(module, "finding"):
+            found[suite] = module.finding()
+    return found
+
+
 def run(
     suites: Sequence[str] = (),
     *,

@@ -41,10 +41,12 @@ def validate(
         from fefinger.validation import index
         from fefinger.validation.provenance import provenance
 
-        pictures = known.figures([suite["suite"] for suite in record["suites"]])
+        names = [suite["suite"] for suite in record["suites"]]
+        pictures, findings = known.figures(names), known.findings(names)
         options = {"--quick": quick, "--all": every}
         words = ["fefinger validate", *suites, *(key for key, given in options.items() if given)]
-        validation_report.save(record, folder, pictures, provenance(" ".join(words)), name)
+        made = provenance(" ".join(words))
+        validation_report.save(record, folder, pictures, made, name, findings)
         if (folder / "index.html").exists():
             index.write(folder)
     if as_json:
