@@ -7,10 +7,11 @@ from typing import Any, Self
 from fefinger import library
 from fefinger.checks import InputError, choice, number
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
+from fefinger.tissue import Hard, Tissue
 
 
-BONES = ("rigid",)
+RIGID = "rigid"
+NAILS = ("free",)
 RELAXATIONS = ("whole", "deviatoric")
 CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
@@ -52,7 +53,12 @@ class Finger:
     relaxation
         What relaxes: the "whole" stress, or the "deviatoric" part alone (`solid` only).
     bone
-        "rigid".
+        "rigid", or a Hard bone that is held at its cut ([finger.bone] modulus in kPa, 17e6 along
+        the shaft of a long bone); `linear` and `solid` only.
+    nail
+        None is held with the bone, as glued in the experiment; "free" leaves the skin under it
+        free, and a Hard nail stiffens that skin ([finger.nail] modulus in kPa, some 2e6), which
+        then floats on its bed; `linear` and `solid` only.
     cut
         What holds the proximal cut: "fixed" holds it, with "nail" only nail and bone hold the
         finger.
@@ -78,7 +84,8 @@ class Finger:
     subcutaneous: Tissue = _FROM_LIBRARY
     prony: Prony = _FROM_LIBRARY
     relaxation: str = "whole"
-    bone: str = "rigid"
+    bone: str | Hard = RIGID
+    nail: str | Hard | None = None
     cut: str = "fixed"
     resolution: str = AUTO
 
@@ -96,7 +103,10 @@ class Finger:
         for size in ("width", "thickness", "pad_radius"):
             value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
             object.__setattr__(self, size, value)
-        choice("finger.bone", self.bone, BONES)
+        if not isinstance(self.bone, Hard):
+            choice("finger.bone", self.bone, (RIGID,))
+        if self.nail is not None and not isinstance(self.nail, Hard):
+            choice("finger.nail", self.nail, NAILS)
         choice("finger.relaxation", self.relaxation, RELAXATIONS)
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, (AUTO, *RESOLUTIONS))
