@@ -382,5 +382,5 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
 def test_a_measure_that_is_the_same_everywhere_has_no_panel():
     told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
     drawn = study_figures.panels(told, "x_deg", [])
-    titles = [axis.get_title() for axis in drawn.axes if axis.axison]
+    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
     assert titles == ["force / N"]
