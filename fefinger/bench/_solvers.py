@@ -134,7 +134,10 @@ def _exponents(name: str, rows: list[tuple[int, dict[str, float]]]) -> Iterator[
         return
     unknowns = np.log([count for count, _ in rows])
     for key in rows[0][1]:
-        slope = np.polyfit(unknowns, np.log([costs[key] for _, costs in rows]), 1)[0]
+        spent = np.array([costs[key] for _, costs in rows])
+        if (spent <= 0).any():  # memory that was at hand already
+            continue
+        slope = np.polyfit(unknowns, np.log(spent), 1)[0]
         yield Figure(f"exponent in the unknowns, {name}, {key}", float(slope), "1")
 
 
