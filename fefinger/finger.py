@@ -129,6 +129,13 @@ class Finger:
             if not isinstance(getattr(self, name), kind):
                 msg = f"finger.{name}: expected a {kind.__name__}, received {getattr(self, name)!r}"
                 raise InputError(msg)
+        for name, part in (("bone", self.bone), ("nail", self.nail)):
+            if isinstance(part, Hard) and part.modulus < self.skin.modulus:
+                msg = (
+                    f"finger.{name}.modulus: expected at least that of the skin, "
+                    f"{self.skin.modulus:g} kPa, received {part.modulus:g} kPa; a GPa is 1e6 kPa"
+                )
+                raise InputError(msg)
         number("finger.skin.thickness", self.skin.thickness, above=0, below=self.pulp, unit="mm")
         if self.subcutaneous.thickness is not None:
             msg = (

@@ -39,6 +39,9 @@ SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
 
 LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 
+SAME = 0.005
+"""Part of a measure by which it may vary and count as the same."""
+
 STEP = 4.0
 """kPa between isobars, as in Figure 3-3."""
 
@@ -53,10 +56,11 @@ def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
 
 
 def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) -> Any:
-    """Draw every measure of `rows` against the column `x`, one color per series."""
-    known = [
-        name for name in PANELS if name not in skip and any(_number(row, name) for row in rows)
-    ]
+    """Draw every measure of `rows` against the column `x`, one color per series.
+
+    A measure that is the same everywhere, as the depth at the end of equal presses, is left out.
+    """
+    known = [name for name in PANELS if name not in skip and _varies(rows, name)]
     count = max(-(-len(known) // 3), 1)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.7 + 2.15 * count)
@@ -121,6 +125,12 @@ def _number(row: Mapping[str, Any], name: str) -> bool:
     """Return whether a row has a finite number in a column."""
     value = row.get(name)
     return isinstance(value, int | float) and bool(np.isfinite(value))
+
+
+def _varies(rows: Rows, name: str) -> bool:
+    """Return whether a column has numbers, and not one and the same within SAME."""
+    found = [row[name] for row in rows if _number(row, name)]
+    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > SAME * np.abs(found).max())
 
 
 def _words(column: str) -> str:

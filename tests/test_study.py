@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import study_tasks, study_workers
+from fefinger import study_figures, study_tasks, study_workers
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.run import run
@@ -377,3 +377,10 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     assert len(none.failures) == 2
     none.save(tmp_path)
     assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()
+
+
+def test_a_measure_that_is_the_same_everywhere_has_no_panel():
+    told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
+    drawn = study_figures.panels(told, "x_deg", [])
+    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
+    assert titles == ["force / N"]

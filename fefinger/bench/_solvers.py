@@ -134,10 +134,11 @@ def _exponents(name: str, rows: list[tuple[int, dict[str, float]]]) -> Iterator[
         return
     unknowns = np.log([count for count, _ in rows])
     for key in rows[0][1]:
-        values = np.array([costs[key] for _, costs in rows])
-        if (values > 0).all():  # small cubes may fit in memory that is there already
-            slope = float(np.polyfit(unknowns, np.log(values), 1)[0])
-            yield Figure(f"exponent in the unknowns, {name}, {key}", slope, "1")
+        spent = np.array([costs[key] for _, costs in rows])
+        if (spent <= 0).any():  # memory that was at hand already
+            continue
+        slope = np.polyfit(unknowns, np.log(spent), 1)[0]
+        yield Figure(f"exponent in the unknowns, {name}, {key}", float(slope), "1")
 
 
 def _memory(*, reset: bool = False) -> float | None:

@@ -50,18 +50,23 @@ def study(
     from fefinger.study_grid import parse_over
 
     over, changed = parse_over(grid), settings(changes)
-    with console.progress() as report:
-        found = answer(
-            scene,
-            over,
-            changes=changed,
-            at=at or AT,
-            mechanics=mechanics,
-            folder=output,
-            workers=workers,
-            scheduler=scheduler,
-            progress=report,
-        )
+    try:
+        with console.progress() as report:
+            found = answer(
+                scene,
+                over,
+                changes=changed,
+                at=at or AT,
+                mechanics=mechanics,
+                folder=output,
+                workers=workers,
+                scheduler=scheduler,
+                progress=report,
+            )
+    except KeyboardInterrupt:
+        if output is not None:
+            click.echo("the same command goes on from the scenes that are finished", err=True)
+        raise
     files = [] if output is None else found.save(output)
     record = console.study_record(found, files)
     if as_json:
