@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from fefinger.scene import Scene as Scene
     from fefinger.stiffening import Stiffening as Stiffening
     from fefinger.theory.relaxation import Prony as Prony
+    from fefinger.tissue import Hard as Hard
     from fefinger.tissue import Tissue as Tissue
 
 __version__ = VERSION
@@ -82,7 +83,7 @@ _HOMES = {
     "scene": ("Scene",),
     "theory.relaxation": ("Prony",),
     "stiffening": ("Stiffening",),
-    "tissue": ("Tissue",),
+    "tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -12,6 +12,10 @@ from fefinger.neural.endorgans import TYPES
 from fefinger.neural.generators import GENERATORS
 
 
+SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")
+"""Names of the linear solvers of the finite elements, see `fem.solvers`."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Ask:
     """What the answer should hold, and how good it has to be.
@@ -36,6 +40,8 @@ class Ask:
         What part of the strain drives a type, where it differs from the default.
     generator
         Current as a function of the end organ's output: "saturating", or "linear" as the thesis.
+    solver
+        Linear solver of the finite elements; by default the fastest that fits in the free memory.
     """
 
     force: bool = True
@@ -49,6 +55,7 @@ class Ask:
     drives: Mapping[str, str] = field(default_factory=dict, hash=False)
     generator: str = "saturating"
     population: Layout | None = None
+    solver: str | None = None
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -68,6 +75,8 @@ class Ask:
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         choice("ask.generator", self.generator, GENERATORS)
+        if self.solver is not None:
+            choice("ask.solver", self.solver, SOLVERS)
         population: Any = self.population
         if population is not None and not isinstance(population, Layout):
             msg = f"ask.population: expected a Layout, received {population!r}"

@@ -7,10 +7,11 @@ from typing import Any, Self
 from fefinger import library
 from fefinger.checks import InputError, choice, number
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
+from fefinger.tissue import Hard, Tissue
 
 
-BONES = ("rigid",)
+RIGID = "rigid"
+NAILS = ("free",)
 RELAXATIONS = ("whole", "deviatoric")
 CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
@@ -52,7 +53,12 @@ class Finger:
     relaxation
         What relaxes: the "whole" stress, or the "deviatoric" part alone (`solid` only).
     bone
-        "rigid".
+        "rigid", or a Hard bone that is held at its cut ([finger.bone] modulus in kPa, 17e6 along
+        the shaft of a long bone); `linear` and `solid` only.
+    nail
+        None is held with the bone, as glued in the experiment; "free" leaves the skin under it
+        free, and a Hard nail stiffens that skin ([finger.nail] modulus in kPa, some 2e6), which
+        then floats on its bed; `linear` and `solid` only.
     cut
         What holds the proximal cut: "fixed" holds it, with "nail" only nail and bone hold the
         finger.
@@ -78,7 +84,8 @@ class Finger:
     subcutaneous: Tissue = _FROM_LIBRARY
     prony: Prony = _FROM_LIBRARY
     relaxation: str = "whole"
-    bone: str = "rigid"
+    bone: str | Hard = RIGID
+    nail: str | Hard | None = None
     cut: str = "fixed"
     resolution: str = AUTO
 
@@ -96,7 +103,10 @@ class Finger:
         for size in ("width", "thickness", "pad_radius"):
             value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
             object.__setattr__(self, size, value)
-        choice("finger.bone", self.bone, BONES)
+        if not isinstance(self.bone, Hard):
+            choice("finger.bone", self.bone, (RIGID,))
+        if self.nail is not None and not isinstance(self.nail, Hard):
+            choice("finger.nail", self.nail, NAILS)
         choice("finger.relaxation", self.relaxation, RELAXATIONS)
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, (AUTO, *RESOLUTIONS))
@@ -118,6 +128,13 @@ class Finger:
         for name, kind in (("skin", Tissue), ("subcutaneous", Tissue), ("prony", Prony)):
             if not isinstance(getattr(self, name), kind):
                 msg = f"finger.{name}: expected a {kind.__name__}, received {getattr(self, name)!r}"
+                raise InputError(msg)
+        for name, part in (("bone", self.bone), ("nail", self.nail)):
+            if isinstance(part, Hard) and part.modulus < self.skin.modulus:
+                msg = (
+                    f"finger.{name}.modulus: expected at least that of the skin, "
+                    f"{self.skin.modulus:g} kPa, received {part.modulus:g} kPa; a GPa is 1e6 kPa"
+                )
                 raise InputError(msg)
         number("finger.skin.thickness", self.skin.thickness, above=0, below=self.pulp, unit="mm")
         if self.subcutaneous.thickness is not None:

@@ -36,7 +36,7 @@ from fefinger.motion import (
 )
 from fefinger.tables import parse, parts, read, tables
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
+from fefinger.tissue import Hard, Tissue
 
 
 __all__ = [
@@ -54,6 +54,7 @@ __all__ = [
     "ForceTrapezoid",
     "Grating",
     "Grid",
+    "Hard",
     "Indenter",
     "Layout",
     "Line",

@@ -14,7 +14,7 @@ from fefinger.indenter import INDENTERS, Flat, Indenter, Relief
 from fefinger.layout import LAYOUTS, Layout, Scatter
 from fefinger.motion import MOTIONS, Motion, SampledMotion
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
+from fefinger.tissue import Hard, Tissue
 
 
 SUBJECT = "subject"
@@ -103,6 +103,9 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
             given.pop("prony", None)
             own = None if shared else pronies.get(f"finger.{layer}")
             table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer), own)
+    for part in ("bone", "nail"):
+        if isinstance(table.get(part), Mapping):
+            table[part] = _hard(f"finger.{part}", dict(table[part]))
     if "prony" in table or shared:
         table["prony"] = shared or pronies["finger"]
     if subject is not None:
@@ -124,6 +127,15 @@ def _layer(name: str, given: dict[str, Any], known: Tissue, prony: Prony | None)
         return Tissue(**(_plain(known) | given | {"prony": prony}))
     except InputError as error:
         msg = str(error).replace("tissue", name, 1)
+        raise InputError(msg) from None
+
+
+def _hard(name: str, given: dict[str, Any]) -> Hard:
+    """Return the hard part of a table."""
+    try:
+        return cast(Hard, _record(Hard, name, given))
+    except InputError as error:
+        msg = str(error).replace("hard", name, 1) if str(error).startswith("hard") else str(error)
         raise InputError(msg) from None
 
 
@@ -205,7 +217,7 @@ def _plain(record: Any) -> dict[str, Any]:
     table: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)
-        if isinstance(value, Tissue | Prony):
+        if isinstance(value, Tissue | Hard | Prony):
             value = _plain(value)
         elif isinstance(value, Layout):
             value = {"kind": value.kind, **_plain(value)}

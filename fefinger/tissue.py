@@ -1,4 +1,4 @@
-"""One soft layer of the finger."""
+"""What the finger is made of: soft layers, and bone and nail where they are not rigid."""
 
 from dataclasses import dataclass
 
@@ -78,3 +78,31 @@ class Tissue:
         if self.share is not None:
             checked["share"] = number("tissue.share", self.share, at_least=0, at_most=1)
         return checked
+
+
+@dataclass(frozen=True)
+class Hard:
+    """A hard part of the finger, elastic and isotropic, that does not relax.
+
+    Parameters
+    ----------
+    modulus
+        Young's modulus in kPa.
+    poisson
+        Poisson's ratio, 0 to 0.5.
+
+    Raises
+    ------
+    InputError
+        A value that is not a finite number in its range.
+    """
+
+    modulus: float
+    poisson: float = 0.3
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        modulus = number("hard.modulus", self.modulus, above=0, unit="kPa")
+        object.__setattr__(self, "modulus", modulus)
+        poisson = number("hard.poisson", self.poisson, at_least=0, at_most=0.5)
+        object.__setattr__(self, "poisson", poisson)

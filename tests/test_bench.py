@@ -8,7 +8,7 @@ from fefinger.validation import fem_hertz
 
 from fefinger import bench
 from fefinger.__main__ import main
-from fefinger.bench import fem, neural
+from fefinger.bench import _solvers, fem, neural
 from fefinger.neural.membranes import HodgkinHuxley
 
 
@@ -57,15 +57,19 @@ def test_the_fem_suite_measures_every_stage(monkeypatch):
     monkeypatch.setattr(fem, "RESOLUTION", "coarse")
     monkeypatch.setattr(fem, "REPEATS", 1)
     monkeypatch.setattr(fem, "STEPS", 20)
-    monkeypatch.setattr(fem, "CUBES", (3, 4, 5))
+    monkeypatch.setattr(_solvers, "SIZES", {"multifrontal": (3, 4, 5), "iterative": (4, 5)})
+    monkeypatch.setattr(_solvers, "HARD", 4)
     monkeypatch.setattr(fem, "HERTZ", fem_hertz.LEVELS[0])
     figures = {figure.name: figure for figure in bench.run(["fem"])["fem"]}
     assert figures["unknowns"].value > 10_000
     errors = {name for name in figures if name.startswith("Hertz") and figures[name].unit == "%"}
     assert {name.partition(": ")[2] for name in errors} < set(fem_hertz.TARGETS)
     assert all(abs(figures[name].value) > 0 for name in errors)
-    assert all(figure.value > 0 for name, figure in figures.items() if name not in errors)
-    assert 0.5 < figures["exponent in the unknowns, memory of the factor"].value < 2
+    less = {name for name in figures if "memory" in name or "exponent" in name}
+    assert all(figures[name].value > 0 for name in figures.keys() - errors - less)
+    assert "exponent in the unknowns, multifrontal, one load: CPU" in figures
+    counts = [f.value for name, f in figures.items() if name.startswith("iterative, ")]
+    assert 40 < counts[0] < counts[2] < counts[3] < counts[4]
     assert figures["factor: entries"].ratio < 1.5
     for name in ("factor: CPU", "64 loads: CPU"):
         assert figures[name].baseline > 0

@@ -14,22 +14,21 @@ from numpy.typing import NDArray
 from fefinger import scenes
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.forms import Elastic
 from fefinger.fem.probe import strain_at
+from fefinger.finger import RIGID
 from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._press import held, press, tissues
 from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import BONE
 from fefinger.records import Response
 from fefinger.run import fire
-from fefinger.scene import Flat, Ramp, Scene
+from fefinger.scene import Flat, Hard, Ramp, Scene
 
 
 Array = NDArray[np.float64]
 
 DEPTH = 1.0  # mm
-BONE_TISSUE = Elastic(17e6, 0.3)  # along the bone: Reilly and Burstein, J. Biomech. 8:393, 1975
+BONE_TISSUE = Hard(17e6, 0.3)  # along the bone: Reilly and Burstein, J. Biomech. 8:393, 1975
 QUICK, STANDARD = "coarse", "standard"
 KINDS = ("SAI", "SAII", "FAI", "FAII")
 
@@ -46,11 +45,9 @@ class Balance:
 @cache
 def pressed(resolution: str, depth: float, *, elastic: bool = False) -> Balance:
     """Return the press of relaxed tissue; an `elastic` bone is held at its cut, not all around."""
-    finger = replace(scenes.load("flat-press").finger, resolution=resolution)
-    materials, holds = tissues(finger), held(finger)
-    if elastic:
-        materials, holds = materials | {BONE: BONE_TISSUE}, (*holds[1:], "bone-cut")
-    whole = body(ready(finger, half=True), materials, holds)
+    bone = BONE_TISSUE if elastic else RIGID
+    finger = replace(scenes.load("flat-press").finger, resolution=resolution, bone=bone)
+    whole = body(ready(finger, half=True), tissues(finger), held(finger))
     touch = _placing.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
     small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))

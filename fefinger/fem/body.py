@@ -54,11 +54,17 @@ class Reduced:
     approach: Array
 
 
-def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) -> Body:
+def body(
+    mesh: FingerMesh,
+    tissues: Mapping[int, Elastic],
+    held: Sequence[str],
+    solver: str | None = None,
+) -> Body:
     """Assemble and factor the cells of `mesh` whose region is in `tissues`.
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
-    A region that is left out (a rigid bone) must be held through the facets that bound it.
+    A region that is left out (a rigid bone) must be held through the facets that bound it. `solver`
+    as in `solve.factor`.
 
     Raises
     ------
@@ -67,7 +73,8 @@ def body(mesh: FingerMesh, tissues: Mapping[int, Elastic], held: Sequence[str]) 
     """
     _check(mesh, tissues)
     soft = solid(mesh, tissues)
-    system = factor(soft.space, stiffness(soft.space, tissues), prescribed(soft, mesh, held))
+    fixed = prescribed(soft, mesh, held)
+    system = factor(soft.space, stiffness(soft.space, tissues), fixed, solver)
     return Body(soft.space, soft.pad, soft.normals, soft.original, soft.half, system)
 
 

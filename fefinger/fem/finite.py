@@ -4,7 +4,7 @@ The unknowns are those of `spaces.Space`: displacements, then elastic pressures 
 `scale`. At rest the tangent is the matrix of `forms.stiffness`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,8 +116,12 @@ class Continuum:
         return float(kernels.energy(*self._places(values), memory.gains, memory.past))
 
 
-def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
+def continuum(
+    space: Space, tissues: Mapping[int, Law], soft: Collection[int] | None = None
+) -> Continuum:
     """Return the elements of `space`, with the law of every label in `space.tissue`.
+
+    `soft` are the labels whose stiffness sets the scale, all by default.
 
     Raises
     ------
@@ -133,7 +137,7 @@ def continuum(space: Space, tissues: Mapping[int, Law]) -> Continuum:
     linear = Basis(basis.mesh, ElementTetP1(), quadrature=quadrature)
     corners = space.points[space.vertices]
     edges = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)
-    scale = max(law.shear for law in tissues.values())
+    scale = max(law.shear for k, law in tissues.items() if soft is None or k in soft)
     laws = {
         k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()
     }

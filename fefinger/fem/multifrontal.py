@@ -58,6 +58,11 @@ class Dissection:
     order: Integers
     fronts: tuple[Front, ...]
 
+    @property
+    def entries(self) -> int:
+        """Number of entries of a factor."""
+        return sum((f.stop - f.start) * (f.stop - f.start + len(f.rest)) for f in self.fronts)
+
 
 @dataclass(frozen=True)
 class Eliminated:

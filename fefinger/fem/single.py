@@ -38,6 +38,11 @@ class Single:
     rest: Integers
     values: Floats
 
+    @property
+    def entries(self) -> int:
+        """Number of entries stored."""
+        return len(self.values)
+
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
         work = right[self.order].astype(np.float32)

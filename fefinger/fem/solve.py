@@ -1,12 +1,12 @@
-"""Solution of the symmetric mixed system for many loads on one factor.
+"""Solution of the symmetric mixed system for many loads with one of the `solvers`.
 
-The factor is `multifrontal`: on the standard finger (reports/bench-fem.json, one thread) 4 times
-faster than SuperLU on the same order of the unknowns, and 3 times faster for its loads. In trials
-PARDISO took 1.4 to 2.9 s for the factor (here 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads (here 0.4
-s), so neither it nor its 0.9 GB of MKL is a dependency.
+Whatever the solver, its answer is refined until the residual of the true matrix is small. The
+factor of choice is `multifrontal`: on the standard finger (reports/bench-fem.json, one thread) 4
+times faster than SuperLU on the same order of the unknowns, and 3 times faster for its loads. In
+trials PARDISO took 1.4 to 2.9 s for the factor (here 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads
+(here 0.4 s), so neither it nor its 0.9 GB of MKL is a dependency.
 
-For nu < 0.5 the matrix is quasi-definite; at nu = 0.5 a slightly compressible neighbor is factored
-and the solution is refined until the residual of the true matrix is small.
+For nu < 0.5 the matrix is quasi-definite; at nu = 0.5 a slightly compressible neighbor is factored.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.checks import ConvergenceError, InputError, choice
 from fefinger.fem import multifrontal, single
+from fefinger.fem.solvers import SOLVERS, Equations, Solver, choose
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
 from fefinger.tolerances import FACTOR_COMPRESSIBILITY, FORCE_BALANCE, LINEAR_RESIDUAL
@@ -26,17 +27,18 @@ REFINEMENTS = 8
 
 @dataclass(frozen=True)
 class System:
-    """A factored linear system with some unknowns prescribed.
+    """A linear system with some unknowns prescribed, and its solver.
 
     matrix: the full symmetric matrix; free, fixed: unknown numbers; reduced: the matrix of the
-    free unknowns; factor: that of it or of its compressible neighbor.
+    free unknowns; solver, of the kind `name`: for it or for its compressible neighbor.
     """
 
     matrix: sparse.csr_matrix
     free: Integers
     fixed: Integers
     reduced: sparse.csr_matrix
-    factor: multifrontal.Factor
+    name: str
+    solver: Solver
     dissection: multifrontal.Dissection
 
     @one_thread
@@ -68,13 +70,15 @@ class System:
     def _refined(self, right: Array) -> Array:
         scale = np.linalg.norm(right, axis=0)
         scale = np.where(scale > 0, scale, 1.0)
-        answer = self.factor.solve(right)
+        answer, worst = self.solver.solve(right), np.inf
         for _ in range(REFINEMENTS):
-            residual = right - self.reduced @ answer
+            residual, last = right - self.reduced @ answer, worst
             worst = float(np.max(np.linalg.norm(residual, axis=0) / scale, initial=0.0))
             if worst <= LINEAR_RESIDUAL:
                 return answer
-            answer = answer + self.factor.solve(residual)
+            if last / 2 < worst <= FORCE_BALANCE:
+                break  # it no longer falls: what is left may be rounding
+            answer = answer + self.solver.solve(residual)
         # A stiff part that floats on a soft one moves as a whole: its forces are small differences.
         sums = np.linalg.norm(abs(self.reduced) @ np.abs(answer), axis=0)
         rounding = float(np.finfo(float).eps * np.max(sums / scale, initial=0.0))
@@ -87,8 +91,8 @@ class System:
                 "one that carries it; bring their moduli closer or hold the stiff one"
             )
         message = (
-            f"linear solution: asked for a relative residual of {LINEAR_RESIDUAL:g}, reached "
-            f"{worst:.1e}; {advice}"
+            f"linear solution ({self.name}): asked for a relative residual of "
+            f"{LINEAR_RESIDUAL:g}, reached {worst:.1e}; {advice}"
         )
         raise ConvergenceError(message)
 
@@ -98,16 +102,17 @@ def factor(
     space: Space,
     matrix: sparse.csr_matrix,
     fixed: Integers,
-    dissection: multifrontal.Dissection | None = None,
+    solver: str | None = None,
 ) -> System:
-    """Factor `matrix` of `space` with the unknowns `fixed` prescribed.
+    """Prepare `matrix` of `space` for loads, with the unknowns `fixed` prescribed.
 
-    `dissection` is that of the same space and unknowns, where it is known already.
+    `solver` is one of `solvers.SOLVERS`; by default what `solvers.choose` takes.
 
     Raises
     ------
     InputError
-        If the fixed unknowns leave a rigid motion free, or a cell is degenerate.
+        If the fixed unknowns leave a rigid motion free, a cell is degenerate, or the solver is not
+        known or not installed.
     """
     is_free = np.ones(space.n_unknowns, dtype=np.bool_)
     is_free[fixed] = False
@@ -116,15 +121,16 @@ def factor(
         raise InputError(message)
     free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    if dissection is None:
-        dissection = multifrontal.dissect(
-            number[space.unknowns],
-            space.points[space.vertices].mean(axis=1),
-            int(is_free[: space.n_displacements].sum()),
-        )
+    dissection = multifrontal.dissect(
+        number[space.unknowns],
+        space.points[space.vertices].mean(axis=1),
+        int(is_free[: space.n_displacements].sum()),
+    )
     neighbor = compressible(space, matrix)[free][:, free].tocsr()
-    factored = multifrontal.factor(neighbor, dissection)
-    return System(matrix, free, held, matrix[free][:, free].tocsr(), factored, dissection)
+    equations = Equations(space, matrix, free, neighbor, dissection)
+    name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
+    reduced = matrix[free][:, free].tocsr()
+    return System(matrix, free, held, reduced, name, SOLVERS[name](equations), dissection)
 
 
 def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Single:

@@ -21,7 +21,7 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.fem.spaces import Array
 from fefinger.mechanics._kept import folder, identity, parities
-from fefinger.mechanics._notes import apart
+from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._press import Method, held
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
@@ -42,7 +42,7 @@ def operator(
         If the tissues of the finger do not relax as one, so that no step of it would be right; or
         the cache holds something else under the hash of this finger.
     """
-    for reason in apart(finger):
+    for reason in (*yielding(finger), *apart(finger)):
         message = f"{reason}; use the mechanics 'solid'"
         raise InputError(message)
     mesh = ready(finger, half=True)
@@ -178,7 +178,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 METHOD = Method(
-    lambda finger, mesh, report: operator(finger, half=mesh.half, progress=report),
+    lambda scene, mesh, report: operator(scene.finger, half=mesh.half, progress=report),
     reduction.reduce,
     loop.march,
     reduction.displaced,

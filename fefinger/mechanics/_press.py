@@ -19,6 +19,7 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
 from fefinger.mechanics import _placing
+from fefinger.mechanics._hard import elastic, held, with_nail
 from fefinger.mechanics._notes import normalized, relaxing
 from fefinger.mechanics._skin import meshed
 from fefinger.mechanics._symmetry import symmetric
@@ -55,7 +56,7 @@ FRAMES_MOVING, FRAMES_RESTING = 20, 6
 class Method:
     """How a mechanics solves: the solid, its reduction to a patch, its march and its fields.
 
-    solid(finger, mesh, report); reduce and march as in `fem.body` and `fem.march`; unknowns(solid,
+    solid(scene, mesh, report); reduce and march as in `fem.body` and `fem.march`; unknowns(solid,
     loads) gives the displacement under loads on the pad; touch(indenter) where the mesh is fine.
     """
 
@@ -66,13 +67,18 @@ class Method:
     touch: Callable[[Indenter], float | tuple[float, float] | None]
 
 
-def factored(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) -> Body:
-    """Return the finger as a body with a factor of its own."""
-    return body(mesh, tissues(finger), held(finger))
+def factored(scene: Scene, mesh: FingerMesh) -> Body:
+    """Return the finger of a scene as a body with a linear solver of its own."""
+    finger = scene.finger
+    return body(with_nail(finger, mesh), tissues(finger), held(finger), scene.ask.solver)
 
 
 WHOLE_MESH = Method(
-    factored, reduce, march, lambda solid, loads: solid.system.solve(loads), meshed_at
+    lambda scene, mesh, report: factored(scene, mesh),
+    reduce,
+    march,
+    lambda solid, loads: solid.system.solve(loads),
+    meshed_at,
 )
 
 
@@ -98,7 +104,7 @@ def press(
     with stages.stage("mesh"):
         mesh = ready(scene.finger, half=symmetric(scene), touch=method.touch(scene.indenter))
     with stages.stage("factor") as report:
-        finger = method.solid(scene.finger, mesh, report)
+        finger = method.solid(scene, mesh, report)
     touch = _placing.obstacle(scene.indenter, finger)
     check_depth(scene, finger, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
@@ -112,19 +118,21 @@ def press(
         **_answer(scene, finger, contact, reference, fields),
         seconds=stages.seconds,
         notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
+        sources=origins(mesh, finger),
     )
+
+
+def origins(mesh: FingerMesh, finger: Solid) -> dict[str, str]:
+    """Return what an answer was computed from: the mesh, and the solver where it is a choice."""
+    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint}
+    return found | {"solver": finger.system.name} if isinstance(finger, Body) else found
 
 
 def tissues(finger: Finger) -> dict[int, Elastic]:
     """Return the relaxed elasticity of the regions that deform."""
     layers = {1: finger.skin, 2: finger.subcutaneous}
-    return {region: Elastic(layer.modulus, layer.poisson) for region, layer in layers.items()}
-
-
-def held(finger: Finger) -> tuple[str, ...]:
-    """Return the facets that do not move."""
-    return ("bone", "nail", "cut") if finger.cut == "fixed" else ("bone", "nail")
+    soft = {region: Elastic(layer.modulus, layer.poisson) for region, layer in layers.items()}
+    return soft | elastic(finger)
 
 
 def skin(finger: Solid) -> Surface:

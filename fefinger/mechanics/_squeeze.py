@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.fem.area import Surface
-from fefinger.fem.body import Body, body
+from fefinger.fem.body import Body
 from fefinger.fem.equilibrium import Equilibrium, State
 from fefinger.fem.finite import Continuum, continuum
-from fefinger.fem.laws import Law, law
+from fefinger.fem.laws import Law, law, neo_hookean
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.passage import Path, Series, StressHistory, follow
 from fefinger.fem.probe import gradient_at, gradient_at_vertices
@@ -62,8 +62,8 @@ def squeeze(
     with stages.stage("mesh"):
         mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
     with stages.stage("factor"):
-        finger = body(mesh, _press.tissues(scene.finger), _press.held(scene.finger))
-        elements = continuum(finger.space, laws(scene.finger))
+        finger = _press.factored(scene, mesh)
+        elements = continuum(finger.space, laws(scene.finger), soft=(1, 2))
     touch = _placing.obstacle(scene.indenter, finger)
     _press.check_depth(scene, finger, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
@@ -85,7 +85,7 @@ def squeeze(
         fields=fields,
         seconds=stages.seconds,
         notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint},
+        sources=_press.origins(mesh, finger),
     )
     if passage.halt:
         raise Stopped(passage.halt, response)
@@ -96,14 +96,14 @@ def laws(finger: Finger) -> dict[int, Law]:
     """Return the relaxed hyperelastic laws of the regions that deform."""
     layers = {1: finger.skin, 2: finger.subcutaneous}
     elastic = _press.tissues(finger)
-    return {
-        region: law(layer.law, elastic[region], layer.exponent, layer.share)
-        for region, layer in layers.items()
-    }
+    found = {region: neo_hookean(elastic[region]) for region in elastic.keys() - layers.keys()}
+    for region, layer in layers.items():
+        found[region] = law(layer.law, elastic[region], layer.exponent, layer.share)
+    return found
 
 
 def relaxations(finger: Finger) -> dict[int, Series]:
-    """Return how the regions that deform relax."""
+    """Return how the soft regions relax."""
     layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
     own = {region: prony or finger.prony for region, prony in layers.items()}
     return {

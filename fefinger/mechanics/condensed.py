@@ -9,14 +9,18 @@ mesh of `linear` follows the touch.
 from dataclasses import replace
 
 from fefinger.mechanics import _evidence, _tradeoff, linear
+from fefinger.mechanics._notes import RIGID_BONE, yielding
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 
 
 name = "condensed"
 
+SOLVER = "multifrontal"
+
 NOTES = (
     *linear.NOTES,
+    RIGID_BONE,
     "The body was reduced once to its pad; the reduction is exact, and is used again.",
 )
 
@@ -27,8 +31,12 @@ BEYOND = (
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
-    """Return why it should not answer, as `linear`."""
-    return tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
+    """Return why it should not answer, as `linear`; and it has one bone and one solver."""
+    unable = yielding(scene.finger)
+    if scene.ask.solver not in (None, SOLVER):
+        unable.append(f"ask.solver = {scene.ask.solver!r}: its operator is made by {SOLVER!r}")
+    own = tuple(Refusal(name, "ability", reason) for reason in unable)
+    return own + tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
 
 
 def cost(scene: Scene) -> float:

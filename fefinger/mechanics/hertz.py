@@ -13,7 +13,7 @@ from fefinger.machine import slowness
 from fefinger.mechanics import _axisymmetric, _tradeoff
 from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
-from fefinger.mechanics._notes import apart, normalized
+from fefinger.mechanics._notes import apart, normalized, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
@@ -154,7 +154,8 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def lacking(scene: Scene) -> list[str]:
     """Return what of a scene no contact of one sphere with one flat body has a place for."""
-    unable = [*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes)]
+    unable = [*yielding(scene.finger), *apart(scene.finger)]
+    unable += too_long(scene.motion, fast="FAII" in scene.ask.spikes)
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):

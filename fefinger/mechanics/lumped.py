@@ -7,7 +7,7 @@ from fefinger import library
 from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.machine import slowness
 from fefinger.mechanics import _tradeoff
-from fefinger.mechanics._notes import apart
+from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.mechanics._touch import check_reached
 from fefinger.records import Progress, Refusal, Response
@@ -57,7 +57,8 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
     unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
-    unable += [*apart(scene.finger), *too_long(scene.motion, fast=False, most=MOST)]
+    unable += [*yielding(scene.finger), *apart(scene.finger)]
+    unable += [*too_long(scene.motion, fast=False, most=MOST)]
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
     if unable:

@@ -5,6 +5,7 @@ small strain. What it still leaves out is in `NOTES`.
 """
 
 from fefinger.mechanics import _evidence, _tradeoff, linear
+from fefinger.mechanics._notes import hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
@@ -18,15 +19,15 @@ NOTES = (
     "Frictionless contact with a rigid indenter, which the skin may slide along.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
-    "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
-    "one of 17 GPa, held at its cut, would take 0.2 % off the force.",
     "Quasi-static: no inertia and no waves.",
 )
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: too many steps, or a mesh error that is not measured."""
-    unable = too_long(scene.motion, fast="FAII" in scene.ask.spikes)
+    unable = list(too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    if scene.ask.solver == "iterative":
+        unable.append("ask.solver = 'iterative': it follows finite strain with factors")
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     doubts = linear.too_small(scene)
@@ -67,4 +68,4 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """
     from fefinger.mechanics._squeeze import squeeze
 
-    return squeeze(scene, progress, mechanics=name, notes=NOTES)
+    return squeeze(scene, progress, mechanics=name, notes=(*NOTES, *hard(scene.finger)))

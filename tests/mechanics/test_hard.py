@@ -1,0 +1,183 @@
+"""Bone and nail: rigid, elastic or left out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fefinger import scenes
+from fefinger.ask import SOLVERS
+from fefinger.checks import InputError
+from fefinger.fem import solvers
+from fefinger.mechanics import LADDER, _hard, _press, condensed, get, linear, solid
+from fefinger.mechanics._operator import operator
+from fefinger.mesh.ready import ready
+from fefinger.records import Response
+from fefinger.run import run
+from fefinger.scene import Finger, Flat, Hard, Prony, Ramp, Scene
+
+
+BONE, NAIL = Hard(17e6), Hard(2e6)
+FINGER = replace(scenes.load("flat-press").finger, resolution="coarse")
+
+
+def scene(solver: str | None = None, depth: float = 0.5, **parts: object) -> Scene:
+    asked = scenes.load("flat-press").ask
+    ask = replace(asked, spikes=(), fields=False, strain=False, rel_error=0.5, solver=solver)
+    motion = Ramp(60, depth, corner=0.0)
+    return Scene(finger=replace(FINGER, **parts), indenter=Flat(30), motion=motion, ask=ask)
+
+
+def force(solver: str | None = None, **parts: object) -> float:
+    return float(linear.respond(scene(solver, **parts)).force[-1])
+
+
+def test_a_stiffer_and_stiffer_bone_becomes_rigid() -> None:
+    rigid = force()
+    apart = [1 - force(bone=Hard(modulus)) / rigid for modulus in (1e6, 1e8, 1e9)]
+    assert 0.003 < apart[0] < 0.03
+    assert apart[2] == pytest.approx(apart[1] / 10, rel=0.03)
+    assert 0 < apart[2] < 1e-4
+
+
+def test_bone_of_17_gpa_takes_off_what_the_suite_finger_says() -> None:
+    from fefinger.validation import finger
+
+    found = finger.yielding("coarse")
+    assert found == pytest.approx(-0.0018, abs=1e-4)
+    relaxed = [float(linear.respond(scene(depth=1.0, bone=b)).force[-1]) for b in ("rigid", BONE)]
+    assert relaxed[1] / relaxed[0] - 1 == pytest.approx(found, rel=0.03)
+
+
+def test_a_nail_of_tissue_is_no_nail_and_a_stiff_one_moves_as_one_piece() -> None:
+    free, glued = force(nail="free"), force()
+    assert force(nail=Hard(FINGER.skin.modulus, FINGER.skin.poisson)) == pytest.approx(
+        free, rel=1e-3
+    )
+    assert free < 0.8 * glued
+    floating = force(nail=NAIL)
+    assert floating == pytest.approx(glued, rel=0.05)
+    assert force(nail=Hard(1e8)) == pytest.approx(floating, rel=2e-3)
+
+
+def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
+    mesh = ready(FINGER, half=True)
+    found = _hard.with_nail(replace(FINGER, nail=NAIL), mesh)
+    nail = found.region == _hard.NAIL
+    assert (mesh.region[nail] == 1).all()
+    assert np.array_equal(found.region[~nail], mesh.region[~nail])
+    under = np.isin(mesh.cells[nail], mesh.facets["nail"]).any(axis=1)
+    assert under.mean() > 0.6
+    corners = mesh.points[mesh.facets["nail"]]
+    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outline = np.linalg.norm(sides, axis=1).sum() / 2
+    cells = mesh.points[mesh.cells[nail]]
+    volume = np.abs(np.linalg.det(cells[:, 1:] - cells[:, :1])).sum() / 6
+    assert volume / outline == pytest.approx(FINGER.skin.thickness, rel=0.15)
+
+
+def test_solid_becomes_linear_in_small_presses_on_an_elastic_bone() -> None:
+    asked = scene(depth=0.05, bone=Hard(1e5), nail=NAIL, prony=Prony([1.0], []))
+    forces = [float(m.respond(asked).force[-1]) for m in (linear, solid)]
+    assert forces[1] == pytest.approx(forces[0], rel=0.03)
+
+
+@pytest.mark.parametrize("parts", [{"bone": BONE}, {"nail": NAIL}, {"nail": "free"}])
+def test_mechanics_with_a_rigid_bone_refuse(parts: dict[str, object]) -> None:
+    asked = scene(**parts)
+    for name in LADDER:
+        unable = [r.reason for r in get(name).refuse(asked) if r.about == "ability"]
+        told = [reason for reason in unable if reason.startswith(f"finger.{next(iter(parts))}")]
+        assert bool(told) == (name not in ("linear", "solid")), name
+    with pytest.raises(InputError, match=r"finger\.(bone.modulus = 1.7e\+07|nail).*'solid'"):
+        operator(asked.finger, half=True)
+
+
+def test_a_bone_as_soft_as_tissue_is_left_to_solid() -> None:
+    reasons = [r.reason for r in linear.refuse(scene(bone=Hard(1e5), nail=Hard(1e4)))]
+    assert any("finger.bone.modulus / finger.skin.modulus = 977 < 50000" in r for r in reasons)
+    assert any("finger.nail.modulus / finger.skin.modulus = 97.7 < 1000" in r for r in reasons)
+    assert not any("modulus" in r.reason for r in linear.refuse(scene(bone=BONE, nail=NAIL)))
+
+
+def test_the_notes_say_what_is_hard() -> None:
+    def told(**parts: object) -> str:
+        return " ".join(linear.respond(scene(**parts)).notes)
+
+    assert "as glued in the experiment; an elastic one" in told()
+    assert "elastic, of 1.7e+07 kPa, and is held at its cut. The nail is held" in told(bone=BONE)
+    assert "The bone is rigid. The nail is left out" in told(nail="free")
+    assert "has the 2e+06 kPa of the nail" in told(nail=NAIL)
+
+
+def test_scenes_keep_hard_parts_and_others_are_written_as_before() -> None:
+    given = {"name": "x", "finger": {"subject": "a.h."}, "motion": {"kind": "ramp", "speed": 1.0}}
+    given["motion"]["depth"] = 1.0
+    plain = Scene.from_dict(given)
+    assert plain.to_dict()["finger"]["bone"] == "rigid"
+    assert "nail" not in plain.to_dict()["finger"]
+    assert "solver" not in plain.to_dict()["ask"]
+    given["finger"] |= {"bone": {"modulus": 17e6}, "nail": {"modulus": 2e6, "poisson": 0.4}}
+    given["ask"] = {"solver": "iterative"}
+    hard = Scene.from_dict(given)
+    assert hard.finger.bone == BONE
+    assert hard.finger.nail == Hard(2e6, 0.4)
+    assert Scene.from_toml(hard.to_toml()) == hard
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "told"),
+    [
+        ("bone", {"modulus": -1.0}, r"finger\.bone\.modulus: expected .*above 0.* -1"),
+        ("bone", {"modulus": 17.0}, r"finger\.bone\.modulus: .*of the skin.* 17 kPa; a GPa is 1e6"),
+        ("bone", {}, r"finger\.bone\.modulus: missing"),
+        ("nail", {"modulus": 1.0, "poisson": 0.6}, r"finger\.nail\.poisson: expected .*0\.6"),
+        ("nail", {"modulus": 1.0, "length": 3}, r"finger\.nail"),
+        ("nail", "glued", r"finger\.nail: expected one of 'free'.*'glued'"),
+        ("bone", "elastic", r"finger\.bone: expected one of 'rigid'.*'elastic'"),
+    ],
+)
+def test_bad_hard_parts_are_refused(field: str, value: object, told: str) -> None:
+    table = {"finger": {"subject": "a.h.", field: value}}
+    table["motion"] = {"kind": "ramp", "speed": 1.0, "depth": 1.0}
+    with pytest.raises(InputError, match=told):
+        Scene.from_dict(table)
+
+
+def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
+    assert tuple(solvers.SOLVERS) == SOLVERS
+
+    def answer(solver: str | None) -> Response:
+        return linear.respond(scene(solver, depth=0.05))
+
+    found = {name: answer(name) for name in (None, "single", "iterative")}
+    assert [found[name].sources["solver"] for name in found] == [
+        "multifrontal",
+        "single",
+        "iterative",
+    ]
+    for response in found.values():
+        assert response.force == pytest.approx(found[None].force, rel=1e-8)
+    result = run(scene("single", depth=0.05), mechanics="linear")
+    assert result.provenance["solver"] == "single"
+
+
+def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
+    asked = scene("iterative")
+    told = {name: " ".join(r.reason for r in get(name).refuse(asked)) for name in LADDER}
+    assert "ask.solver = 'iterative': it follows finite strain" in told[solid.name]
+    assert "ask.solver = 'iterative': its operator" in told[condensed.name]
+    assert "ask.solver" not in told[linear.name]
+    with pytest.raises(InputError, match=r"ask\.solver: expected one of 'multifrontal'"):
+        scene("pardiso")
+
+
+def test_the_held_facets_follow_the_hard_parts() -> None:
+    def held(**parts: object) -> tuple[str, ...]:
+        return _press.held(replace(FINGER, **parts))
+
+    assert held() == ("bone", "nail", "cut")
+    assert held(cut="nail") == ("bone", "nail")
+    assert held(bone=BONE) == ("bone-cut", "nail", "cut")
+    assert held(bone=BONE, nail=NAIL, cut="nail") == ("bone-cut",)
+    assert isinstance(Finger.subject("a.h.", bone=BONE).bone, Hard)
