@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.checks import ConvergenceError as ConvergenceError
     from fefinger.checks import InputError as InputError
+    from fefinger.checks import Stopped as Stopped
     from fefinger.files import load as load
     from fefinger.finger import Finger as Finger
     from fefinger.indenter import Bar as Bar
@@ -50,6 +51,8 @@ if TYPE_CHECKING:
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
     from fefinger.realtime import Condensed as Condensed
+    from fefinger.records import Plan as Plan
+    from fefinger.records import Result as Result
     from fefinger.rolling import Rolling as Rolling
     from fefinger.scene import Scene as Scene
     from fefinger.stiffening import Stiffening as Stiffening
@@ -62,7 +65,7 @@ _HOMES = {
     "ask": ("Ask",),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
-    "checks": ("ConvergenceError", "InputError"),
+    "checks": ("ConvergenceError", "InputError", "Stopped"),
     "files": ("load",),
     "finger": ("Finger",),
     "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
@@ -74,6 +77,7 @@ _HOMES = {
     ),
     "plan": ("choose", "explain"),
     "realtime": ("Condensed",),
+    "records": ("Plan", "Result"),
     "rolling": ("Rolling",),
     "scene": ("Scene",),
     "theory.relaxation": ("Prony",),

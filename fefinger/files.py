@@ -176,7 +176,9 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(dir=target, prefix=".saving-") as scratch:
         new = {name: Path(scratch, name) for name in NAMES}
-        _write_dataset(result, new["result.nc"])
+        labeled = dataset(result)
+        plain = {name: {"_FillValue": None} for name in labeled.variables}
+        labeled.to_netcdf(new["result.nc"], engine="h5netcdf", encoding=plain)
         if result.fields is not None:
             vtkhdf.write(result.fields, new["result.vtkhdf"])
         if result.spikes is not None:
@@ -208,10 +210,10 @@ def load(path: str | PathLike[str]) -> records.Result:
         )
         raise InputError(message)
     try:
-        with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as dataset:
-            kind = dataset.attrs.get("format")
+        with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
+            kind = opened.attrs.get("format")
             if kind == FORMAT:
-                return _decode(json.loads(dataset["record"].item()), dataset.load())
+                return _decode(json.loads(opened["record"].item()), opened.load())
     except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
         message = (
             f"result: {str(file)!r} is damaged or is no result of fefinger ({error}); "
@@ -222,8 +224,8 @@ def load(path: str | PathLike[str]) -> records.Result:
     raise InputError(message)
 
 
-def _write_dataset(result: records.Result, path: Path) -> None:
-    """Write everything in `result` to the netCDF file `path`."""
+def dataset(result: records.Result) -> "xr.Dataset":
+    """Return everything in `result` as arrays with names, dimensions and units."""
     import xarray as xr
 
     variables: dict[str, Any] = {}
@@ -242,13 +244,8 @@ def _write_dataset(result: records.Result, path: Path) -> None:
         coordinates["unit_type"] = ("unit", list(result.spikes.types))
     if result.sites is not None:
         coordinates["site_type"] = ("site", list(result.sites.types))
-    dataset = xr.Dataset(
-        variables,
-        coordinates,
-        {"format": FORMAT, "title": f"{result.scene.name}: {result.plan.mechanics}"},
-    )
-    plain = {name: {"_FillValue": None} for name in dataset.variables}
-    dataset.to_netcdf(path, engine="h5netcdf", encoding=plain)
+    title = f"{result.scene.name}: {result.plan.mechanics}"
+    return xr.Dataset(variables, coordinates, {"format": FORMAT, "title": title})
 
 
 def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
@@ -301,22 +298,22 @@ def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -
     return _encode(value, ".".join(key), variables)
 
 
-def _decode(value: Any, dataset: "xr.Dataset") -> Any:
+def _decode(value: Any, arrays: "xr.Dataset") -> Any:
     """Return what `_encode` was given."""
     if isinstance(value, list):
-        return tuple(_decode(v, dataset) for v in value)
+        return tuple(_decode(v, arrays) for v in value)
     if not isinstance(value, dict):
         return value
     if "record" in value:
         kind = RECORDS[value["record"]]
-        return kind(**{key: _decode(v, dataset) for key, v in value.items() if key != "record"})
+        return kind(**{key: _decode(v, arrays) for key, v in value.items() if key != "record"})
     if "scene" in value:
-        return Scene.from_toml(dataset["scene"].item())
+        return Scene.from_toml(arrays["scene"].item())
     if "array" in value:
-        return dataset[value["array"]].values
+        return arrays[value["array"]].values
     if "ragged" in value:
-        flat, rows = dataset[value["ragged"]].values, dataset[value["ragged"] + "_unit"].values
+        flat, rows = arrays[value["ragged"]].values, arrays[value["ragged"] + "_unit"].values
         return tuple(flat[rows == row] for row in range(value["rows"]))
     if "list" in value:
-        return [_decode(v, dataset) for v in value["list"]]
-    return {key: _decode(v, dataset) for key, v in value["dict"].items()}
+        return [_decode(v, arrays) for v in value["list"]]
+    return {key: _decode(v, arrays) for key, v in value["dict"].items()}

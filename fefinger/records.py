@@ -13,6 +13,8 @@ from fefinger.scene import Scene
 
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from fefinger.neural.trains import SpikeTrains
 
 Array = NDArray[np.float64]
@@ -258,6 +260,12 @@ class Result:
     def notes(self) -> tuple[str, ...]:
         """Simplifications and recorded choices that the reader has to know."""
         return self.response.notes + (self.spikes.notes if self.spikes is not None else ())
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return everything as a Dataset with units, as `result.nc` holds it."""
+        from fefinger.files import dataset
+
+        return dataset(self)
 
     def save(self, folder: str) -> list[str]:
         """Write `result.nc`, `result.vtkhdf`, `spikes.csv` and `report.html` into `folder`."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from fefinger import figures, figures_units, page, quantities, section, view
 from fefinger.neural.trains import FEW
+from fefinger.pressures import highest
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.waves import quasistatic
@@ -129,12 +130,13 @@ def _tiles(result: Result) -> Iterator[dict[str, str]]:
     if result.contact_area is not None:
         value = f"{np.nanmax(result.contact_area):.3g} mm²"
         yield _tile("largest contact area", value, "result.nc: contact_area")
-    if result.pressure is not None:
-        value = f"{np.max(result.pressure):.3g} kPa"
-        yield _tile("highest pressure", value, "result.nc: pressure")
+    if result.pressure is not None and result.pad is not None:
+        value = f"{highest(result.pad, result.pressure):.3g} kPa"
+        at_point = f"result.nc: pressure, {np.max(result.pressure):.3g} kPa at a point"
+        yield _tile("highest pressure over 1 mm²", value, at_point)
     if result.spikes is not None:
-        total = str(int(result.spikes.count().sum()))
-        yield _tile(f"spikes of {len(result.spikes)} units", total, "spikes.csv")
+        total, units = str(int(result.spikes.count().sum())), len(result.spikes)
+        yield _tile(f"spikes of {units} unit{'s' if units > 1 else ''}", total, "spikes.csv")
     total_time = sum(result.seconds.values())
     yield _tile(f"run time, {result.plan.mechanics}", f"{total_time:.3g} s", "stages below")
 

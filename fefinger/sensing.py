@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.checks import InputError
+from fefinger.pressures import cuts, net
 from fefinger.scene import Flat, Indenter
 
 
 if TYPE_CHECKING:
-    from fefinger.records import Array, Result
+    from fefinger.records import Array, Pad, Result
     from fefinger.theory.sensor import ArraySensor, Reading
 
 
@@ -40,10 +41,29 @@ def read(
     points = points - heaviest @ points / heaviest.sum()
     sensor = sensor or ArraySensor()
     try:
-        return sensor.read(result.time, points, pad.areas, pressure, seed=seed)
+        felt = pressure @ response(sensor, pad, points).T
+        return sensor.scan(result.time, felt, seed=seed)
     except ValueError as error:
         msg = f"sensor: {error}"
         raise InputError(msg) from None
+
+
+def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
+    """Return the matrix (n_elements, n_pad) from pressures on the pad to what the elements feel.
+
+    places (n_pad, 2) mm are the points of the pad in the plane of the array. The pressure is taken
+    as linear between them.
+
+    Raises
+    ------
+    ValueError
+        If the triangles of the pad are too large for the elements.
+    """
+    fine = net(pad, cuts(pad, sensor.sigma))
+    areas = np.asarray(fine.loads.sum(axis=1)).ravel()
+    kept = areas > 0
+    weights = sensor.weights((fine.between @ places)[kept], areas[kept]) / areas[kept]
+    return np.asarray(weights @ fine.loads[kept])
 
 
 def on_plate(result: "Result") -> "Array":

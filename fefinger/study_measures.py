@@ -11,6 +11,7 @@ import numpy as np
 
 from fefinger.records import Array, Integers, Result
 from fefinger.scene import Flat, Sphere
+from fefinger.sensing import response
 from fefinger.theory.moments import Moments, moments
 from fefinger.theory.sensor import ArraySensor, isobar
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -225,12 +226,10 @@ def _sensed(seen: View, where: float) -> dict[str, Any]:
     assert pressure is not None
     if not isinstance(seen.result.scene.indenter, Flat):
         return {}
-    loaded = (pressure > 0).any(axis=0)
-    seen_places, pad_areas, pressure = seen.places[loaded], pad.areas[loaded], pressure[:, loaded]
-    heaviest = pressure[int(np.argmax(seen.result.response.force))] * pad_areas
-    middle = heaviest @ seen_places / heaviest.sum()
+    heaviest = pressure[int(np.argmax(seen.result.response.force))] * pad.areas
+    middle = heaviest @ seen.places / heaviest.sum()
     try:
-        weights = sensor.weights(seen_places - middle, pad_areas)
+        weights = response(sensor, pad, seen.places - middle)
     except ValueError as error:
         return {"sensor_note": f"not read: {error}"}
     felt, element = weights @ _at(pressure, where), sensor.pitch**2

@@ -18,6 +18,9 @@ VERDICTS = ("pass", "documented", "fail")
 Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
+Findings = Mapping[str, Mapping[str, Any]]
+"""What a suite finds, by its name: `texts`, and `tables` of caption, heading and rows."""
+
 
 WIDE = 1.7
 """Width over height from which a figure gets the whole width of the page."""
@@ -29,6 +32,7 @@ def save(
     figures: Figures,
     provenance: Mapping[str, Any],
     name: str = "validation",
+    findings: Findings | None = None,
 ) -> None:
     """Write `validation.json` and `validation.html` (or of another `name`) into a folder.
 
@@ -36,7 +40,9 @@ def save(
     tables of texts.
     """
     texts = {
-        f"{name}.html": html(record, figures, provenance, data=f"{name}.json"),
+        f"{name}.html": html(
+            record, figures, provenance, data=f"{name}.json", findings=findings or {}
+        ),
         f"{name}.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
     }
     for file, text in texts.items():
@@ -46,10 +52,18 @@ def save(
 
 
 def html(
-    record: dict[str, Any], figures: Figures, provenance: Mapping[str, Any], *, data: str = ""
+    record: dict[str, Any],
+    figures: Figures,
+    provenance: Mapping[str, Any],
+    *,
+    data: str = "",
+    findings: Findings | None = None,
 ) -> str:
     """Return the page on `record`, with the figures of its suites; `data` is the file beside it."""
-    suites = [_suite(suite, figures.get(suite["suite"], ())) for suite in record["suites"]]
+    suites = [
+        _suite(suite, figures.get(suite["suite"], ()), (findings or {}).get(suite["suite"], {}))
+        for suite in record["suites"]
+    ]
     total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
     return page.render(
         "validation.html",
@@ -73,12 +87,16 @@ def _answer(total: dict[str, int]) -> str:
     return f"{said} {total['fail'] or 'None'} failed."
 
 
-def _suite(suite: dict[str, Any], figures: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+def _suite(
+    suite: dict[str, Any], figures: Sequence[tuple[str, Any]], finding: Mapping[str, Any]
+) -> dict[str, Any]:
     cases = suite["cases"]
     verdicts = [case["verdict"] for case in cases]
     return {
         "name": suite["suite"],
         "counts": {key: verdicts.count(key) for key in VERDICTS},
+        "finding": finding,
+        "printed": any(case.get("printed") is not None for case in cases),
         "rows": list(_rows(cases)),
         "figures": [_figure(text, drawn) for text, drawn in figures],
     }
@@ -114,4 +132,6 @@ def _number(value: float | None, tolerance: float) -> str:
     if not math.isfinite(value) or not tolerance > 0:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(tolerance))
-    return f"{value:.6g}" if digits > 6 else f"{value:.{max(digits, 0)}f}"
+    if digits <= 6:
+        return f"{value:.{max(digits, 0)}f}"
+    return f"{value:.6g}" if abs(value) > tolerance else f"{value:.2g}"

@@ -186,6 +186,7 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
 
     monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
     monkeypatch.setattr(suites, "figures", lambda suites: {})
+    monkeypatch.setattr(suites, "findings", lambda suites: {})
     for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
         monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
         assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
@@ -196,6 +197,23 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
         assert f">{verdict}<" in (tmp_path / "validation.html").read_text()
         assert main(["validate", "s"]) == status
         assert verdict in capsys.readouterr().out
+
+
+def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, monkeypatch):
+    suites = pytest.importorskip("fefinger.validation.suites")
+    ran = []
+    monkeypatch.setattr(suites, "cases", lambda suite, quick: ran.append(suite) or ())
+    for words, left_out in (
+        ([], list(suites.LONG)),
+        (["--all"], []),
+        (["--quick"], []),
+        (["tradeoff"], [suite for suite in suites.SUITES if suite != "tradeoff"]),
+    ):
+        ran.clear()
+        assert main(["validate", *words]) == 0
+        assert sorted([*ran, *left_out]) == sorted(suites.SUITES)
+        said = capsys.readouterr().err
+        assert all((f"{suite} is left out" in said) == (words == []) for suite in suites.LONG)
 
 
 def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):

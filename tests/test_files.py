@@ -101,6 +101,13 @@ def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path
         assert data["unit_current"].sel(unit="FAI-1").shape == synthetic.time.shape
 
 
+@pytest.mark.usefixtures("plain_report")
+def test_a_result_is_a_dataset_as_it_is_on_disk(synthetic: Result, tmp_path: Path) -> None:
+    save(synthetic, tmp_path)
+    with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as saved:
+        xr.testing.assert_identical(synthetic.to_xarray(), saved.load())
+
+
 def test_every_array_of_the_records_has_a_place_in_the_file() -> None:
     for name, record in RECORDS.items():
         for field in dataclasses.fields(record):

@@ -90,6 +90,7 @@ def test_validate_names_its_files_and_freshens_the_index(
     monkeypatch.setattr(suites, "run", lambda *args, **kwargs: {})
     monkeypatch.setattr(suites, "as_json", lambda outcomes: record)
     monkeypatch.setattr(suites, "figures", lambda names: {})
+    monkeypatch.setattr(suites, "findings", lambda names: {})
     index.write(folder)
     assert main(["validate", "--name", "fem", "-o", str(folder)]) == 0
     assert '<a href="fem.json">' in (folder / "fem.html").read_text(encoding="utf-8")

@@ -81,13 +81,22 @@ def test_without_a_renderer_the_command_ends_with_the_sentence(
     assert main(["view", "out", "--html", str(tmp_path / "a.html")]) == 0
 
 
+def straddling(result: Result) -> Result:
+    """Return the result on a whole finger whose cells the medial plane passes through."""
+    fields = section.whole(result.response.fields)
+    fields = dataclasses.replace(fields, points=fields.points - np.array([0.0, 0.4, 0.0]))
+    return dataclasses.replace(result, response=dataclasses.replace(result.response, fields=fields))
+
+
 @needs_renderer
+@pytest.mark.parametrize("mesh", [lambda result: result, straddling], ids=["half", "whole"])
 def test_a_rendered_section_looks_like_the_one_of_matplotlib(
-    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mesh: Any
 ) -> None:
-    assert view.section_png(synthetic, tmp_path / "a.png", field="strain zz", time=5.0) is None
+    shown = mesh(synthetic)
+    assert view.section_png(shown, tmp_path / "a.png", field="strain zz", time=5.0) is None
     monkeypatch.setattr(renderer, "renderer_lacking", lambda: "none")
-    assert view.section_png(synthetic, tmp_path / "b.png", field="strain zz", time=5.0) == "none"
+    assert view.section_png(shown, tmp_path / "b.png", field="strain zz", time=5.0) == "none"
     rendered, plain = picture(tmp_path / "a.png"), picture(tmp_path / "b.png")
     assert rendered.shape == plain.shape
     assert np.abs(rendered - plain).mean() < 0.02

@@ -181,6 +181,11 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
 
 
+def finding() -> dict[str, Any]:
+    """Return what Hertz leaves out on a finger: sentences and a table."""
+    return finger_figures.finding()
+
+
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield captions and matplotlib Figures of what Hertz leaves out on a finger."""
     yield from finger_figures.figures()

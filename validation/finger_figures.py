@@ -1,4 +1,4 @@
-"""Figures of suite `finger`: what Hertz leaves out, subject by subject and cause by cause."""
+"""What suite `finger` shows: what Hertz leaves out, subject by subject and cause by cause."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,15 +7,16 @@ import numpy as np
 from fefinger.validation.chain import CHAIN, PRESSES, SUBJECTS, models
 from fefinger.validation.finger_split import (
     AT,
+    apart,
     factors,
     force,
     other_order,
     part,
     printed,
-    said,
     steepness,
     subjects,
     together,
+    told,
     unexplained,
 )
 
@@ -45,24 +46,31 @@ NAMES = {
     "sphere-2": "ball of 2 mm",
 }
 ORDER = "; then ".join(CHAIN.values())
-MESHES = "a.h. on the standard mesh, the others on the coarse one (1 % apart on a.h.)"
+
+
+def finding() -> dict[str, Any]:
+    """Return the sentences of the finding, and the table of factors."""
+    table = {"caption": _table_caption(), "heading": ["factor of", *SUBJECTS], "rows": _table()}
+    return {"texts": told(), "tables": [table]}
 
 
 def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and Figure: the finding, force ratios, factors, stiffening."""
+    """Yield caption and Figure: force ratios, factors, stiffening."""
     with style():
-        yield said(), _ratios("flat-30")
+        yield _over("flat-30"), _ratios("flat-30")
         yield _over("sphere-5"), _ratios("sphere-5")
         yield _split(), _factors()
-        yield _table_caption(), _table()
         yield _rates_caption(), _rates()
 
 
 def _over(press: str) -> str:
-    return (
+    said = (
         f"Force over that of Hertz under a {NAMES[press]}, against depth over the thickness of the "
-        "finger. A ball has no angle: shape is the whole step from the flat stack to the finger."
+        "finger, each model with one thing more than the one before."
     )
+    if press == "flat-30":
+        return f"{said} A plate along the bone soon reaches the cut of the finger."
+    return f"{said} A ball has no angle: shape is the whole step from the flat stack to the finger."
 
 
 def _ratios(press: str) -> Any:
@@ -91,7 +99,9 @@ def _split() -> str:
     return (
         "Factor of the force that each cause adds to the model before it, at a depth of a tenth of "
         f"the thickness (0.6 mm under the ball of 2 mm). The order of the split: {ORDER}. "
-        f"{MESHES}. On d.p. and p.w. a plate along the bone reaches the cut of the finger sooner."
+        "All on the standard mesh, from which the coarse one differs by "
+        f"{100 * apart():.1f} % at most. Where the factor of shape or angle is missing, a plate "
+        "along the bone reaches the cut of the finger before that depth."
     )
 
 
@@ -123,45 +133,35 @@ def _table_caption() -> str:
     mine = [factors(subject, "flat-30")["layered"] for subject in SUBJECTS]
     more = unexplained("a.h.", "flat-30", "solid")
     return (
-        "The same numbers, with the product (finite strain on the finger over Hertz). The split "
-        f"depends on its order: put on the finger instead of on the flat stack, the layers are a "
-        f"factor of {low:.2f} to {high:.2f} under the plate, not {min(mine):.2f} to "
-        f"{max(mine):.2f}. All forces are of relaxed tissue. With one G small strain "
-        "keeps these ratios at any pace; at finite strain, where the stress of the deformed tissue "
-        f"relaxes, a ramp at 60 mm/s to a fifth of the thickness of a.h. takes {more:.3f} times "
-        "the integral of G over the relaxed force."
+        "Factor of the force that each cause adds to the model before it, at a tenth of the "
+        "thickness (0.6 mm under the ball of 2 mm), and their product: finite strain on the finger "
+        "over Hertz. The split depends on its order: put on the finger instead of on the flat "
+        f"stack, the layers are a factor of {low:.2f} to {high:.2f} under the plate, not "
+        f"{min(mine):.2f} to {max(mine):.2f}. All forces are of relaxed tissue. With one "
+        "G small strain keeps these ratios at any pace; at finite strain, where the stress of the "
+        "deformed tissue relaxes, a ramp at 60 mm/s to a fifth of the thickness of a.h. takes "
+        f"{more:.3f} times the integral of G over the relaxed force."
     )
 
 
-def _table() -> Any:
-    header = ["", *(f"{subject}" for subject in SUBJECTS)]
+def _table() -> list[list[str]]:
     cells = []
     for press in PRESSES:
-        cells.append([NAMES[press], *("" for _ in SUBJECTS)])
+        cells.append([NAMES[press]])
         split = {subject: factors(subject, press) for subject in SUBJECTS}
         for cause in models(press)[1:]:
             values = [split[subject][cause] for subject in SUBJECTS]
-            cells.append([f"  {_label(press, cause)}", *(_two(value) for value in values)])
+            cells.append([_label(press, cause), *(_two(value) for value in values)])
         if press == "flat-30":
             both = [together(subject) for subject in SUBJECTS]
-            cells.append(["  shape and angle together", *(_two(value) for value in both)])
+            cells.append(["shape and angle together", *(_two(value) for value in both)])
         ends = [
             force(subject, press, "solid")[AT[press] - 1]
             / force(subject, press, "hertz")[AT[press] - 1]
             for subject in SUBJECTS
         ]
-        cells.append(["  product", *(_two(value) for value in ends)])
-    drawn = figure(WIDE * 0.62, 0.2 * len(cells) + 0.4)
-    axis = drawn.subplots()
-    axis.axis("off")
-    widths = [0.4, *(0.15 for _ in SUBJECTS)]
-    made = axis.table(cells, colLabels=header, colWidths=widths, cellLoc="right", bbox=[0, 0, 1, 1])
-    made.auto_set_font_size(False)
-    made.set_fontsize(9)
-    for (_, column), cell in made.get_celld().items():
-        cell.set_edgecolor("#e8ecf0")
-        cell.get_text().set_ha("left" if column == 0 else "right")
-    return drawn
+        cells.append(["product", *(_two(value) for value in ends)])
+    return cells
 
 
 def _two(value: float) -> str:
@@ -174,7 +174,7 @@ def _rates_caption() -> str:
         "the deepest press and at half its depth, model after model, and m of the thesis (lines: "
         "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
         "the last is tissue that itself stiffens, by Demiray's law with the exponent 3. Only an "
-        "exponential has one m: that of the others falls with depth, and d.p. is given at 0.13."
+        "exponential has one m: that of the others falls with depth."
     )
 
 

@@ -119,40 +119,72 @@ def subjects(press: str) -> tuple[str, ...]:
     return tuple(subject for subject in SUBJECTS if f"{subject}/{press}" in rows())
 
 
-def said() -> str:
-    """Return the finding in one paragraph, with its numbers."""
-    at = AT["flat-30"]
+def told() -> tuple[str, ...]:
+    """Return the finding in a few sentences, each to be quoted by itself, with their numbers."""
+    at, press = AT["flat-30"], "flat-30"
     whole = _range(lambda s: _over_hertz(s, "solid", at), "{:.1f}")
     flat = _range(lambda s: _over_hertz(s, "layered", at), "{:.1f}")
-    finite = _range(lambda s: factors(s, "flat-30")["solid"], "{:.2f}")
-    deep = _range(lambda s: factors(s, "flat-30", last(s))["solid"], "{:.2f}")
-    ends = _range(lambda s: part(s, "flat-30")[last(s) - 1], "{:.2f}")
-    rates = {model: _rate(model) for model in models("flat-30") if model != "level"}
+    shape = _range(together, "{:.2f}")
+    finite = _range(lambda s: factors(s, press)["solid"], "{:.2f}")
+    deep = _range(lambda s: factors(s, press, last(s))["solid"], "{:.2f}")
+    ball = _range(lambda s: _over_hertz(s, "solid", AT["sphere-5"], "sphere-5"), "{:.1f}")
+    bone, narrow, small = (_under_ball(model) for model in ("bone", "linear", "solid"))
+    rates = {model: _rate(model) for model in models(press) if model != "level"}
     theirs = _range(lambda s: printed(s)[0], "{:.1f}")
     tissue = row(SUBJECTS[0], "demiray")["exponent"]
     own = _range(lambda s: steepness(s, "solid", press="demiray"), "{:.2f}")
     return (
-        f"At a depth of a tenth of the finger's thickness a plate at 30 degrees meets {whole} "
-        "times the force of Hertz's half-space of the same tissue. A flat layer over bone would "
-        f"make it {flat} times: the finger is narrow and gives way at its sides and tip, which "
-        f"takes back most of what the bone adds. Finite strain is a factor of {finite} there and "
-        f"of {deep} at the deepest, x = {ends} of the thickness. Stiffening: m of the exponential "
-        "spring (b / m) (exp(m x) - 1) through the forces there and at x / 2 is "
-        f"{rates['hertz']} per mm for Hertz (the growing contact alone), {rates['layered']} for "
-        f"the flat stack, {rates['linear']} on the finger and {rates['solid']} at finite strain; "
-        f"the thesis fitted {theirs} (Table 2.1). So contact, bone and finite strain give part of "
-        "the exponential stiffening with tissue that itself does not stiffen (neo-Hookean); the "
-        "rest may come from tissue that does, or from pads thinner or flatter than the shape here: "
-        f"with exp({tissue:g} (I1 - 3)) (Demiray) it is {own} per mm."
+        f"A plate at 30 degrees, pressed to a tenth of the finger's thickness, meets {whole} times "
+        f"the force of Hertz's half-space of the same tissue, on the {len(SUBJECTS)} fingers.",
+        f"A flat layer of skin and pulp over bone would make it {flat} times; the finger is narrow "
+        f"and gives way at its sides and tip, a factor of {shape}, which takes back most of what "
+        "the bone adds. Layers matter little: the half-space has their mean compliance.",
+        f"Finite strain is a factor of {finite} at that depth and of {deep} at {_deepest()} of the "
+        "thickness: small strain is too soft, and the more so the deeper.",
+        f"Under a ball of 5 mm it is {ball} times Hertz's force at that depth: the bone is a "
+        f"factor of {bone}, the shape of the finger {narrow}, finite strain {small}.",
+        "Stiffening, told as m of the exponential spring (b / m) (exp(m x) - 1) between the "
+        f"deepest press x and x / 2, is {rates['hertz']} per mm for Hertz (the growing contact "
+        f"alone), {rates['layered']} for the flat stack, {rates['linear']} on the finger and "
+        f"{rates['solid']} at finite strain; the thesis fitted {theirs} (Table 2.1). So contact, "
+        "bone and finite strain give part of the exponential stiffening with tissue that itself "
+        "does not stiffen (neo-Hookean); the rest may come from tissue that does, or from pads "
+        f"thinner or flatter than the shape here: with exp({tissue:g} (I1 - 3)) (Demiray) it is "
+        f"{own} per mm.",
     )
+
+
+def _deepest() -> str:
+    """Return the depth of the deepest press over the thickness, of all subjects."""
+    ends = sorted({f"{part(s, 'flat-30')[last(s) - 1]:.2f}" for s in SUBJECTS})
+    return " to ".join(dict.fromkeys((ends[0], ends[-1])))
+
+
+def apart() -> float:
+    """Return the largest part by which `solid` on the coarse mesh differs from the standard one.
+
+    At the depths of AT; under the ball of 2 mm the coarse mesh is too coarse.
+    """
+    found = []
+    for name in rows():
+        subject, press = name.split("/")
+        if press in AT and row(subject, press).get("coarse") is not None:
+            k = AT[press] - 1
+            coarse = row(subject, press)["coarse"]["solid"][k]
+            found.append(abs(coarse / force(subject, press, "solid")[k] - 1))
+    return max(found)
 
 
 def _rate(model: str) -> str:
     return _range(lambda subject: steepness(subject, model), "{:.2f}")
 
 
-def _over_hertz(subject: str, model: str, number: int) -> float:
-    mine, hertz = (force(subject, "flat-30", name)[number - 1] for name in (model, "hertz"))
+def _under_ball(model: str) -> str:
+    return _range(lambda subject: factors(subject, "sphere-5")[model], "{:.2f}")
+
+
+def _over_hertz(subject: str, model: str, number: int, press: str = "flat-30") -> float:
+    mine, hertz = (force(subject, press, name)[number - 1] for name in (model, "hertz"))
     return float(mine / hertz)
 
 

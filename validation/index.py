@@ -88,7 +88,8 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
                 suite["suite"] for suite in record["suites"] if suite["suite"] in suites.SUITES
             ]
             provenance = record.pop("provenance", {})
-            save(record, folder, suites.figures(names), provenance, path.stem)
+            found = suites.findings(names)
+            save(record, folder, suites.figures(names), provenance, path.stem, found)
             yield path.with_suffix(".html")
 
 

@@ -21,6 +21,7 @@ from fefinger.scene import (
     ForceRampHold,
     Indenter,
     Line,
+    Motion,
     RampHold,
     Scene,
     Sphere,
@@ -100,11 +101,11 @@ def pressed(mechanics: str, depth: float, kind: str) -> Profile:
 
 
 def _answer(
-    mechanics: str, finger: Finger, touching: Indenter, motion: object, kind: str
+    mechanics: str, finger: Finger, touching: Indenter, motion: Motion, kind: str
 ) -> Profile:
     line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT)
     ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line)
-    scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)  # type: ignore[arg-type]
+    scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)
     trains = fire(scene, get(mechanics).respond(scene))
     end = trains.t_stop
     place, rate = rate_profile(trains, (0.0, 1.0, 0.0), end - LATE, end, kind)

@@ -14,6 +14,14 @@ SUITES = (
     *("fem", "finger", "condensed", "calibration", "neural", "thesis", "tradeoff", "extremes"),
 )
 
+LONG = {"tradeoff": "up to two hours on two cores, or minutes where its runs are kept"}
+"""Suites that are run in full only if they are named, or all asked for, and how long they take."""
+
+
+def left_out(suites: Sequence[str], *, quick: bool, every: bool) -> tuple[str, ...]:
+    """Return the long suites that are not run: none if suites are named, or the run is quick."""
+    return () if suites or quick or every else tuple(LONG)
+
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
@@ -31,14 +39,31 @@ def figures(suites: Sequence[str]) -> dict[str, list[tuple[str, Any]]]:
     return found
 
 
+def findings(suites: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return what those suites find that say it: texts and tables."""
+    found = {}
+    for suite in suites:
+        module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
+        if hasattr(module, "finding"):
+            found[suite] = module.finding()
+    return found
+
+
 def run(
     suites: Sequence[str] = (),
     *,
     quick: bool = False,
+    every: bool = False,
     progress: Callable[[str, float], None] = lambda stage, fraction: None,
 ) -> dict[str, tuple[Outcome, ...]]:
-    """Measure every case of the suites (all of them by default)."""
-    chosen = [choice("suite", suite, SUITES) for suite in suites] or list(SUITES)
+    """Measure every case of the suites named; by default of all but the long ones.
+
+    `every` takes those too, as does `quick`, in which nothing is long.
+    """
+    chosen = [choice("suite", suite, SUITES) for suite in suites]
+    if not chosen:
+        out = left_out(suites, quick=quick, every=every)
+        chosen = [suite for suite in SUITES if suite not in out]
     outcomes: dict[str, tuple[Outcome, ...]] = {}
     for suite in chosen:
         todo = cases(suite, quick=quick)

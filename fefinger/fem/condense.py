@@ -36,6 +36,10 @@ side of the finger, where neither plates nor objects on the pad reach."""
 SAME = 1e-9  # of the size of the body, by which the image of a node may miss its twin
 
 
+class OutsideError(InputError):
+    """A load outside the part of the pad that an operator keeps."""
+
+
 @dataclass(frozen=True)
 class Compliance:
     """One parity of a body, reduced to its pad.
@@ -216,5 +220,5 @@ def _on_pad(operator: Operator, part: Part, loads: sparse.csc_matrix) -> sparse.
             "indenter: expected contact on the palmar part of the pad, received candidates beyond "
             "the side of the finger; press less, or use the mechanics 'linear'"
         )
-        raise InputError(message)
+        raise OutsideError(message)
     return (part.unfold.T @ loads).tocsr()[part.compliance.pad].tocsc()

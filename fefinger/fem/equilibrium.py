@@ -18,7 +18,7 @@ from fefinger.fem.contact import Complementarity
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import depth_at
 from fefinger.fem.single import Single
-from fefinger.fem.sliding import Sliding
+from fefinger.fem.sliding import Hold, Sliding
 from fefinger.fem.solve import System, rough
 from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import EQUILIBRIUM
@@ -38,7 +38,8 @@ RETREATS = 8  # halvings of an iteration that turned a cell inside out
 class State:
     """A body at one depth.
 
-    values (n_unknowns,); pressure (n,) kPa the coefficients lambda of the candidates; depth mm.
+    values (n_unknowns,); pressure (n,) kPa the coefficients lambda of the candidates, with what
+    holds their facets; depth mm.
     """
 
     values: Array
@@ -108,19 +109,33 @@ class Equilibrium:
                 continue
             sound = state
             gaps, loads = self.contact.gaps(state.values, state.depth)
-            error = self._error(state, asked, inner, gaps, loads @ state.pressure)
+            hold = self._hold(state, asked, gaps)
+            inner, rest = inner - hold.force, self._rest(asked, hold)
+            error = self._error(state, rest, inner, gaps, loads @ state.pressure)
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
-                return state
+                return replace(state, pressure=state.pressure + hold.pressure)
             if self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1:
                 self._renew(state, asked)
                 mixing = _Anderson(MEMORY)
-            state = self._step(state, asked, inner, gaps, loads, mixing)
+            state = self._step(state, rest, inner, gaps, loads, mixing)
         message = (
             f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
             f"after {count + 1} iterations; take shorter steps"
         )
         raise ConvergenceError(message)
+
+    def _hold(self, state: State, asked: Asked, gaps: Array) -> Hold:
+        """Return what keeps facets from folding through the obstacle."""
+        shear = self.body.scale * float(asked.memory.gains.mean())
+        return self.contact.hold(state.values, state.depth, gaps, shear)
+
+    def _rest(self, asked: Asked, hold: Hold) -> Asked:
+        """Return what is left to the contact; a force that folds bear is not asked of it."""
+        if asked.control == "depth":
+            return asked
+        borne = float(self.contact.travel @ hold.pressure)
+        return replace(asked, target=max(asked.target - borne, 0.0))
 
     def _error(self, state: State, asked: Asked, inner: Array, gaps: Array, force: Array) -> float:
         """Return the largest of the relative errors of force, volume, gap and target."""
@@ -157,6 +172,10 @@ class Equilibrium:
         """
         body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
         matrix = body.tangent(state.values, asked.memory, whole=self._whole)
+        gaps, loads = contact.gaps(state.values, state.depth)
+        hold = self._hold(state, asked, gaps)
+        if hold.stiffness.nnz:
+            matrix = matrix + hold.stiffness
         touched, bed = state.pressure > 0, 0.0
         if self._whole and asked.control == "depth":
             bed = BED * gain * body.scale / float(np.sqrt(contact.travel.sum()))
@@ -167,7 +186,6 @@ class Equilibrium:
             # The body at rest was factored, so that it is this iterate that has gone astray.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
-        _, loads = contact.gaps(state.values, state.depth)
         self._factored = _Factored(
             renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0)
         )

@@ -19,6 +19,7 @@ from fefinger.fem.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
+from fefinger.mechanics._limit import told
 from fefinger.mechanics._stride import Stride, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
@@ -145,9 +146,11 @@ class _Recorder:
         self.moment: list[Array] = []
         self.strain: list[Array] = []
         self.frames: dict[int, Array] = {}
+        self.last: Array | None = None
 
     def keep(self, number: int, state: State) -> None:
         """Keep step `number`."""
+        self.last = state.values
         self.depth.append(state.depth)
         self.pressure.append(state.pressure)
         gap, moved = self.contact.clearance(state.values, state.depth)
@@ -202,9 +205,9 @@ def _passage(
             try:
                 follow(equilibrium, history, path, recorder.keep, report)
             except ConvergenceError as error:
+                halt = told(error, elements, recorder.last)
                 if len(recorder.depth) < WORTH:
-                    raise
-                halt = str(error)
+                    raise ConvergenceError(halt) from error
         pressure = np.array(recorder.pressure)
         pressed = np.asarray((pressure > 0).any(axis=0))
         _check_contact(finger, contact, pressed, recorder.depth)

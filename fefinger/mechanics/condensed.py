@@ -20,6 +20,11 @@ NOTES = (
     "The body was reduced once to its pad; the reduction is exact, and is used again.",
 )
 
+BEYOND = (
+    "The indenter comes near the skin beyond the palmar part of the pad, which the reduced body "
+    "does not keep: the whole mesh was solved."
+)
+
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer, as `linear`."""
@@ -45,15 +50,22 @@ def coarser(scene: Scene) -> Scene | None:
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with the operator of its finger, which is built if it is not at hand.
 
+    Where the indenter comes near the pad beyond its palmar part, which the operator does not keep,
+    the whole mesh is solved: the same answer, at the cost of `linear`.
+
     Raises
     ------
     InputError
-        As `linear`; and if contact reaches beyond the palmar part of the pad, or the kept operator
-        does not fit the finger.
+        As `linear`; and if the kept operator does not fit the finger.
     ConvergenceError
         If a contact solution is not reached.
     """
+    from fefinger.fem.condense import OutsideError
     from fefinger.mechanics._operator import METHOD
-    from fefinger.mechanics._press import press
+    from fefinger.mechanics._press import WHOLE_MESH, press
 
-    return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
+    try:
+        return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
+    except OutsideError:
+        whole, notes = replace(WHOLE_MESH, touch=METHOD.touch), (*linear.NOTES, BEYOND)
+        return press(scene, progress, mechanics=name, notes=notes, method=whole)

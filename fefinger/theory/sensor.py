@@ -124,11 +124,18 @@ class ArraySensor:
         ValueError
             Shapes that do not match, times that do not increase, or less than one frame.
         """
-        time = elastic.numbers("time", "times", time)
         pressure = elastic.numbers("pressure", "pressures", pressure)
-        felt = pressure @ self.weights(points, areas).T
+        return self.scan(time, pressure @ self.weights(points, areas).T, seed=seed)
+
+    def scan(self, time: ArrayLike, felt: ArrayLike, *, seed: int | None = None) -> Reading:
+        """Return what the array reads, element by element, of what these feel (n_t, n) in kPa.
+
+        The rest as in `read`.
+        """
+        time = elastic.numbers("time", "times", time)
+        felt = elastic.numbers("felt", "pressures", felt)
         if felt.shape[:1] != time.shape or not (np.diff(time) > 0).all():
-            msg = f"time: expected {len(pressure)} rising times, received {time.shape}"
+            msg = f"time: expected {len(felt)} rising times, received {time.shape}"
             raise ValueError(msg)
         span = time[-1] - time[0] - self.delays[-1]
         if span < 0:

@@ -215,11 +215,11 @@ def _behind(fields: Fields) -> NDArray[np.bool_]:
     return np.asarray(fields.points[fields.cells][:, :, 1].mean(axis=1) > 0)
 
 
-def _face(cut: medial.Medial) -> Any:
-    """Return the section as a surface at y = 0 with its values."""
+def _face(cut: medial.Medial, y: float) -> Any:
+    """Return the section as a surface at y mm with its values."""
     import pyvista as pv
 
-    flat = np.zeros((len(cut.places), 3))
+    flat = np.full((len(cut.places), 3), y)
     flat[:, [0, 2]] = cut.places
     faces: Any = cut.triangles
     surface = pv.PolyData.from_regular_faces(flat, faces)
@@ -235,8 +235,10 @@ def _raster(fields: Fields, frame: int, cut: medial.Medial) -> medial.Raster:
     moved = fields.points + fields.displacement[frame]
     behind = _grid(moved, fields.cells[_behind(fields)]).extract_surface(algorithm=None)
     plotter.add_mesh(behind, color=figures.BONE, ambient=0.6, diffuse=0.4)
+    # In front of cells that straddle the plane; without perspective it looks the same.
+    face = _face(cut, float(moved[:, 1].min()))
     plotter.add_mesh(
-        _face(cut), scalars="field", cmap=cut.span.colors, clim=cut.span[:2], lighting=False,
+        face, scalars="field", cmap=cut.span.colors, clim=cut.span[:2], lighting=False,
         show_scalar_bar=False, interpolate_before_map=True,
     )  # fmt: skip
     middle = ((x0 + x1) / 2, 0.0, (z0 + z1) / 2)

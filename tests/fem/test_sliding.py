@@ -65,6 +65,37 @@ def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     assert contact.bed(values, 0.2, one).sum() < bed.sum()
 
 
+def folded(depth: float = 0.2) -> tuple[Sliding, np.ndarray, np.ndarray]:
+    """Return a surface that crosses the obstacle back and forth, and its weighted gaps."""
+    space, contact, _ = surface(Plane())
+    values = 0.15 * np.random.default_rng(4).normal(size=space.n_unknowns)
+    return contact, values, np.maximum(contact.gaps(values, depth)[0], 0.0)
+
+
+def test_what_holds_a_folded_facet_has_its_derivative_and_its_force():
+    contact, values, gaps = folded()
+    found = contact.hold(values, 0.2, gaps, 40.0)
+    along = np.random.default_rng(5).normal(size=len(values))
+    h = 1e-7
+    ahead, behind = (contact.hold(values + s * along, 0.2, gaps, 40.0).force for s in (h, -h))
+    change = (ahead - behind) / (2 * h)
+    assert -found.stiffness @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+    pushed = found.force[: 3 * (len(values) // 3)].reshape(-1, 3).sum(axis=0)
+    assert pushed @ AXIS == pytest.approx(contact.travel @ found.pressure)
+    assert np.linalg.norm(np.cross(pushed, AXIS)) < 1e-12 * np.linalg.norm(pushed)
+    assert (found.pressure >= 0).all()
+
+
+def test_nothing_holds_a_facet_that_is_flat_or_not_closed_yet():
+    space, contact, _ = surface(Plane(), np.array([0.0, 0.0, -1.0]))
+    values = np.zeros(space.n_unknowns)
+    values[2 : space.n_displacements : 3] = 0.5
+    inside, _ = contact.gaps(values, 0.0)
+    assert inside == pytest.approx(-0.5 * contact.travel)
+    assert not contact.hold(values, 0.0, inside, 40.0).force.any()
+    assert contact.hold(values, 0.0, np.zeros_like(inside), 40.0).force.any()
+
+
 def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     space, contact, top = surface(Plane())
     flat = np.zeros_like(space.points)

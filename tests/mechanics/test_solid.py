@@ -5,13 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fefinger.validation.cube import cube
 
 import fefinger as ff
 from fefinger import scenes
 from fefinger.__main__ import main
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.equilibrium import Asked, Equilibrium, State
+from fefinger.fem.forms import Elastic
+from fefinger.fem.laws import neo_hookean
 from fefinger.mechanics import linear, solid
+from fefinger.mechanics._limit import most_pressed
 from fefinger.motion import Motion
 from fefinger.records import Response
 from fefinger.scene import Scene
@@ -71,6 +75,17 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
     last = held.fields.strain[-1, near, 2]
     assert last == pytest.approx(held.strain[-1, 2, 2, 2], rel=0.5)
     assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
+
+
+def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate():
+    finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ff.Prony((1.0,), ()))
+    motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
+    scene = Scene(finger=finger, indenter=ff.Flat(30), motion=motion, ask=ff.Ask(fields=False))
+    found = solid.respond(scene)
+    assert found.gap is not None
+    assert found.pressure is not None
+    assert found.gap[found.pressure > 0].min() > -0.1  # mm; it was -0.2 at 1.74 mm, and no end
+    assert found.force[-1] == pytest.approx(3.36, rel=0.01)
 
 
 def test_stiffening_tissue_pushes_back_harder():
@@ -139,11 +154,24 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     said = capsys.readouterr().err
     assert "kept:" in said
     assert "failed: at" in said
+    assert "At the last equilibrium the subcutaneous tissue at x = " in said
     kept = ff.load(str(folder))
     assert kept.status.startswith("Stopped: ")
     assert 0.1 < kept.depth[-1] <= 0.15
     assert kept.force[-1] > 0
     assert kept.strain.shape[0] == len(kept.time)
+
+
+def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
+    block = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
+    state = State(np.zeros(block.body.space.n_unknowns), np.zeros(4), 0.0)
+    for depth in (0.1, 0.2):
+        asked = Asked("depth", depth, block.body.at_rest)
+        state = block.equilibrium.find(state, asked)
+    stretch, place, tissue = most_pressed(block.body, state.values)
+    assert stretch == pytest.approx(0.8, rel=1e-6)
+    assert tissue == "skin"
+    assert ((place > 0) & (place < 1)).all()
 
 
 def test_a_press_through_the_bone_is_refused():
