@@ -29,7 +29,7 @@ from fefinger.theory.sensor import ArraySensor
 
 Array = NDArray[np.float64]
 
-FORMAT = 3
+FORMAT = 4
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
 PART = 0.2
