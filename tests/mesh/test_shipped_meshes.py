@@ -35,9 +35,11 @@ def shape(mesh: FingerMesh) -> Shape:
     return parametric(Recipe(**mesh.recipe))
 
 
-def test_subjects_have_standard_meshes_and_one_has_three_resolutions() -> None:
-    wanted = {"ah-standard", "dp-standard", "ds-standard", "pw-standard", "ah-coarse", "ah-fine"}
-    assert wanted <= set(NAMES)
+def test_subjects_have_coarse_and_standard_meshes_and_one_has_a_fine_one() -> None:
+    """The mesher is not deterministic: what is measured on them is measured on these."""
+    subjects = ("ah", "dp", "ds", "pw")
+    wanted = {f"{subject}-{mesh}" for subject in subjects for mesh in ("coarse", "standard")}
+    assert wanted | {"ah-fine"} <= set(NAMES)
 
 
 def test_cells_are_positive_and_angles_above_the_limit(mesh: FingerMesh) -> None:
