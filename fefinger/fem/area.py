@@ -79,9 +79,11 @@ class Surface:
         count = closed[self.triangles].sum(axis=1)
         mixed = np.flatnonzero((count > 0) & (count < 3))
         sides = self.triangles[mixed][:, SIDES]
-        first, last = (self.points[sides[..., end]][:, :, None] for end in (0, 1))
-        distance, _ = self.obstacle.gap((1 - PLACES[:, None]) * first + PLACES[:, None] * last)
-        at, sharp = _corners(distance, np.linalg.norm(last - first, axis=-1)[..., 0])
+        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
+        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows at one of these
+        if not (few > SHARP * length / 2).any():
+            return None
+        at, sharp = _corners(*self._rises(sides, PLACES), length)
         start, end = closed[sides[..., 0]], closed[sides[..., 1]]
         cut = ((start != end) & sharp).any(axis=1)
         if not cut.any():
@@ -94,14 +96,21 @@ class Surface:
         share[mixed[cut]] = np.where(count[mixed] == 1, alone, both)[cut]
         return float(share @ areas)
 
+    def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
+        """Return how far (..., n) mm the obstacle is behind and over its chord, along sides."""
+        assert self.obstacle is not None
+        first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
+        distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
+        distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
+        chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
+        return distance, chord - distance
 
-def _corners(distance: Array, length: Array) -> tuple[Array, Flags]:
+
+def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
     """Return where (...,) along sides the obstacle stands out most, and whether it turns there.
 
-    distance (..., n) mm at PLACES, inf where it is not ahead; length (...,) mm of the sides.
+    distance and rise (..., n) mm at PLACES; length (...,) mm of the sides.
     """
-    distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
-    rise = (1 - PLACES) * distance[..., :1] + PLACES * distance[..., -1:] - distance
     most = rise.argmax(axis=-1)
     slope, quarter = np.diff(distance), len(PLACES) // 4
     ends = [np.clip(most + k, 0, slope.shape[-1] - 1) for k in (-quarter - 1, quarter)]
