@@ -55,6 +55,12 @@ class Span(NamedTuple):
     colors: str
     extend: str
 
+    def beyond(self, unit: str) -> str:
+        """Return what the ends of the bar stand for too, where values lie beyond them."""
+        low, high = f"at most {self.low:.3g} {unit}", f"{self.high:.3g} {unit} and more"
+        said = {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
+        return f"end of the colors: {said}" if said else ""
+
 
 def unit(field: str) -> str:
     """Return the unit in which pictures show a field; strains are shown in percent."""

@@ -238,3 +238,12 @@ def seen(rgb: Array, matrix: Array) -> Array:
     return np.stack(
         [116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1
     )
+
+
+def test_what_the_end_colors_stand_for_is_said_where_values_lie_beyond():
+    found = quantities.span([np.array([0.0, 50.0])], "compressive strain", (0.0, 40.0))
+    assert found.beyond("%") == "end of the colors: 40 % and more"
+    inside = quantities.span([np.array([0.0, 50.0])], "compressive strain", (0.0, 60.0))
+    assert inside.beyond("%") == ""
+    both = quantities.span([np.array([-9.0, 9.0])], "strain xx", (-5.0, 5.0))
+    assert both.beyond("%") == "end of the colors: at most -5 %, 5 % and more"

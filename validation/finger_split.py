@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
 
+from fefinger.checks import InputError
 from fefinger.data import report
 from fefinger.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.mechanics._evidence import SOLID_REPORT
@@ -190,4 +191,8 @@ def _over_hertz(subject: str, model: str, number: int, press: str = "flat-30") -
 
 def _range(value: Callable[[str], float], digits: str) -> str:
     values = [value(subject) for subject in SUBJECTS]
+    if not np.isfinite(values).all():
+        missing = [subject for subject, each in zip(SUBJECTS, values, strict=True) if each != each]
+        message = f"reports/{SOLID_REPORT}: expected the forces of all subjects, none of {missing}"
+        raise InputError(message)
     return f"{digits.format(min(values))} to {digits.format(max(values))}"

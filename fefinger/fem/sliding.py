@@ -23,7 +23,7 @@ Flags = NDArray[np.bool_]
 
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
 SLACK = 0.05  # of the size of a facet: how far a point of it may pass through the obstacle
-HOLD = 30.0  # stiffness that keeps it from going farther, in shear moduli over the size
+HOLD = 1500.0  # pressure that keeps it from going farther, in shear moduli, at a whole size more
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,8 @@ class Sliding:
 
         Three weighted gaps do not see a facet fold, half of its six nodes behind the obstacle and
         half before it, as it would under 40 % of compression along the skin. Points deeper in the
-        obstacle than SLACK facets are therefore pushed back in proportion; a fine mesh has none.
+        obstacle than SLACK facets are therefore pushed back, by the square of what they are deeper,
+        so that the force has a derivative; a fine mesh has none.
         The weighted `gaps` (n,) mm³ that an iterate has not closed yet do not count. `shear` is the
         shear modulus of the skin in kPa.
         """
@@ -93,17 +94,19 @@ class Sliding:
         owned = self.on.owner >= 0
         ahead = np.where(owned, np.minimum(gaps / self.travel, 0.0)[self.on.owner], 0.0)
         distance = distance - np.einsum("tj,jq->tq", ahead, self.on.part.linear)
-        beyond = np.minimum(distance + SLACK * self.sizes, 0.0)
-        if not (beyond < 0).any():
+        beyond = np.maximum(-distance / self.sizes - SLACK, 0.0)
+        if not beyond.any():
             empty = sparse.csr_matrix((self.n_unknowns, self.n_unknowns))
             return Hold(np.zeros(self.n_unknowns), np.zeros(len(self)), empty)
-        hats = self.hats * (owned * HOLD * shear / self.sizes)[:, :, None]
+        pressure = HOLD * shear * beyond**2
+        hats = self.hats * owned[:, :, None]
         density = hats.sum(axis=1)
-        block = np.einsum("tq,kq,tqc->tkc", -density * beyond, self.on.part.quadratic, gradient)
+        block = np.einsum("tq,kq,tqc->tkc", density * pressure, self.on.part.quadratic, gradient)
         force = np.zeros(self.n_unknowns)
         np.add.at(force, self._rows(), block)
-        total = self._gathered(np.einsum("tjq,tq->tj", hats, -beyond))
-        stiffness = self._normal(np.where(beyond < 0, density, 0.0), gradient)
+        total = self._gathered(np.einsum("tjq,tq->tj", hats, pressure))
+        rise = 2 * HOLD * shear * beyond / self.sizes
+        stiffness = self._normal(density * rise, gradient)
         return Hold(force, total / self.travel, stiffness)
 
     def bed(self, values: Array, depth: float, chosen: Flags) -> sparse.csr_matrix:

@@ -32,6 +32,7 @@ BAR: dict[str, Any] = {
     "title_font_size": 20,
     "label_font_size": 19,
 }
+LENGTH = 5.0  # mm of the line that tells the size
 LONG = 23  # letters of a title in one line
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
 
@@ -72,6 +73,7 @@ class Stage:
         if shown.marks is not None:
             self._add_organs(shown.marks)
         self._add_indenter()
+        self._add_length()
         self._refresh()
 
     def look(self) -> None:
@@ -124,6 +126,8 @@ class Stage:
         if result.force is not None:
             said.append(f"force {np.interp(now, result.time, result.force):.3g} N")
         kind = f" ({quantities.measure(result)})" if quantities.unit(self.field) == "%" else ""
+        beyond = self.scales.field.beyond(quantities.unit(self.field))
+        said += [beyond] if beyond else []
         return (
             f"{result.scene.name}, {result.plan.mechanics}: {self.field}{kind}\n{',  '.join(said)}"
         )
@@ -299,6 +303,23 @@ class Stage:
             show_points=False, always_visible=True, bold=False, justification_vertical="center",
         )  # fmt: skip
         self.props += [Prop(actor, ("end organs",)) for actor in (leaders, told)]
+
+    def _add_length(self) -> None:
+        """Add a line of LENGTH mm below the finger, in the plane of the cut, to measure it by."""
+        import pyvista as pv
+
+        low, high = self.shown.fields.points.min(axis=0), self.shown.fields.points.max(axis=0)
+        start = np.array([low[0] + 1.0, 0.0, low[2] - 0.12 * (high[2] - low[2])])
+        end = start + np.array([LENGTH, 0.0, 0.0])
+        line = self.plotter.add_mesh(
+            pv.Line(start, end), color=figures.INK, line_width=3, lighting=False
+        )
+        told = self.plotter.add_point_labels(
+            (start + end)[None] / 2, [f"{LENGTH:g} mm"], font_size=16, text_color=figures.INK,
+            shape=None, margin=4, show_points=False, always_visible=True, bold=False,
+            justification_horizontal="center", justification_vertical="top",
+        )  # fmt: skip
+        self.props += [Prop(actor, ()) for actor in (line, told)]
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass where it would hide what is shown."""

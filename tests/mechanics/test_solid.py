@@ -77,15 +77,19 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
     assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
 
 
-def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate():
+@pytest.mark.parametrize("poisson", [0.48, 0.480001])
+def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate(poisson: float):
     finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ff.Prony((1.0,), ()))
+    skin, rest = (replace(each, poisson=poisson) for each in (finger.skin, finger.subcutaneous))
+    finger = replace(finger, skin=skin, subcutaneous=rest)
     motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
-    scene = Scene(finger=finger, indenter=ff.Flat(30), motion=motion, ask=ff.Ask(fields=False))
-    found = solid.respond(scene)
+    ask = ff.Ask(strain=False, fields=False)
+    found = solid.respond(Scene(finger=finger, indenter=ff.Flat(30), motion=motion, ask=ask))
     assert found.gap is not None
     assert found.pressure is not None
-    assert found.gap[found.pressure > 0].min() > -0.1  # mm; it was -0.2 at 1.74 mm, and no end
+    assert found.depth[-1] == motion.depth  # without a hold it folds at 1.74 mm, and goes no deeper
     assert found.force[-1] == pytest.approx(3.36, rel=0.01)
+    assert found.gap[-1][found.pressure[-1] > 0].min() > -0.1  # mm, a tenth of a facet
 
 
 def test_stiffening_tissue_pushes_back_harder():
