@@ -5,6 +5,9 @@ phi = gap^(2/3) is linear in the distance (Johnson, Contact Mechanics, 1985, sec
 each vertex by the rim phi is fitted to what lies outside, as c0 + c1 s + c2 t + c3 t² along and
 across its gradient, and its zero level is the rim. Pressures are no help there: those of the
 vertices next to the rim alternate about the exact ones.
+
+Where an obstacle turns away within half an element, as at the edge of a bar, contact ends at that
+edge: where, between a vertex in contact and one that is free, the obstacle stands out most.
 """
 
 from dataclasses import dataclass
@@ -13,10 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fefinger.fem.obstacle import Rigid
 from fefinger.fem.spaces import Array, Integers
 
 
 Flags = NDArray[np.bool_]
+
+SIDES = np.array([[0, 1], [1, 2], [2, 0]])
+PLACES = np.linspace(0.0, 1.0, 33)  # along a side, where an edge is looked for
 
 NEIGHBORS = 40  # nearest vertices that a fit chooses from
 REACH = 2.0  # radius of a fit in edges
@@ -24,16 +31,22 @@ PLAUSIBLE = (
     1.5  # factor between the area and that of whole vertices beyond which the latter is taken
 )
 LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
+SHARP = 0.05  # least rise of an edge over the chord of a side
+TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
 SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The triangles (n_tri, 3) that may touch, on points (n, 3), seen along `axis` (3,)."""
+    """The triangles (n_tri, 3) that may touch, on points (n, 3), seen along `axis` (3,).
+
+    `obstacle`, where it may have edges.
+    """
 
     points: Array
     triangles: Integers
     axis: Array
+    obstacle: Rigid | None = None
 
     def area(self, pressed: Flags, gap: Array) -> Array:
         """Return the contact area (n_t,) mm² through time.
@@ -50,8 +63,60 @@ class Surface:
                 if change <= SAME * np.abs(gap[k]).max():
                     areas[k] = areas[last]
                     continue
-            areas[k], last = rims.area(pressed[k], gap[k]), k
+            ended = self._ended(pressed[k], gap[k], rims.areas)
+            areas[k], last = rims.area(pressed[k], gap[k]) if ended is None else ended, k
         return areas
+
+    def _ended(self, pressed: Flags, gap: Array, areas: Array) -> float | None:
+        """Return the area of a contact that ends at edges; None of one that ends elsewhere.
+
+        Between a vertex in contact and one that is free, it ends where the obstacle stands out
+        most over the line between them; without an edge, half way.
+        """
+        if self.obstacle is None:
+            return None
+        closed = pressed | (gap <= 0)  # pressures alternate towards an edge
+        count = closed[self.triangles].sum(axis=1)
+        mixed = np.flatnonzero((count > 0) & (count < 3))
+        sides = self.triangles[mixed][:, SIDES]
+        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
+        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows at one of these
+        if not (few > SHARP * length / 2).any():
+            return None
+        at, sharp = _corners(*self._rises(sides, PLACES), length)
+        start, end = closed[sides[..., 0]], closed[sides[..., 1]]
+        cut = ((start != end) & sharp).any(axis=1)
+        if not cut.any():
+            return None
+        at = np.where(sharp, at, 0.5)
+        reach = np.where(start, at, 1 - at)
+        alone = np.where(start != end, reach, 1.0).prod(axis=1)
+        both = 1 - np.where(start != end, 1 - reach, 1.0).prod(axis=1)
+        share = count / 3
+        share[mixed[cut]] = np.where(count[mixed] == 1, alone, both)[cut]
+        return float(share @ areas)
+
+    def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
+        """Return how far (..., n) mm the obstacle is behind and over its chord, along sides."""
+        assert self.obstacle is not None
+        first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
+        distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
+        distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
+        chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
+        return distance, chord - distance
+
+
+def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
+    """Return where (...,) along sides the obstacle stands out most, and whether it turns there.
+
+    distance and rise (..., n) mm at PLACES; length (...,) mm of the sides.
+    """
+    most = rise.argmax(axis=-1)
+    slope, quarter = np.diff(distance), len(PLACES) // 4
+    ends = [np.clip(most + k, 0, slope.shape[-1] - 1) for k in (-quarter - 1, quarter)]
+    before, after = (np.take_along_axis(slope, k[..., None], -1)[..., 0] for k in ends)
+    turned = after - before >= TURNED * (slope[..., -1] - slope[..., 0])
+    return PLACES[most], turned & (rise.max(axis=-1) > SHARP * length)
 
 
 @dataclass(frozen=True)

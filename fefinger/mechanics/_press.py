@@ -314,7 +314,7 @@ def _answer(
     asked = scene.ask.pressure
     approach = history.elastic @ contact.reduced.approach.T
     gap = on_pad.clearance(history.depth, approach)[:, column]
-    surface = Touched(pad.points, pad.triangles, contact.touch.axis)
+    surface = Touched(pad.points, pad.triangles, contact.touch.axis, contact.touch)
     return {
         "time": contact.time,
         "depth": history.depth,

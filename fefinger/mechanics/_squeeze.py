@@ -290,11 +290,11 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
 
 def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
-    axis, sign = passage.contact.obstacle.axis, np.ones((len(column), 3))
+    touch, sign = passage.contact.obstacle, np.ones((len(column), 3))
     sign[len(passage.contact) :, 1] = -1.0  # the mirror images follow the candidates
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
-        surface = Surface(pad.points + sign * moved[column], pad.triangles, axis)
+        surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)
         pressed, gap = passage.pressure[step] > 0, passage.gap[step]
         areas[step] = surface.area(pressed[column][None], gap[column][None])[0]
     return areas

@@ -5,6 +5,12 @@ import pytest
 from scipy.spatial import Delaunay
 
 from fefinger.fem.area import Surface
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.forms import Elastic, stiffness
+from fefinger.fem.grids import box
+from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.solve import factor
+from fefinger.profiles import Bar, Ellipsoid, Grating, Profile
 
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -87,3 +93,53 @@ def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
     area = surface.area(np.array([[True, False, False]]), np.array([[0.0, 0.1, 0.1]]))
     assert area == pytest.approx([0.5 / 3])
     assert surface.area(np.ones((1, 3), dtype=bool), np.zeros((1, 3))) == pytest.approx([0.5])
+
+
+def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, float]:
+    """Return the area under a profile pressed into a block in plane strain, and without edges.
+
+    The block is 8 long, 1 wide and 3 high, and `shift` moves its cells past the obstacle.
+    """
+    space = box(
+        np.linspace(-4, 4, 8 * cells + 1) + shift,
+        np.linspace(0, 1, cells + 1),
+        np.linspace(0, 3, 2 * cells + 1),
+    )
+    places = space.node_points
+    held = np.repeat((places[:, 2] == 3)[:, None], 3, axis=1)
+    held[:, 1] |= (places[:, 1] == 0) | (places[:, 1] == 1)
+    system = factor(space, stiffness(space, {1: Elastic(30.0, 0.45)}), np.flatnonzero(held.ravel()))
+    facets = np.asarray(space.scalar.mesh.facets.T, dtype=np.int64)
+    top = facets[(space.points[facets][:, :, 2] == 0).all(axis=1)]
+    obstacle = Obstacle(UP, np.zeros(3), profile)
+    on = patch(space, top, np.zeros_like(space.points), obstacle, 1.5)
+    moved = system.solve(on.loads.toarray())
+    flexibility = on.loads.T @ moved
+    pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.travel)
+    gap = on.clearance(np.array([0.3]), (on.places.T @ moved @ pressure)[None])
+    number = np.full(len(space.points), -1)
+    number[on.vertices] = np.arange(len(on.vertices))
+    triangles = number[on.triangles]
+    triangles = triangles[(triangles >= 0).all(axis=1)]
+    points = space.points[on.vertices]
+    found = [
+        Surface(points, triangles, UP, ahead).area((pressure > 0)[None], gap)[0]
+        for ahead in (obstacle, None)
+    ]
+    return found[0], found[1]
+
+
+@pytest.mark.parametrize("cells", [3, 4])
+def test_the_area_under_a_bar_is_that_of_its_face(cells: int) -> None:
+    found = [pressed_strip(Bar(2.0, 0.05), cells, shift) for shift in (0.05, 0.12, 0.2)]
+    for area, _ in found:
+        assert 1.9 < area < 2.0  # the contact ends somewhere on the rounded corners
+    assert max(abs(blind - 1.95) for _, blind in found) > 0.3
+
+
+@pytest.mark.parametrize(
+    "profile", [Ellipsoid((3.0, np.inf, 3.0)), Bar(2.0, 1.0), Grating(4.0, 2.0, 0.6)]
+)
+def test_what_turns_away_slowly_has_no_edges(profile: Profile) -> None:
+    area, blind = pressed_strip(profile, 3, 0.1)
+    assert area == blind
