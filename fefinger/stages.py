@@ -1,5 +1,6 @@
-"""Stages of long work: their wall time, and their progress."""
+"""Stages of long work: their wall time, their memory, and their progress."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,10 +9,11 @@ from fefinger.records import Progress
 
 
 class Stages:
-    """Collects the seconds of named stages and reports their progress."""
+    """Collects the seconds and the memory of named stages and reports their progress."""
 
     def __init__(self, progress: Progress | None = None) -> None:
         self.seconds: dict[str, float] = {}
+        self.megabytes: dict[str, float] = {}
         self._progress = progress
 
     @contextmanager
@@ -27,3 +29,22 @@ class Stages:
         yield report
         report(1.0)
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - started
+        peak = peak_memory()
+        if peak is not None:
+            self.megabytes[name] = peak
+
+    @property
+    def memory(self) -> str:
+        """The peak memory of the process by the end of every stage, in words."""
+        told = [f"{name} {peak:.0f}" for name, peak in self.megabytes.items()]
+        return f"peak of the process in MB, by stage: {', '.join(told)}" if told else "not measured"
+
+
+def peak_memory() -> float | None:
+    """Return the peak memory of the process so far in MB; None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    unit = 1024**2 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit

@@ -5,10 +5,18 @@ The twins are measured by `fefinger validate calibration`, which takes longer th
 
 import numpy as np
 import pytest
-from fefinger.validation import calibration, calibration_split, calibration_twin
+from fefinger.validation import (
+    calibration,
+    calibration_levers,
+    calibration_split,
+    calibration_subjects,
+    calibration_twin,
+)
 from fefinger.validation.calibration_report import calibrated, rows
 
 from fefinger import figures, library
+from fefinger.calibration import pad, target
+from fefinger.calibration.outcome import line
 from fefinger.finger import Finger
 
 
@@ -23,7 +31,7 @@ def test_the_report_has_all_subjects_that_are_shipped():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
-    assert calibration.shipped(subject) < 5e-3
+    assert calibration_subjects.shipped(subject) < 5e-3
     kept = library.tissue_set(library.calibrated_name(subject))
     assert "not a measurement" in kept.source
     assert kept.confidence == "low"
@@ -58,3 +66,27 @@ def test_the_quick_cases_are_named_once_and_their_figures_drawn():
     for caption, drawn in calibration.figures():
         assert caption.endswith(".")
         assert "<svg" in figures.svg(drawn)
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_table_3_2_comes_back_from_its_own_frames(subject):
+    row = library.pawluk_quasistatic()[subject]
+    found = pad.thesis_fit(calibration_levers.half_space(subject))
+    assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
+
+
+def test_frames_of_a_contact_of_hertz_carry_its_force_and_have_its_radius():
+    depth = np.linspace(0.0, 1.5, 41)
+    force = 0.4 * depth**2.1
+    frames = calibration_levers.hertzian(13.0, depth, force)
+    assert 4e-3 * frames.pressure[-1].sum() == pytest.approx(force[-1], rel=0.01)
+    assert pad.thesis_fit(frames).radius == pytest.approx(13.0, rel=0.01)
+
+
+def test_the_scatter_of_a_line_is_that_of_many_lines():
+    wanted = target.subject("a.h.")
+    rng = np.random.default_rng(3)
+    noise = wanted.stiffness_sd * rng.normal(size=(4000, len(wanted.force)))
+    lines = [line(wanted.force, wanted.stiffness + each) for each in noise]
+    found = calibration_subjects.line_sd(wanted)
+    assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)

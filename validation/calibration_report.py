@@ -1,4 +1,4 @@
-"""What `reports/calibrated.json` holds, by subject."""
+"""What `reports/calibrated.json` and `calibration_levers.json` hold."""
 
 import json
 from functools import cache
@@ -7,6 +7,9 @@ from typing import Any
 from fefinger.calibration.record import Calibration
 from fefinger.data import report
 from fefinger.library import CALIBRATED
+
+
+LEVERS = "calibration_levers.json"
 
 
 @cache
@@ -20,3 +23,10 @@ def rows() -> dict[str, Any]:
 def calibrated(subject: str) -> Calibration:
     """Return the calibration of a subject in the report."""
     return Calibration.from_record(rows()[subject]["calibration"])
+
+
+@cache
+def levers() -> dict[str, Any]:
+    """Return what moves R, m and c0 b, as `evidence_levers` measured it."""
+    found: dict[str, Any] = json.loads(report(LEVERS))
+    return found

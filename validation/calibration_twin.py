@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 PRONY = Prony((0.27, 0.45, 0.16, 0.12), (200.0, 9.0, 0.6))
 TOUCH = 0.6  # mm
+COARSE = "coarse"
 LAW = Stiffening(0.25, 0.9)  # 2.2 N at the depth below
 SPEED, DEPTH, HOLD = 60.0, 1.5, 6.0
 SLOW, PRESS = 0.2, 1.8  # mm/s, mm
@@ -57,27 +58,27 @@ class Twin:
     frames: Array
 
 
-def finger() -> Finger:
-    """Return the finger of the twin."""
-    return replace(start(), pad_radius=TRUTH["pad_radius"], prony=PRONY)
+def finger(mesh: str = COARSE) -> Finger:
+    """Return the finger of the twin, on a mesh."""
+    return replace(start(), pad_radius=TRUTH["pad_radius"], prony=PRONY, resolution=mesh)
 
 
 def start() -> Finger:
     """Return what the calibration is told of it: its pad radius is a fourth too large."""
-    return Finger.subject("a.h.", resolution="coarse", prony=press.RELAXED)
+    return Finger.subject("a.h.", resolution=COARSE, prony=press.RELAXED)
 
 
 @cache
-def twin() -> Twin:
-    """Return the twin without noise."""
-    own = Condensed(finger(), press.PLATE, deepest=PRESS, stiffening=LAW)
+def twin(mesh: str = COARSE) -> Twin:
+    """Return the twin on a mesh, without noise."""
+    own = Condensed(finger(mesh), press.PLATE, deepest=PRESS, stiffening=LAW)
     end = (TOUCH + DEPTH) / SPEED
     rest = np.concatenate([np.arange(1, 2000) / RATE, np.geomspace(0.2, HOLD, 600)])
     steps = np.concatenate([np.arange(0.0, end, 1 / RATE), end + rest])
     force = stepped(own, steps, np.minimum(SPEED * steps, SPEED * end) - TOUCH)
     time = np.arange(0.0, end + HOLD, 1 / RATE)
     position = np.minimum(SPEED * time, SPEED * end)
-    scene = press.pressed(finger())
+    scene = press.pressed(finger(mesh))
     response = own.run(Ramp(SLOW, PRESS, corner=0.0))
     chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
     read = press.felt(scene, response)[chosen]
@@ -100,9 +101,9 @@ def stepped(own: Condensed, time: Array, depth: Array) -> Array:
 
 
 @cache
-def calibrated(seed: int) -> Calibration:
-    """Return the calibration of the twin measured with noise."""
-    one, rng = twin(), np.random.default_rng(seed)
+def calibrated(seed: int, mesh: str = COARSE) -> Calibration:
+    """Return the calibration, on the coarse mesh, of the twin on `mesh` measured with noise."""
+    one, rng = twin(mesh), np.random.default_rng(seed)
     position = one.position + rng.normal(0.0, POSITION_NOISE, len(one.time))
     force = one.force + rng.normal(0.0, FORCE_NOISE, len(one.time))
     frames = one.frames + rng.normal(0.0, ArraySensor().noise, one.frames.shape)
@@ -113,7 +114,7 @@ def calibrated(seed: int) -> Calibration:
         depth = one.frame_depth - SLOW * ArraySensor().delays.mean()
         _write(array, f"time,position,{heads}", one.frame_time, depth, *frames.T)
         return calibrate(
-            str(data), finger=start(), mechanics="condensed", resolution="coarse", frames=array
+            str(data), finger=start(), mechanics="condensed", resolution=COARSE, frames=array
         )
 
 
@@ -130,6 +131,11 @@ def deviations(seed: int) -> dict[str, float]:
 def recovered(name: str, seeds: int) -> int:
     """Return in how many of the seeds a parameter is within SPREAD deviations of the truth."""
     return sum(abs(deviations(seed)[name]) <= SPREAD for seed in range(seeds))
+
+
+def off(name: str, seeds: int, mesh: str) -> float:
+    """Return the largest miss over the true value in the seeds of a twin on another mesh."""
+    return max(abs(calibrated(seed, mesh)[name].value / TRUTH[name] - 1) for seed in range(seeds))
 
 
 def sharpness(name: str) -> float:

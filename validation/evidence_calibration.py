@@ -24,13 +24,9 @@ FORCES = (0.54, 1.1, 2.3)
 """N at which the thesis shows profiles (Figure 3-4)."""
 
 
-MESHES = {"a.h.": "standard"}
-"""Subjects that are finished on another mesh than the coarse one, whose force is 1 % off."""
-
-
 def row(subject: str) -> dict[str, Any]:
     """Return the calibration of a subject, its split and its profiles."""
-    found = calibrate(subject, resolution=MESHES.get(subject, "coarse"))
+    found = calibrate(subject, resolution="standard")
     return {
         "calibration": found.record(),
         "split": calibration_split.table(found),

@@ -17,6 +17,7 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
 from fefinger.finger import RIGID
 from fefinger.mechanics import _placing, linear, solid
+from fefinger.mechanics._hard import with_nail
 from fefinger.mechanics._press import held, press, tissues
 from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
@@ -29,6 +30,7 @@ Array = NDArray[np.float64]
 
 DEPTH = 1.0  # mm
 BONE_TISSUE = Hard(17e6, 0.3)  # along the bone: Reilly and Burstein, J. Biomech. 8:393, 1975
+NAIL = Hard(2e6, 0.3)  # some GPa: Baden, J. Invest. Dermatol. 55:115, 1970
 QUICK, STANDARD = "coarse", "standard"
 KINDS = ("SAI", "SAII", "FAI", "FAII")
 
@@ -43,11 +45,14 @@ class Balance:
 
 
 @cache
-def pressed(resolution: str, depth: float, *, elastic: bool = False) -> Balance:
-    """Return the press of relaxed tissue; an `elastic` bone is held at its cut, not all around."""
-    bone = BONE_TISSUE if elastic else RIGID
-    finger = replace(scenes.load("flat-press").finger, resolution=resolution, bone=bone)
-    whole = body(ready(finger, half=True), tissues(finger), held(finger))
+def pressed(
+    resolution: str, depth: float, bone: str | Hard = RIGID, nail: Hard | None = None
+) -> Balance:
+    """Return the press of relaxed tissue; an elastic bone is held at its cut, not all around."""
+    finger = scenes.load("flat-press").finger
+    finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
+    mesh = with_nail(finger, ready(finger, half=True))
+    whole = body(mesh, tissues(finger), held(finger))
     touch = _placing.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
     small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))
@@ -59,18 +64,28 @@ def pressed(resolution: str, depth: float, *, elastic: bool = False) -> Balance:
     return Balance(touch.axis, float(on_pad.travel @ pressure), total)
 
 
-def balance(resolution: str, *, elastic: bool = False) -> tuple[float, float]:
+def balance(resolution: str, bone: str | Hard = RIGID) -> tuple[float, float]:
     """Return the relative differences of contact force and reactions, along and across the axis."""
-    found = pressed(resolution, DEPTH, elastic=elastic)
+    found = pressed(resolution, DEPTH, bone)
     across = np.cross([0.0, 1.0, 0.0], found.axis)
     along = float(-found.reactions @ found.axis / found.force - 1)
     return along, float(found.reactions @ across / found.force)
 
 
-def yielding(resolution: str) -> float:
-    """Return the relative change of the force at DEPTH by an elastic bone."""
-    forces = [pressed(resolution, DEPTH, elastic=flag).force for flag in (False, True)]
-    return forces[1] / forces[0] - 1
+def yielding(resolution: str, bone: str | Hard = BONE_TISSUE, nail: Hard | None = None) -> float:
+    """Return the relative change of the force at DEPTH by an elastic bone or nail."""
+    rigid = pressed(resolution, DEPTH).force
+    return pressed(resolution, DEPTH, bone, nail).force / rigid - 1
+
+
+def peak(resolution: str) -> float:
+    """Return the relative change of the peak force of `solid` by a bone that does not relax."""
+    scene = scenes.load("flat-press", {"ask.fields": False, "ask.strain": False, "ask.spikes": []})
+    motion, forces = Ramp(60, DEPTH), []
+    for bone in (RIGID, BONE_TISSUE):
+        finger = replace(scene.finger, resolution=resolution, bone=bone)
+        forces.append(solid.respond(replace(scene, finger=finger, motion=motion)).force.max())
+    return float(forces[1] / forces[0] - 1)
 
 
 @cache
@@ -144,8 +159,18 @@ def cases(*, quick: bool) -> Iterator[Case]:
     )
     yield Case(
         "finger",
+        "a nail of 2 GPa that floats on its bed: change of the force",
+        lambda: 100 * yielding(resolution, RIGID, NAIL),
+        0.0,
+        3.0,
+        "%",
+        "the nail that is held, as glued in the experiment",
+        reason="it moves as one piece, and stiffens the skin under it",
+    )
+    yield Case(
+        "finger",
         "an elastic bone: contact force against reactions, moduli 5e5 apart",
-        lambda: balance(resolution, elastic=True)[0],
+        lambda: balance(resolution, BONE_TISSUE)[0],
         0.0,
         1e-8,
         "1",
@@ -165,6 +190,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
     )
     yield from finger_causes.cases(quick=quick)
     if not quick:
+        yield Case(
+            "finger",
+            "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms",
+            lambda: 100 * peak(QUICK),
+            0.0,
+            1.0,
+            "%",
+            "the rigid bone",
+            reason="bone does not relax, so that it bends more under tissue that has not yet",
+        )
         yield from finger_solid.cases()
         for mechanics, kind in product((linear.name, solid.name), KINDS):
             yield Case(

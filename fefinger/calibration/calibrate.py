@@ -3,7 +3,7 @@
 `lumped` is the exact inverse: stiffness, touch and G of the thesis's own model. `condensed` scales
 the linear finger by the thesis's t(u); `solid` finds modulus and exponent of tissue that stiffens,
 on the coarse mesh first and then by corrections on the finer one, and the pad radius by what the
-thesis's fit finds in the frames of its array.
+thesis's fit finds in the frames of its array: both are settled together.
 """
 
 import math
@@ -22,7 +22,7 @@ from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import Found, checked, layer, outcome
-from fefinger.calibration.press import PART, Press, press, small
+from fefinger.calibration.press import Press, press, shapable, small
 from fefinger.calibration.record import Calibration, Stage
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.checks import InputError, choice
@@ -40,9 +40,9 @@ EXPONENTS = (0.02, 1.5, 3.0, 4.5)
 STIFFER = (7.0, 10.0)
 """Exponents that are solved too where the data want more than the last of these."""
 
-SMALLER = 0.8
-"""Pad radius of most presses over the R that the frames should give: the thesis's fit of a finger
-with a bone finds about 1.2 times its pad radius."""
+SMALLER, WIDER = 0.8, 1.15
+"""The other pad radius at which a finger is pressed, over the one it starts from: wider in `solid`,
+where tissue that stiffens draws the pressure together, if a finger of its size can be that flat."""
 
 AGAINST = 2.0
 """Factor on the skin's modulus of the press that shows what the ratio of the moduli does."""
@@ -53,15 +53,19 @@ MIDDLE = 3.0
 CORRECTIONS = 2
 """Presses on the finer mesh, at most."""
 
-DEEPER = 0.2
-"""Their depth over the thickness of the finger."""
-
 WITHIN = 1.15
 """Factor beyond the pad radii of the presses up to which their effect is taken to first order.
-Frames that ask for more leave the radius as it was."""
+Frames that ask for more get no more."""
 
 SCATTER = 0.13
-"""Standard deviation of the logarithm of a pad radius that is kept: R of the five subjects."""
+"""Standard deviation of the logarithm of a pad radius that the frames do not reach: R of the five
+subjects."""
+
+HALVINGS = 6
+"""Steps, each half of the one before, from a pad that is too flat for the finger's size."""
+
+REACHED = 0.02
+"""Relative difference of two pad radii that counts as none."""
 
 SETTLED = 0.05
 """Change of the exponent between two corrections that counts as none."""
@@ -73,7 +77,7 @@ class Work:
     def __init__(self, finger: Finger, progress: Progress | None) -> None:
         self.finger, self.progress = finger, progress
         self.stages: list[Stage] = []
-        self._presses: dict[tuple[Finger, str, float], Press] = {}
+        self._presses: dict[tuple[Finger, str], Press] = {}
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
@@ -97,7 +101,6 @@ class Work:
         radius: float,
         exponent: float | None = None,
         ratio: float = 1.0,
-        part: float = PART,
     ) -> Press:
         """Return a press of the finger with another radius, exponent and skin."""
         finger = replace(
@@ -107,11 +110,20 @@ class Work:
             skin=layer(self.finger.skin, exponent, ratio),
             subcutaneous=layer(self.finger.subcutaneous, exponent),
         )
-        wanted = finger, mechanics, part
+        wanted = finger, mechanics
         if wanted not in self._presses:
             finite = mechanics == "solid"
-            self._presses[wanted] = press(finger, mechanics, part=part) if finite else small(finger)
+            self._presses[wanted] = press(finger, mechanics) if finite else small(finger)
         return self._presses[wanted]
+
+    def reachable(self, radius: float) -> float:
+        """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""
+        start = self.finger.pad_radius
+        for _ in range(HALVINGS):
+            if shapable(replace(self.finger, pad_radius=radius)):
+                return radius
+            radius = math.sqrt(radius * start)
+        return start
 
 
 def calibrate(
@@ -192,10 +204,9 @@ def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calib
 def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
     """Return the fit of tissue that stiffens, at the pad radius that the frames ask for."""
     start, spread = work.finger, None
+    first = radius = start.pad_radius
     seen = frames is not None or isinstance(wanted, Bulk)
-    radius = SMALLER * start.pad_radius if seen else start.pad_radius
     with work.stage("solid, coarse") as misfit:
-        first = radius
         coarse = _wide_enough(work, wanted, first)
         stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST)
         coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
@@ -203,14 +214,16 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
         misfit(found.solution.misfit)
     if seen:
         with work.stage("array, coarse"):
-            other = start.pad_radius
-            wider = work.press("solid", "coarse", other, MIDDLE)
-            coarse = coarse.with_radius(wider, MIDDLE, other)
+            wider = WIDER * first
+            other = wider if work.reachable(wider) == wider else SMALLER * first
+            flatter = work.press("solid", "coarse", other, MIDDLE)
+            coarse = coarse.with_radius(flatter, MIDDLE, other)
             radius, spread = _radius(work, wanted, frames, coarse, (first, other), found)
             found = _solved(_forces(work, wanted, coarse, radius, spread), found)
     if start.resolution != "coarse":
         with work.stage(f"solid, {start.resolution}") as misfit:
-            found, coarse = _finished(work, wanted, coarse, radius, spread, found)
+            start_at = radius, spread
+            found, coarse, radius = _finished(work, wanted, frames, coarse, start_at, found)
             misfit(found.solution.misfit)
     with work.stage("array"):
         shape = _array(wanted, frames, found)
@@ -269,41 +282,54 @@ def _radius(
     frames: Frames | None,
     curves: Family,
     radii: tuple[float, float],
-    near: Found,
+    last: Found,
 ) -> tuple[float, float]:
     """Return the pad radius that the frames ask for, and its standard deviation, in mm.
 
     The fitted R of two pad radii gives its slope; its scatter is the rounding of a printed R, or
-    what the noise of the array makes. Where the radius is beyond reach it stays as it was.
+    what the noise of the array makes. Where the radius is beyond reach it is the nearest one.
     """
     goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
-    tried = [_solved(_forces(work, wanted, curves, each), near) for each in radii]
+    tried = [_solved(_forces(work, wanted, curves, each), last) for each in radii]
     presses = [(each.curve, each.factor, prony_of(each.solution.values)) for each in tried]
     fits = [pad.thesis_fit(pad.simulated(*each)).radius for each in presses]
     radius, slope = pad.radius_for(goal.radius, radii, fits)
-    if not min(radii) / WITHIN <= radius <= max(radii) * WITHIN:
-        return work.finger.pad_radius, SCATTER * work.finger.pad_radius
+    near = float(np.clip(radius, min(radii) / WITHIN, max(radii) * WITHIN))
+    near = round(work.reachable(near), 2)
+    if abs(near / radius - 1) > REACHED:
+        return near, SCATTER * near
     noise = pad.ROUNDING if frames is None else pad.scatter(*presses[0])
-    return round(radius, 2), noise / slope
+    return near, noise / slope
 
 
 def _finished(
     work: Work,
     wanted: Bulk | Record,
+    frames: Frames | None,
     curves: Family,
-    radius: float,
-    radius_sd: float | None,
+    pad_radius: tuple[float, float | None],
     found: Found,
-) -> tuple[Found, Family]:
-    """Return the fit on the finer mesh: the coarse family, shifted until the exponent settles."""
-    for _ in range(CORRECTIONS):
+) -> tuple[Found, Family, float]:
+    """Return the fit on the finer mesh, its curves and its pad radius in mm.
+
+    The coarse family is shifted until exponent and radius settle.
+    """
+    radius, spread = pad_radius
+    for last in (False,) * (CORRECTIONS - 1) + (True,):
         exponent = round(found.solution.values[SHAPE], 2)
-        better = work.press("solid", work.finger.resolution, radius, exponent, part=DEEPER)
+        better = work.press("solid", work.finger.resolution, radius, exponent)
         curves = curves.corrected(better, exponent, radius)
-        found = _solved(_forces(work, wanted, curves, radius, radius_sd), found)
-        if abs(found.solution.values[SHAPE] - exponent) < SETTLED:
+        found = _solved(_forces(work, wanted, curves, radius, spread), found)
+        asked = radius
+        if spread is not None and not last:
+            radii = radius, curves.radius if radius != curves.radius else curves.other
+            asked, spread = _radius(work, wanted, frames, curves, radii, found)
+        steady = abs(found.solution.values[SHAPE] - exponent) < SETTLED
+        if last or (steady and abs(asked / radius - 1) < REACHED):
             break
-    return found, curves
+        radius = asked
+        found = _solved(_forces(work, wanted, curves, radius, spread), found)
+    return found, curves, radius
 
 
 def _array(wanted: Bulk | Record, frames: Frames | None, found: Found) -> dict[str, float]:

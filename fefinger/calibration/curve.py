@@ -5,6 +5,7 @@ law make of it. Between presses q and the share of every element of the array ar
 the same depth by Lagrange's polynomial. Moduli scale the force as a whole.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -134,8 +135,9 @@ class Family:
     What the shape is, is up to the mechanics: the exponent of a law in `solid`, m of t(u) in
     `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
     by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
-    first order; shares_by_radius (SHARES, 64) likewise; correction (NODES,) and shares_correction
-    (SHARES, 64) are added to every q and all shares; ripple: the largest relative distance of a
+    first order; shares_by_radius (SHARES, 64) likewise, both from a press at the radius `other`;
+    correction (NODES,) and shares_correction (SHARES, 64) are added to every q and all shares;
+    ripple: the largest relative distance of a
     solved step from its curve.
     """
 
@@ -148,6 +150,7 @@ class Family:
     by_radius: Array
     shares_by_radius: Array
     shares_correction: Array
+    other: float = math.nan
 
     @property
     def deepest(self) -> float:
@@ -195,6 +198,7 @@ class Family:
         wider = np.log(radius / self.radius)
         return replace(
             self,
+            other=radius,
             by_radius=self._apart(mine, other) / wider,
             shares_by_radius=self._shares_apart(mine, other) / wider,
         )

@@ -22,7 +22,7 @@ from fefinger.fem import multifrontal
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.solve import compressible
+from fefinger.fem.solvers import compressible
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
 from fefinger.tolerances import REDUCED_COMPRESSIBILITY

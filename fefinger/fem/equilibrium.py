@@ -292,6 +292,10 @@ class _Anderson:
         if len(self.points) == 1:
             return point + change
         differences = np.diff(self.changes, axis=0)
-        weights = np.linalg.lstsq(differences @ differences.T, differences @ change, rcond=1e-12)[0]
+        square = differences @ differences.T
+        if not np.isfinite(square).all():
+            message = "equilibrium: the iteration ran away; take shorter steps"
+            raise ConvergenceError(message)
+        weights = np.linalg.lstsq(square, differences @ change, rcond=1e-12)[0]
         moved = np.diff(self.points, axis=0) + differences
         return np.asarray(point + change - weights @ moved)

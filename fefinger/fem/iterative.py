@@ -112,8 +112,10 @@ class Iterative:
         return answer
 
 
-def iterative(space: Space, matrix: sparse.csr_matrix, free: Integers) -> Iterative:
-    """Return the preconditioned `matrix` of `space`, restricted to the unknowns `free`.
+def iterative(
+    space: Space, matrix: sparse.csr_matrix, free: Integers, reduced: sparse.csr_matrix
+) -> Iterative:
+    """Return the preconditioned `matrix` of `space`; `reduced` is that of the unknowns `free`.
 
     Raises
     ------
@@ -125,7 +127,6 @@ def iterative(space: Space, matrix: sparse.csr_matrix, free: Integers) -> Iterat
     strain = _strain(matrix[:n][:, :n])[moving][:, moving].tocsr()
     diagonal = strain.diagonal()
     up, coarse = _coarse(space, strain, moving)
-    reduced = matrix[free][:, free].tocsr()
     return Iterative(
         matrix=reduced,
         strain=strain,

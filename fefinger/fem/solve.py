@@ -16,10 +16,10 @@ from scipy import sparse
 
 from fefinger.checks import ConvergenceError, InputError, choice
 from fefinger.fem import multifrontal, single
-from fefinger.fem.solvers import SOLVERS, Equations, Solver, choose
+from fefinger.fem.solvers import SOLVERS, Equations, Solver, choose, compressible
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
-from fefinger.tolerances import FACTOR_COMPRESSIBILITY, FORCE_BALANCE, LINEAR_RESIDUAL
+from fefinger.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 
 
 REFINEMENTS = 8
@@ -126,10 +126,9 @@ def factor(
         space.points[space.vertices].mean(axis=1),
         int(is_free[: space.n_displacements].sum()),
     )
-    neighbor = compressible(space, matrix)[free][:, free].tocsr()
-    equations = Equations(space, matrix, free, neighbor, dissection)
-    name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
     reduced = matrix[free][:, free].tocsr()
+    equations = Equations(space, matrix, free, reduced, dissection)
+    name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
     return System(matrix, free, held, reduced, name, SOLVERS[name](equations), dissection)
 
 
@@ -143,22 +142,3 @@ def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Sin
     """
     neighbor = compressible(space, matrix)[system.free][:, system.free].tocsr()
     return single.factor(neighbor, system.dissection)
-
-
-def compressible(
-    space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
-) -> sparse.csr_matrix:
-    """Return the matrix with at least that compressibility on the diagonal of the pressures."""
-    shift = _lacking(space, matrix, least)
-    return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
-
-
-def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
-    """Return what each unknown's diagonal (n_unknowns,) lacks of that compressibility."""
-    pressure = np.arange(space.n_displacements, space.n_unknowns)
-    coupling = abs(matrix[pressure][:, : space.n_displacements])
-    wanted = least * np.asarray(coupling.sum(axis=1)).ravel()
-    present = -matrix.diagonal()[pressure]
-    shift = np.zeros(space.n_unknowns)
-    shift[pressure] = np.maximum(wanted - present, 0.0)
-    return shift

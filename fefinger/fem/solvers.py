@@ -33,7 +33,7 @@ from fefinger.fem import multifrontal, single
 from fefinger.fem.iterative import iterative
 from fefinger.fem.multifrontal import SINGULAR, Dissection
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.tolerances import SINGULAR_PIVOT
+from fefinger.tolerances import FACTOR_COMPRESSIBILITY, SINGULAR_PIVOT
 
 
 ROOM = 0.5  # part of the free memory that a factor may take
@@ -59,14 +59,19 @@ class Equations:
     """What a solver is made from.
 
     matrix (n_unknowns, n_unknowns) of all unknowns of the space; free (n,): those to be solved for;
-    neighbor (n, n): their slightly compressible, quasi-definite matrix; dissection: its order.
+    reduced (n, n): their matrix; dissection: the order of a factor.
     """
 
     space: Space
     matrix: sparse.csr_matrix
     free: Integers
-    neighbor: sparse.csr_matrix
+    reduced: sparse.csr_matrix
     dissection: Dissection
+
+    @property
+    def neighbor(self) -> sparse.csr_matrix:
+        """The slightly compressible, quasi-definite matrix (n, n) that is factored."""
+        return compressible(self.space, self.matrix)[self.free][:, self.free].tocsr()
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ def choose(equations: Equations) -> str:
     size = WORKING * equations.dissection.entries
     if 8 * size <= room:
         return "multifrontal"
-    diagonal = equations.neighbor.diagonal()
+    diagonal = equations.reduced.diagonal()
     stiffness = diagonal[diagonal > 0]
     if 4 * size <= room and stiffness.max() <= SPREAD * stiffness.min():
         return "single"
@@ -159,10 +164,29 @@ def _check(matrix: sparse.csc_matrix, pivots: Array) -> None:
         raise InputError(SINGULAR)
 
 
+def compressible(
+    space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
+) -> sparse.csr_matrix:
+    """Return the matrix with at least that compressibility on the diagonal of the pressures."""
+    shift = _lacking(space, matrix, least)
+    return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
+
+
+def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
+    """Return what each unknown's diagonal (n_unknowns,) lacks of that compressibility."""
+    pressure = np.arange(space.n_displacements, space.n_unknowns)
+    coupling = abs(matrix[pressure][:, : space.n_displacements])
+    wanted = least * np.asarray(coupling.sum(axis=1)).ravel()
+    present = -matrix.diagonal()[pressure]
+    shift = np.zeros(space.n_unknowns)
+    shift[pressure] = np.maximum(wanted - present, 0.0)
+    return shift
+
+
 SOLVERS: Mapping[str, Callable[[Equations], Solver]] = {
     "multifrontal": lambda e: multifrontal.factor(e.neighbor, e.dissection),
     "single": lambda e: single.factor(e.neighbor, e.dissection),
-    "iterative": lambda e: iterative(e.space, e.matrix, e.free),
+    "iterative": lambda e: iterative(e.space, e.matrix, e.free, e.reduced),
     "superlu": superlu,
     "cholmod": cholmod,
 }

@@ -46,9 +46,11 @@ def yielding(finger: Finger) -> list[str]:
     """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
     found = []
     if isinstance(finger.bone, Hard):
-        found.append(f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid")
+        found.append(
+            f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: it knows no elastic bone"
+        )
     if finger.nail is not None:
-        found.append("finger.nail: set, but its nail is held with the bone")
+        found.append("finger.nail: set, but it takes the nail as held with the bone")
     return found
 
 

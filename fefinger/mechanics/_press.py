@@ -118,13 +118,13 @@ def press(
         **_answer(scene, finger, contact, reference, fields),
         seconds=stages.seconds,
         notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources=origins(mesh, finger),
+        sources=origins(mesh, finger, stages),
     )
 
 
-def origins(mesh: FingerMesh, finger: Solid) -> dict[str, str]:
-    """Return what an answer was computed from: the mesh, and the solver where it is a choice."""
-    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint}
+def origins(mesh: FingerMesh, finger: Solid, stages: Stages) -> dict[str, str]:
+    """Return what an answer was computed from, with what solver, and in how much memory."""
+    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
     return found | {"solver": finger.system.name} if isinstance(finger, Body) else found
 
 

@@ -85,7 +85,7 @@ def squeeze(
         fields=fields,
         seconds=stages.seconds,
         notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources=_press.origins(mesh, finger),
+        sources=_press.origins(mesh, finger, stages),
     )
     if passage.halt:
         raise Stopped(passage.halt, response)

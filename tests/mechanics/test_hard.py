@@ -1,5 +1,6 @@
 """Bone and nail: rigid, elastic or left out."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -160,6 +161,7 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
         assert response.force == pytest.approx(found[None].force, rel=1e-8)
     result = run(scene("single", depth=0.05), mechanics="linear")
     assert result.provenance["solver"] == "single"
+    assert re.search(r"in MB, by stage: mesh \d+, factor \d+", result.provenance["memory"])
 
 
 def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:

@@ -1,0 +1,192 @@
+"""Cases of suite `calibration` on the shipped subjects: force, sinusoids, and the thesis's array.
+
+What is said of a finger's pressure is measured again on the coarse mesh, by a press of its own.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+from fefinger.validation import calibration_levers
+from fefinger.validation.calibration_report import calibrated, rows
+from fefinger.validation.case import Case
+from fefinger.validation.chain import Array
+
+from fefinger import library
+from fefinger.calibration import pad, target
+from fefinger.calibration.curve import Curve, curve
+from fefinger.calibration.outcome import FREQUENCIES, layer
+from fefinger.calibration.press import press
+from fefinger.calibration.target import Bulk
+from fefinger.scene import Finger
+
+
+PRINTED = {"mse": 0.07, "peak": 0.18}
+"""Errors of the thesis's own prediction of sinusoids (section 2.4.2), as fractions."""
+
+MIDDLE = 1
+"""Number of the profile at 1.1 N, the middle one of Figure 3-4."""
+
+FLATTER = (
+    "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
+    "that is flatter along the finger spreads it again, and no finger of this size is flat enough."
+)
+
+
+def cases(subject: str, *, quick: bool) -> Iterator[Case]:
+    """Yield the cases of a shipped subject."""
+    yield from _force(subject)
+    yield Case(
+        "calibration",
+        f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
+        partial(calibration_levers.oracle, subject),
+        0.0,
+        0.02,
+        "1",
+        "Table 3.2: its half-space to 2.3 N, with the noise of the array",
+        reason="half a unit of the last printed digit of m and b is 1 to 5 %",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: shipped tissue set against the report",
+        partial(shipped, subject),
+        0.0,
+        5e-3,
+        "1",
+        "reports/calibrated.json",
+        reason="rounded to the digits that are shipped",
+    )
+    if not quick:
+        yield from _pressed_again(subject)
+
+
+def _force(subject: str) -> Iterator[Case]:
+    found, bulk = calibrated(subject), library.pawluk_bulk()[subject]
+    sds = line_sd(target.subject(subject))
+    for name, wanted, sd, unit in zip(
+        ("m", "b"), (bulk.m, bulk.b), sds, ("1/mm", "N/mm"), strict=True
+    ):
+        yield Case(
+            "calibration",
+            f"{subject}: {name} of stiffness against force of the calibrated finger",
+            partial(found.residuals.__getitem__, name),
+            wanted,
+            3 * sd,
+            unit,
+            "Table 2.1",
+            reason="three standard deviations that VAF_k leaves over these forces",
+        )
+    for frequency in FREQUENCIES:
+        for what, limit in PRINTED.items():
+            yield Case(
+                "calibration",
+                f"{subject}: {what} error of {frequency} Hz, which was not fitted",
+                partial(_predicted, subject, f"{frequency} Hz", what),
+                0.0,
+                limit,
+                "1",
+                "the lumped model of Table 2.1",
+                reason="what the thesis reached on its subjects",
+            )
+
+
+def _pressed_again(subject: str) -> Iterator[Case]:
+    row, found = pad.printed(subject), calibrated(subject)
+    mesh = "the standard mesh, in the report"
+    yield Case(
+        "calibration",
+        f"{subject}: a new press of the calibrated finger, coarse mesh",
+        partial(again, subject),
+        0.0,
+        0.05,
+        "1",
+        "the curve in the report",
+        reason="the coarse mesh is within 1 to 3 % of the standard one",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
+        lambda: pad.thesis_fit(pad.simulated(fresh(subject), 1.0, found.prony)).radius,
+        found.residuals["array radius"],
+        0.06 * row.radius,
+        "mm",
+        f"{mesh}; printed is Table 3.2",
+        printed=row.radius,
+        erratum=FLATTER,
+        reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
+    )
+    kept = rows()[subject]["profiles"][MIDDLE]
+    yield Case(
+        "calibration",
+        f"{subject}: width of the pressure of a new press at {kept['force_N']:.2g} N over that of "
+        "Table 3.2",
+        partial(width_again, subject, kept["force_N"]),
+        width(*(np.array(kept[key]) for key in ("distance_mm", "finger_kPa")))
+        / width(*(np.array(kept[key]) for key in ("distance_mm", "thesis_kPa"))),
+        0.05,
+        "1",
+        f"{mesh}; printed is the half-space of Table 3.2, felt by the array",
+        printed=1.0,
+        erratum=FLATTER,
+        reason="the pressure of a coarse mesh",
+    )
+
+
+def line_sd(wanted: Bulk) -> tuple[float, float]:
+    """Return the standard deviations of m in 1/mm and b in N/mm that VAF_k leaves."""
+    line = np.column_stack([wanted.force, np.ones_like(wanted.force)])
+    variance = np.linalg.inv(line.T @ line).diagonal() * wanted.stiffness_sd**2
+    return float(np.sqrt(variance[0])), float(np.sqrt(variance[1]))
+
+
+def shipped(subject: str) -> float:
+    """Return the largest relative difference of the shipped set and the report."""
+    found = calibrated(subject)
+    kept = library.tissue_set(library.calibrated_name(subject))
+    pairs = [(kept.pad_radius, found.finger["pad_radius"])]
+    for mine, theirs in ((kept.skin, found.skin), (kept.subcutaneous, found.subcutaneous)):
+        pairs += [(getattr(mine, name), theirs[name]) for name in ("modulus", "exponent")]
+    assert kept.prony is not None
+    pairs += zip(
+        kept.prony.weights + kept.prony.v, found.prony.weights + found.prony.v, strict=True
+    )
+    return max(abs(mine / theirs - 1) for mine, theirs in pairs)
+
+
+@cache
+def fresh(subject: str) -> Curve:
+    """Return the curve of a new press of the calibrated finger, on the coarse mesh."""
+    found = calibrated(subject)
+    finger = Finger.subject(subject, resolution="coarse", pad_radius=found.finger["pad_radius"])
+    exponent = found["exponent"].value
+    own = replace(
+        finger,
+        skin=layer(finger.skin, exponent),
+        subcutaneous=layer(finger.subcutaneous, exponent),
+    )
+    one, _ = curve(press(own, "solid"))
+    factor = found["modulus"].value / finger.subcutaneous.modulus
+    return replace(one, q=one.q + np.log(factor))
+
+
+def again(subject: str) -> float:
+    """Return the largest relative distance of the force of a new press from the report."""
+    found, one = calibrated(subject), fresh(subject)
+    depth = np.linspace(0.3, 1.0, 20) * min(one.deepest, found.deepest)
+    return float(np.abs(one.force(depth) / found.curve.force(depth) - 1).max())
+
+
+def width(r: Array, pressure: Array) -> float:
+    """Return the root mean square distance in mm of a pressure from its center."""
+    return float(np.sqrt(pressure @ r**2 / pressure.sum()))
+
+
+def width_again(subject: str, force: float) -> float:
+    """Return the width of a new press at a force in N over that of the half-space."""
+    made = pad.profile(fresh(subject), 1.0, calibrated(subject).prony, subject, force)
+    return width(made.distance, made.finger) / width(made.distance, made.thesis)
+
+
+def _predicted(subject: str, frequency: str, what: str) -> float:
+    return calibrated(subject).checks[frequency][what]
