@@ -17,7 +17,8 @@ from fefinger.study import study
 
 
 ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
-CHECKED = (0.0, 20.0, 30.0, 40.0, 60.0)
+AT = ("0.25N", "0.5N", "1N", "0.5mm", "1mm")
+"""Forces and depths on the loading that rows are told at, besides the peak and the end."""
 
 COARSE: Mapping[str, Any] = {"finger.resolution": "coarse"}
 SHORT: Mapping[str, Any] = {
@@ -48,8 +49,8 @@ STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
     "p.w. to 1 N": ("press-to-1N", {**FORCE, **PW}, "linear", ANGLES),
     "dandekar2003": ("flat-press", {**SHORT, "finger.tissue": "dandekar2003"}, "linear", ANGLES),
     "saal2017": ("flat-press", {**SHORT, "finger.tissue": "saal2017"}, "linear", ANGLES),
-    "standard mesh": ("flat-press", STANDARD, "linear", CHECKED),
-    "finite strain": ("flat-press", RAMP, "solid", CHECKED),
+    "standard mesh": ("flat-press", STANDARD, "linear", ANGLES),
+    "finite strain": ("flat-press", RAMP, "solid", ANGLES),
     "a.h. held at 1 mm": ("flat-press", {**COARSE, "motion.depth": 1.0}, "linear", ANGLES),
     "a.h. held at 1 N": ("press-to-1N", COARSE, "linear", ANGLES),
 }
@@ -62,7 +63,7 @@ def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[st
     for name in names:
         scene, changes, mechanics, angles = STUDIES[name]
         over = {"indenter.angle": angles}
-        found = study(scene, over, changes=changes, mechanics=mechanics, folder=work)
+        found = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
         rows += [{"case": name, **_rounded(row)} for row in found.rows]
         print(f"{name}: {found.scenes - len(found.failures)} of {found.scenes}", file=sys.stderr)
     return rows

@@ -1,46 +1,29 @@
 """The page on the contact angle: every number in its sentences is read from the rows."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from fefinger.validation.contact_angle_rows import (
+    ANGLE,
+    FORCES,
+    HELD,
+    HELD_FORCE,
+    MAIN,
+    MEASURES,
+    OTHER,
+    THESIS,
+    TISSUES,
+    Rows,
+    curve,
+    percent,
+)
+from fefinger.validation.contact_angle_sure import experiment, sure
 
 from fefinger import page, study_figures
+from fefinger.figures import COLORS
 from fefinger.study_measures import READINGS
 from fefinger.study_report import ARRAY, MEANING, part, table
-from fefinger.theory.sensor import ArraySensor
-
-
-Rows = Sequence[Mapping[str, Any]]
-
-ANGLE = "indenter.angle_deg"
-MAIN = {"1 mm": "a.h. to 1 mm", "1 N": "a.h. to 1 N"}
-OTHER = {"1 mm": "p.w. to 1 mm", "1 N": "p.w. to 1 N"}
-TISSUES = ("dandekar2003", "saal2017")
-STANDARD, SOLID = "standard mesh", "finite strain"
-HELD = {"a.h. held at 1 mm": "1 mm, 5 s", "a.h. held at 1 N": "1 N, 2 s"}
-
-THESIS = (20.0, 40.0)
-"""Degrees between which the fingers of the thesis were held (sections 2.2 and 3.2)."""
-
-MEASURES = {
-    "force_N": "force / N",
-    "depth_mm": "depth / mm",
-    "contact_area_mm2": "area / mm²",
-    "shift_distal_mm": "shift / mm",
-    "asymmetry": "asymmetry",
-    "ellipticity": "ellipticity",
-    "peak_pressure_kPa": "peak / kPa",
-}
-
-
-def curve(rows: Rows, case: str, at: str, column: str) -> dict[float, float]:
-    """Return a measure of a case by angle."""
-    return {
-        row[ANGLE]: row[column]
-        for row in rows
-        if row["case"] == case and row["at"] == at and row.get(column) is not None
-    }
 
 
 def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
@@ -67,19 +50,15 @@ def answer(rows: Rows) -> str:
     stiff, soft = max(force, key=force.__getitem__), min(force, key=force.__getitem__)
     others = [curve(rows, case, "1 mm", "asymmetry")[low] for case in TISSUES]
     return (
-        f"Pressed 1 mm, the model of subject a.h. bears {_percent(inside[high])} of its force "
+        f"Pressed 1 mm, the model of subject a.h. bears {percent(inside[high])} of its force "
         f"more distally than proximally of first touch at {high:g} degrees and "
-        f"{_percent(inside[low])} at {low:g}: within the {THESIS[0]:g} to {THESIS[1]:g} degrees "
+        f"{percent(inside[low])} at {low:g}: within the {THESIS[0]:g} to {THESIS[1]:g} degrees "
         "of the thesis's fingers it falls through zero. How far it falls is decided "
-        f"by the tissue: with two other published tissues it is {_percent(max(others))} and "
-        f"{_percent(min(others))} at {low:g} degrees. The force at 1 mm falls from "
+        f"by the tissue: with two other published tissues it is {percent(max(others))} and "
+        f"{percent(min(others))} at {low:g} degrees. The force at 1 mm falls from "
         f"{force[stiff]:.2f} N at {stiff:g} degrees to {force[soft]:.2f} N at {soft:g}, the "
         f"contact area from {max(area.values()):.0f} to {min(area.values()):.0f} mm²."
     )
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:+.0f} %"
 
 
 def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
@@ -97,6 +76,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         yield part(
             f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", said, picture=picture
         )
+    yield from _by_force(rows)
     felt = [
         row
         for row in rows
@@ -105,14 +85,13 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
     yield part(
         "What the array of the thesis would read at 1 N",
         "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
-        "Subject a.h., without noise; where an angle is missing, the coarse mesh is too coarse "
-        "for the array.",
+        "Subject a.h., without noise.",
         picture=page.svg(study_figures.isobars(felt, ANGLE, READINGS)),
     )
     yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
-    yield from _sure(rows)
+    yield from sure(rows)
     yield from _spikes(rows)
-    yield part("What an experiment should measure", bullets=list(_experiment(rows)))
+    yield part("What an experiment should measure", bullets=list(experiment(rows)))
     yield part("What the model leaves out here", bullets=list(_limits(rows)))
     columns = [ANGLE, *MEASURES, "reach_distal_mm", "reach_proximal_mm", "stiffness_N_per_mm"]
     columns += ["sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2", "hertz_ellipticity"]
@@ -167,6 +146,45 @@ def _predicted(rows: Rows) -> Iterator[str]:
     )
 
 
+def _by_force(rows: Rows) -> Iterator[dict[str, Any]]:
+    """Give the measures against the angle at several forces on the loading."""
+    kept = {**MEASURES, "stiffness_N_per_mm": "", **{f"spikes_{kind}": "" for kind in COLORS}}
+
+    def loading(case: str) -> list[dict[str, Any]]:
+        return [
+            {"case": row["at"], ANGLE: row[ANGLE]} | {k: row[k] for k in kept if row.get(k)}
+            for at in FORCES
+            for row in rows
+            if row["case"] == case and row["at"] == at and row["status"] == "done"
+        ]
+
+    turned = {at: _crossing(rows, at) for at in FORCES}
+    area = {at: curve(rows, MAIN["1 N"], at, "contact_area_mm2")[30.0] for at in FORCES}
+    larger, stronger = area[FORCES[-1]] / area[FORCES[0]], _newtons(-1) / _newtons(0)
+    power = np.log(larger) / np.log(stronger)
+    yield part(
+        "Against the force",
+        f"Subject a.h. on the way to 1 N at 40 N/s. From {FORCES[0]} to {FORCES[-1]} the contact "
+        f"at 30 degrees grows from {area[FORCES[0]]:.0f} to {area[FORCES[-1]]:.0f} mm², as the "
+        f"force to the power of {power:.2f}; the angle at which as much of the force is distal as "
+        f"proximal of first touch is {turned[FORCES[0]]:.0f} degrees at {FORCES[0]} and "
+        f"{turned[FORCES[-1]]:.0f} at {FORCES[-1]}.",
+        picture=page.svg(study_figures.panels(loading(MAIN["1 N"]), ANGLE, ["case"], ["force_N"])),
+    )
+    fired = [row for row in loading(HELD_FORCE) if any(key.startswith("spikes_") for key in row)]
+    if fired:
+        yield part(
+            "Spikes against the force",
+            "One unit of each type under first touch, up to these forces on the way to 1 N at 2 "
+            "N/s: blue, orange and green from the smallest force to the largest.",
+            picture=page.svg(study_figures.spikes(fired, ANGLE, ["case"])),
+        )
+
+
+def _newtons(number: int) -> float:
+    return float(FORCES[number].removesuffix(" N"))
+
+
 def _thesis(rows: Rows) -> Iterator[str]:
     """Give the comparison with the thesis's own observation."""
     yield (
@@ -201,75 +219,12 @@ def _thesis(rows: Rows) -> Iterator[str]:
     )
 
 
-def _crossing(rows: Rows) -> float:
-    """Return the angle within those of the thesis at which the asymmetry at 1 N is none."""
-    found = curve(rows, MAIN["1 N"], "1 N", "asymmetry")
+def _crossing(rows: Rows, at: str = "1 N") -> float:
+    """Return the angle within those of the thesis at which the asymmetry at a force is none."""
+    found = curve(rows, MAIN["1 N"], at, "asymmetry")
     angles = [angle for angle in sorted(found) if THESIS[0] <= angle <= THESIS[1]]
     values = [found[angle] for angle in angles]
     return float(np.interp(0.0, values[::-1], angles[::-1]))
-
-
-def _sure(rows: Rows) -> Iterator[dict[str, Any]]:
-    """Give the tables of what the numbers at 1 mm depend on, per angle."""
-    changed = {
-        "standard mesh": STANDARD,
-        "finite strain": SOLID,
-        **{f"tissue {case}": case for case in TISSUES},
-    }
-    names = {MAIN["1 mm"]: "a.h.", **{case: name for name, case in changed.items()}}
-    chosen = [
-        {"case": names[row["case"]], ANGLE: row[ANGLE]} | {k: row.get(k) for k in MEASURES}
-        for row in rows
-        if row["case"] in names and row["at"] == "1 mm"
-    ]
-    yield part(
-        "How sure: mesh, tissue and strain, one change at a time",
-        "At 1 mm, on the finger of a.h.; the first line is the coarse mesh at small strain. "
-        f"{_summed(rows)}",
-        picture=page.svg(study_figures.panels(chosen, ANGLE, ["case"], ["depth_mm"])),
-    )
-    for name in ("asymmetry", "force_N", "contact_area_mm2", "ellipticity"):
-        base = curve(rows, MAIN["1 mm"], "1 mm", name)
-        other = curve(rows, OTHER["1 mm"], "1 mm", name)
-        relative = name in ("force_N", "contact_area_mm2")
-        told = []
-        for angle, value in base.items():
-            scale = 100 / value if relative else 1.0
-            found = [curve(rows, case, "1 mm", name).get(angle) for case in changed.values()]
-            changes = [_told(None if v is None else scale * (v - value), "+.3g") for v in found]
-            told.append([f"{angle:g}", _told(value), *changes, _told(other.get(angle))])
-        unit = " in %" if relative else ""
-        yield part(
-            f"How sure: {MEASURES[name]} at 1 mm",
-            f"Differences{unit} from the coarse mesh of a.h. with the tissue of Maeno et al. "
-            "(1998) at small strain, one change at a time; the finger of p.w. is another one.",
-            table={"heading": ["angle", "a.h.", *changed, "p.w."], "rows": told},
-        )
-
-
-def _summed(rows: Rows) -> str:
-    """Return how far mesh and finite strain change the numbers at 1 mm, in two sentences."""
-
-    def largest(case: str, name: str, *, relative: bool) -> float:
-        base, other = (curve(rows, each, "1 mm", name) for each in (MAIN["1 mm"], case))
-        return max(abs(other[a] - base[a]) / (base[a] if relative else 1) for a in other)
-
-    asymmetry, force, area = (
-        [largest(case, name, relative=name != "asymmetry") for case in (STANDARD, SOLID)]
-        for name in ("asymmetry", "force_N", "contact_area_mm2")
-    )
-    return (
-        f"The standard mesh changes the asymmetry by at most {asymmetry[0]:.3f}, the force by "
-        f"{100 * force[0]:.1f} % and the area by {100 * area[0]:.0f} %, most at 0 and 60 "
-        "degrees, where few vertices bound it. Finite strain changes the asymmetry by at most "
-        f"{asymmetry[1]:.3f}, the force by {100 * force[1]:.0f} % and the area by "
-        f"{100 * area[1]:.0f} %: the shape of the curves is kept, the force at a depth is too "
-        "low at small strain."
-    )
-
-
-def _told(value: float | None, form: str = ".3g") -> str:
-    return "" if value is None else format(value, form)
 
 
 def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
@@ -291,76 +246,6 @@ def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
         )
 
 
-def _experiment(rows: Rows) -> Iterator[str]:
-    """Give what would tell the model right or wrong, and how exactly it has to be measured."""
-    found = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
-    angles = np.array(sorted(found))
-    slopes = np.diff([found[angle] for angle in angles]) / np.diff(angles)
-    steepest = int(np.argmax(np.abs(slopes)))
-    yield (
-        f"The asymmetry at angles that are held to about 1 degree: between {angles[steepest]:g} "
-        f"and {angles[steepest + 1]:g} degrees it changes by {abs(slopes[steepest]):.3f} per "
-        f"degree, so 5 degrees of scatter are {5 * abs(slopes[steepest]):.2f}. 20, 30, 35, 40 "
-        "and 50 degrees tell most."
-    )
-    area = curve(rows, MAIN["1 mm"], "1 mm", "contact_area_mm2")[30.0]
-    radius = np.sqrt(area / np.pi)
-    yield (
-        "First touch to 0.1 mm, for instance from the centroid followed down to the smallest "
-        f"force: on a contact of {radius:.1f} mm radius (30 degrees, 1 mm) an error of s mm "
-        f"changes the asymmetry by 1.5 s / a, {0.15 / radius:.3f} per 0.1 mm. Without it, tell "
-        "the asymmetry of the reach of an isobar about the centroid."
-    )
-    sensor = ArraySensor()
-    total = 1000.0 / sensor.pitch**2
-    spread = sensor.noise * np.sqrt((sensor.positions[:, 0] ** 2).sum()) / total
-    share = sensor.noise * sensor.elements / total
-    yield (
-        f"Pressure with an array will do: its noise of {sensor.noise:g} kPa is {spread:.2f} mm "
-        f"of the centroid and {share:.3f} of the asymmetry in one frame at 1 N, and its blur "
-        f"changes the centroid by {_blur(rows, 'shift_distal_mm', 0, 60):.2f} mm at most and the "
-        f"asymmetry by {_blur(rows, 'asymmetry', 0, 45):.3f} up to 45 degrees; by "
-        f"{_blur(rows, 'asymmetry', 50, 60):.3f} beyond, where the contact is small. It does not "
-        "keep the peak pressure, the contact area and the ellipticity, which ask for optics or "
-        "finer elements."
-    )
-    tissues = [curve(rows, case, "1 mm", "asymmetry")[40.0] for case in TISSUES]
-    yield (
-        f"The asymmetry at 40 degrees, as a test of the tissue: {_percent(max(tissues))} with a "
-        "stiff skin over soft pulp (Dandekar et al. 2003), "
-        f"{_percent(curve(rows, MAIN['1 mm'], '1 mm', 'asymmetry')[40.0])} with the layers of "
-        f"Maeno et al. (1998), {_percent(min(tissues))} with one tissue throughout (coarse "
-        f"mesh). At 20 degrees the three agree within {100 * _spread(rows, 20.0):.0f} % of the "
-        "force."
-    )
-    shape = max(_spread(rows, angle, "ellipticity") for angle in found)
-    yield (
-        f"The ellipticity, as a test of the shape: the three tissues differ in it by {shape:.2f} "
-        "at most, at any angle, while it goes through 0 at 40 degrees."
-    )
-    yield (
-        "The shape of the same finger, scanned: where the pad turns to the tip decides at which "
-        "angle the asymmetry turns. In the model that is between slopes of 34 and 48 degrees by "
-        "assumption."
-    )
-    yield (
-        "Both a fixed depth and a fixed force, because they rank the angles differently, with "
-        "the loading at one speed: the tissue relaxes."
-    )
-
-
-def _blur(rows: Rows, name: str, low: float, high: float) -> float:
-    """Return the largest difference that the array makes to a measure at 1 mm, at those angles."""
-    own, read = (curve(rows, MAIN["1 mm"], "1 mm", each) for each in (name, f"sensor_{name}"))
-    return max(abs(read[angle] - own[angle]) for angle in read if low <= angle <= high)
-
-
-def _spread(rows: Rows, angle: float, name: str = "asymmetry") -> float:
-    """Return the range of a measure at 1 mm over the tissues, on the coarse mesh."""
-    cases = (MAIN["1 mm"], *TISSUES)
-    return float(np.ptp([curve(rows, case, "1 mm", name)[angle] for case in cases]))
-
-
 def _limits(rows: Rows) -> Iterator[str]:
     """Give what the numbers rest on, and which scenes have none."""
     yield (
@@ -374,6 +259,12 @@ def _limits(rows: Rows) -> Iterator[str]:
         "pulp as much as on the angle (see above)."
     )
     yield "Small strain, frictionless, rigid bone; the nail is held as in the experiment."
+    if any(row["at"] == "" for row in rows):
+        yield (
+            "A plate along the bone comes to lie on the pad as far back as the crease of the last "
+            "joint, where the modeled finger ends (its proximal cut): a scene whose contact gets "
+            "there has no answer, as told below."
+        )
     for row in rows:
         if row["at"] == "":
             yield f"{row['case']}, {row[ANGLE]:g} degrees: {row['status']}"

@@ -13,6 +13,7 @@ from fefinger.validation.finger_split import (
     other_order,
     part,
     printed,
+    row,
     steepness,
     subjects,
     together,
@@ -99,10 +100,22 @@ def _split() -> str:
     return (
         "Factor of the force that each cause adds to the model before it, at a depth of a tenth of "
         f"the thickness (0.6 mm under the ball of 2 mm). The order of the split: {ORDER}. "
-        "All on the standard mesh, from which the coarse one differs by "
-        f"{100 * apart():.1f} % at most. Where the factor of shape or angle is missing, a plate "
+        f"{_meshes()}, from which the coarse one differs by {100 * apart():.1f} % at most where "
+        "both were solved. Where the factor of shape or angle is missing, a plate "
         "along the bone reaches the cut of the finger before that depth."
     )
+
+
+def _meshes() -> str:
+    """Return which rows are on which mesh."""
+    coarse = [
+        f"{subject} under the {NAMES[press]}"
+        for press in PRESSES
+        for subject in subjects(press)
+        if row(subject, press)["resolution"] != "standard"
+    ]
+    but = f", but {', '.join(coarse)} on the coarse one" if coarse else ""
+    return f"On the standard mesh{but}"
 
 
 def _factors() -> Any:

@@ -28,6 +28,8 @@ ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 FEW = 6  # iterations of a step that a good factor takes
 RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
+SOON = 3  # iterations that a factor is given at least
+STIFF = 2.0  # what a factor need not know of what holds a facet, in shear moduli over its size
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
 BED = 4.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
@@ -71,7 +73,8 @@ class Equilibrium:
         at_rest = np.zeros(body.space.n_unknowns)
         first = rough(body.space, system.matrix, system)
         _, loads = contact.gaps(at_rest, 0.0)
-        self._factored = _Factored(first, system.free, loads, 1.0, np.zeros(len(contact)))
+        none = np.zeros(len(contact))
+        self._factored = _Factored(first, system.free, loads, 1.0, none, none)
 
     def find(self, start: State, asked: Asked) -> State:
         """Return the equilibrium near `start`.
@@ -96,7 +99,7 @@ class Equilibrium:
         state, sound = start, start
         if asked.control == "depth":
             state = replace(state, depth=asked.target)
-        mixing, retreats, error = _Anderson(MEMORY), 0, np.inf
+        mixing, retreats, error, renewed = _Anderson(MEMORY), 0, np.inf, -SOON
         for count in range(ITERATIONS):
             self.iterations += 1
             inner, least = self.body.residual(state.values, asked.memory)
@@ -115,9 +118,10 @@ class Equilibrium:
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
                 return replace(state, pressure=state.pressure + hold.pressure)
-            if self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1:
+            worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
+            if worn or (count - renewed >= SOON and self._outgrown(hold, asked)):
                 self._renew(state, asked)
-                mixing = _Anderson(MEMORY)
+                mixing, renewed = _Anderson(MEMORY), count
             state = self._step(state, rest, inner, gaps, loads, mixing)
         message = (
             f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
@@ -129,6 +133,16 @@ class Equilibrium:
         """Return what keeps facets from folding through the obstacle."""
         shear = self.body.scale * float(asked.memory.gains.mean())
         return self.contact.hold(state.values, state.depth, gaps, shear)
+
+    def _outgrown(self, hold: Hold, asked: Asked) -> bool:
+        """Return whether what holds the facets is too stiff for the factor, which does not know it.
+
+        The iteration would go back and forth: it is meant for errors that are small beside K0.
+        """
+        gain = float(asked.memory.gains.mean())
+        skin = gain * self.body.scale / np.sqrt(self.contact.travel)
+        known = self._factored.rise * gain / self._factored.gain
+        return bool((np.abs(hold.rise - known) > np.maximum(STIFF * skin, known / 2)).any())
 
     def _rest(self, asked: Asked, hold: Hold) -> Asked:
         """Return what is left to the contact; a force that folds bear is not asked of it."""
@@ -187,7 +201,7 @@ class Equilibrium:
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
         self._factored = _Factored(
-            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0)
+            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0), hold.rise
         )
         self.factors, self._excess = self.factors + 1, 0
 
@@ -232,13 +246,21 @@ class Equilibrium:
 class _Factored:
     """A factored tangent with the loads and the gain of its time, and the rows of Z' so far.
 
-    bed (n_candidates,) kPa / mm: the stiffness that was put under the candidates.
+    bed and rise (n_candidates,) kPa / mm: the stiffness that was put under the candidates, and that
+    of what held their facets.
     """
 
     def __init__(
-        self, rough: Single, free: Integers, loads: sparse.csc_matrix, gain: float, bed: Array
+        self,
+        rough: Single,
+        free: Integers,
+        loads: sparse.csc_matrix,
+        gain: float,
+        bed: Array,
+        rise: Array,
     ) -> None:
-        self.rough, self.free, self.loads, self.gain, self.bed = rough, free, loads, gain, bed
+        self.rough, self.free, self.loads, self.gain = rough, free, loads, gain
+        self.bed, self.rise = bed, rise
         self.known = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))

@@ -31,11 +31,13 @@ class Hold:
     """What keeps the facets before the obstacle.
 
     force (n_unknowns,) mN on the skin; pressure (n,) kPa of the candidates with the same force
-    along the axis; stiffness: the derivative of minus the force.
+    along the axis; rise (n,) kPa/mm how fast it grows with the depth; stiffness: the derivative of
+    minus the force.
     """
 
     force: Array
     pressure: Array
+    rise: Array
     stiffness: sparse.csr_matrix
 
 
@@ -97,7 +99,8 @@ class Sliding:
         beyond = np.maximum(-distance / self.sizes - SLACK, 0.0)
         if not beyond.any():
             empty = sparse.csr_matrix((self.n_unknowns, self.n_unknowns))
-            return Hold(np.zeros(self.n_unknowns), np.zeros(len(self)), empty)
+            none = np.zeros(len(self))
+            return Hold(np.zeros(self.n_unknowns), none, none, empty)
         pressure = HOLD * shear * beyond**2
         hats = self.hats * owned[:, :, None]
         density = hats.sum(axis=1)
@@ -107,7 +110,8 @@ class Sliding:
         total = self._gathered(np.einsum("tjq,tq->tj", hats, pressure))
         rise = 2 * HOLD * shear * beyond / self.sizes
         stiffness = self._normal(density * rise, gradient)
-        return Hold(force, total / self.travel, stiffness)
+        risen = self._gathered(np.einsum("tjq,tq->tj", hats, rise))
+        return Hold(force, total / self.travel, risen / self.travel, stiffness)
 
     def bed(self, values: Array, depth: float, chosen: Flags) -> sparse.csr_matrix:
         """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
