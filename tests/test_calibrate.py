@@ -386,7 +386,7 @@ def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monk
 
     ways = {"condensed": type("W", (), {"respond": refuse}), "linear": hertz}
     monkeypatch.setattr("fefinger.mechanics.get", ways.get)
-    assert presses.small(ff.Finger.subject("a.h.")).depth[-1] == pytest.approx(2.0)
+    assert presses.small(ff.Finger.subject("a.h.")).depth[-1] == pytest.approx(1.8)
 
 
 def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):

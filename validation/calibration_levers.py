@@ -13,7 +13,7 @@ from fefinger.validation.chain import Array
 
 from fefinger import library
 from fefinger.calibration import pad, target
-from fefinger.calibration.calibrate import Work
+from fefinger.calibration.calibrate import WIDER, Work
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
@@ -30,7 +30,7 @@ from fefinger.theory.sensor import ArraySensor, blurred
 FORCE = 1.1
 """N to which all fingers are pressed for the comparison, the middle one of Figure 3-4."""
 
-EXPONENTS = (1.0, 3.5, 6.0)
+EXPONENTS = (1.5, 3.0, 4.5)
 """Exponents at which a finger is pressed, and joined by a parabola."""
 
 LOW = 0.02
@@ -77,10 +77,9 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
     """Yield name, finger and law at an exponent: one thing after the other is changed."""
     skin, pulp = start.skin, start.subcutaneous
     yield "the finger as it is", start, both
-    for factor in (0.8, 1.15, 1.3):
-        wider = replace(start, pad_radius=factor * start.pad_radius)
-        yield f"pad radius x {factor:g}", wider, both
-    for ratio in (1.0, 10.0, 30.0):
+    wider = replace(start, pad_radius=WIDER * start.pad_radius)
+    yield f"pad radius x {WIDER:g}", wider, both
+    for ratio in (1.0, 10.0):
         stiff = replace(start, skin=replace(skin, modulus=ratio * pulp.modulus))
         yield f"skin {ratio:g} times as stiff as pulp (3)", stiff, both
     yield "skin 0.5 mm thick (1)", replace(start, skin=replace(skin, thickness=0.5)), both
@@ -90,7 +89,6 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
         yield f"Poisson's ratio {poisson:g} (0.48)", loose, both
     yield "skin alone stiffens", start, skin_alone
     yield "pulp alone stiffens", start, pulp_alone
-    yield "width x 1.1", replace(start, width=1.1 * start.width), both
 
 
 def both(finger: Finger, exponent: float) -> Finger:

@@ -1,6 +1,7 @@
 """Cases of suite `calibration` on the shipped subjects: force, sinusoids, and the thesis's array.
 
-What is said of a finger's pressure is measured again on the coarse mesh, by a press of its own.
+What the report says of a finger's pressure, between presses of other pads and exponents, is
+measured again by a press of its own on the coarse mesh.
 """
 
 from collections.abc import Iterator
@@ -93,7 +94,7 @@ def _force(subject: str) -> Iterator[Case]:
 
 def _pressed_again(subject: str) -> Iterator[Case]:
     row, found = pad.printed(subject), calibrated(subject)
-    mesh = "the standard mesh, in the report"
+    kept_curve = "the report, whose curves are between presses"
     yield Case(
         "calibration",
         f"{subject}: a new press of the calibrated finger, coarse mesh",
@@ -111,7 +112,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         found.residuals["array radius"],
         0.06 * row.radius,
         "mm",
-        f"{mesh}; printed is Table 3.2",
+        f"{kept_curve}; printed is Table 3.2",
         printed=row.radius,
         erratum=FLATTER,
         reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
@@ -126,7 +127,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         / width(*(np.array(kept[key]) for key in ("distance_mm", "thesis_kPa"))),
         0.05,
         "1",
-        f"{mesh}; printed is the half-space of Table 3.2, felt by the array",
+        f"{kept_curve}; printed is the half-space of Table 3.2, felt by the array",
         printed=1.0,
         erratum=FLATTER,
         reason="the pressure of a coarse mesh",

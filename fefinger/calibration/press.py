@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 FORMAT = 4
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
-PART = 0.2
-"""Depth of a press over the thickness of the finger: some 2.3 N of a slow press."""
+PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
+"""Depth of a press over the thickness of the finger: some 2.3 N of a slow press in `solid`."""
 
 EVENLY = 401
 """Times of a press at small strain that are kept."""
@@ -69,7 +69,7 @@ def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> P
     ConvergenceError
         If hardly a step is solved.
     """
-    scene = pressed(finger)
+    scene = pressed(finger, PART[mechanics])
     place = root() / f"{key(scene, mechanics)}.npz"
     with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
         depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
@@ -92,7 +92,7 @@ def small(finger: Finger) -> Press:
         return press(finger, "linear")
 
 
-def pressed(finger: Finger, part: float = PART) -> Scene:
+def pressed(finger: Finger, part: float = PART["solid"]) -> Scene:
     """Return the scene of a press."""
     motion = Ramp(1.0, part * finger.thickness, corner=0.0)
     ask = Ask(strain=False, fields=False)

@@ -1,0 +1,141 @@
+"""Figures of suite `calibration`: what moves R, m and c0 b, and what two tables leave of them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from fefinger.validation.calibration_report import calibrated, levers
+
+from fefinger.calibration import pad
+from fefinger.figures import INK, STEEL, WIDE, figure
+
+
+BLUE, ORANGE = "#0072B2", "#D55E00"
+NAMES = ("radius", "m", "c0_b")
+HEADS = ("R in mm", "m in 1/mm", "c0 b in kPa/mm")
+MISSES = 0.1
+"""Misfit from which a finger no longer has the force of its subject: ten times that of the best."""
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure: the levers, and the two tables."""
+    yield _caption(), _levers()
+    yield _tables_caption(), _tables()
+
+
+def _caption() -> str:
+    subject, rows = levers()["subject"], {each["lever"]: each for each in levers()["finger"]}
+    plain = rows["the finger as it is"]["radius"]
+    moved = {name: row["radius"] - plain for name, row in rows.items() if row["misfit"] < MISSES}
+    most = max(moved, key=lambda name: moved[name])
+    read = levers()["reading"][subject]
+    small = max(
+        abs(row["radius"] - read[0]["radius"])
+        for row in read
+        if not row["lever"].startswith(("touch", "pressed"))
+    )
+    return (
+        f"What moves R, m and c0 b that the thesis's fit finds, subject {subject}: one lever at a "
+        "time, beside the row as it is (line) and Table 3.2 (dashed). Upper block: fingers of the "
+        "coarse mesh, pressed to 1.1 N, modulus and exponent fitted to the force of Table 2.1 "
+        "again and without a prior; hollow where they cannot have that force. Lower block: the "
+        "calibrated finger, as deep as it is pressed, and how its frames are made and read. "
+        f"What raises R most, at the same force, is {most} ({moved[most]:+.1f} mm): stiffening "
+        "tissue draws the pressure together below the bone, and a flatter pad spreads it. Noise, "
+        f"clipping, window, centering and relaxation move R by {small:.1f} mm at most; a touch "
+        "that is found late raises R and c0 b together."
+    )
+
+
+def _levers() -> Any:
+    subject = levers()["subject"]
+    blocks = (levers()["finger"], levers()["reading"][subject])
+    count = sum(len(block) for block in blocks)
+    made = figure(WIDE, 0.8 + 0.21 * count)
+    axes = made.subplots(1, len(NAMES), sharey=True)
+    printed = pad.printed(subject)
+    for ax, name, head in zip(axes, NAMES, HEADS, strict=True):
+        first = 0
+        for block in blocks:
+            _block(ax, block, name, first)
+            first += len(block) + 1
+        ax.axvline(getattr(printed, name), color=ORANGE, linestyle="--", linewidth=1)
+        ax.set_xlabel(head)
+        ax.margins(x=0.28)
+    names = [*(each["lever"] for each in blocks[0]), "", *(each["lever"] for each in blocks[1])]
+    axes[0].set_yticks(range(len(names)), names, fontsize=7)
+    axes[0].invert_yaxis()
+    return made
+
+
+def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
+    """Draw a value of the rows of a block, from the line `first` on; the first row is the plain."""
+    plain = block[0][name]
+    ax.plot([plain, plain], [first - 0.4, first + len(block) - 0.6], color=STEEL, linewidth=1)
+    for place, each in enumerate(block, start=first):
+        hollow = each.get("misfit", 0.0) >= MISSES
+        ax.plot(each[name], place, "o", color=BLUE, mfc="none" if hollow else BLUE, markersize=4)
+        ax.annotate(
+            f"{each[name]:.3g}",
+            (each[name], place),
+            xytext=(5, -2.5),
+            textcoords="offset points",
+            fontsize=6,
+            color=INK,
+        )
+
+
+def _tables_caption() -> str:
+    return (
+        "Tables 2.1 and 3.2 are of two sessions, and no finger has both. The fit of the thesis, of "
+        "frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns the "
+        "printed row. Of a contact that is Hertz's with the printed R and has the relaxed force of "
+        "Table 2.1, touched where that line has no force or 0.3 mm before, it finds R, but another "
+        "m and c0 b: that is what a finger with the force of Table 2.1 can show. Last the "
+        "calibrated finger, on a press of 0.2 mm/s, whose tissue is not quite relaxed."
+    )
+
+
+def _tables() -> Any:
+    subjects = list(levers()["force"])
+    kinds = (
+        "Table 3.2",
+        "its half-space, read",
+        "force of Table 2.1",
+        "touched 0.3 mm before",
+        "calibrated finger",
+    )
+    made = figure(WIDE, 0.5 + 0.22 * len(subjects) * len(kinds))
+    axes = made.subplots()
+    axes.axis("off")
+    cells = [row for name in subjects for row in _rows(name, kinds)]
+    drawn = axes.table(
+        cells, colLabels=["", "", *HEADS, "squared error"], loc="center", edges="horizontal"
+    )
+    drawn.auto_set_font_size(False)
+    drawn.set_fontsize(7.5)
+    drawn.scale(1, 1.15)
+    return made
+
+
+def _rows(subject: str, kinds: tuple[str, ...]) -> list[list[str]]:
+    printed = pad.printed(subject)
+    force = {each["lever"]: each for each in levers()["force"][subject]}
+    at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
+    found = calibrated(subject).residuals
+    rows = [
+        (*(getattr(printed, name) for name in NAMES), None),
+        *(
+            (*(each[name] for name in NAMES), each["error"])
+            for each in (force["Table 3.2 itself, with noise"], at_zero, early)
+        ),
+        (*(found[f"array {name}"] for name in NAMES), levers()["reading"][subject][0]["error"]),
+    ]
+    return [
+        [
+            subject if not i else "",
+            kind,
+            *(f"{value:.3g}" for value in row[:3]),
+            "" if row[3] is None else f"{100 * row[3]:.1f} %",
+        ]
+        for i, (kind, row) in enumerate(zip(kinds, rows, strict=True))
+    ]
