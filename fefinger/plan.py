@@ -48,7 +48,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
     chosen = _cheapest(asked) if mechanics is None else _named(asked, mechanics)
     settings = _settings(scene, chosen)
     how = "the cheapest that does not refuse" if mechanics is None else "as named"
-    sentence = f"{chosen.mechanics}, {how}; {_expectation(chosen)}. {_told(settings)}"
+    sentence = f"{chosen.mechanics}, {how}; {_expectation(scene, chosen)}. {_told(settings)}"
     left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in asked}]
     if left_out and mechanics is None:
         sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
@@ -203,5 +203,13 @@ def _told(settings: Settings) -> str:
     return f"It computes {what}{fibers} at {settings.times} times{mesh}."
 
 
-def _expectation(rung: Rung) -> str:
-    return f"expected error {rung.error:.2g} ({rung.evidence}), about {duration(rung.seconds)}"
+def _expectation(scene: Scene, rung: Rung) -> str:
+    """Return error and time in words, and what of the time only the first answer takes."""
+    said = f"expected error {rung.error:.2g} ({rung.evidence}), about {duration(rung.seconds)}"
+    if rung.resolution is None:
+        return said
+    from fefinger.mechanics._evidence import once
+
+    finger = replace(scene.finger, resolution=rung.resolution)
+    first = once(rung.mechanics, replace(scene, finger=finger))
+    return f"{said}, {duration(first)} of it for what is built once and kept" if first else said
