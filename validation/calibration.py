@@ -8,7 +8,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from fefinger.validation import calibration_figures, calibration_subjects, calibration_twin
+from fefinger.validation import (
+    calibration_figures,
+    calibration_lever_figures,
+    calibration_subjects,
+    calibration_twin,
+)
 from fefinger.validation.calibration_report import calibrated, rows
 from fefinger.validation.calibration_subjects import PRINTED
 from fefinger.validation.case import Case
@@ -141,3 +146,4 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield captions and matplotlib Figures of the calibrated subjects."""
     if rows():
         yield from calibration_figures.figures()
+        yield from calibration_lever_figures.figures()

@@ -6,7 +6,7 @@ from typing import Any
 from fefinger.validation.calibration_report import calibrated, levers
 
 from fefinger.calibration import pad
-from fefinger.figures import INK, STEEL, WIDE, figure
+from fefinger.figures import INK, STEEL, WIDE, figure, style
 
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
@@ -18,37 +18,36 @@ MISSES = 0.1
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the levers, and the two tables."""
-    yield _caption(), _levers()
-    yield _tables_caption(), _tables()
+    with style():
+        yield _caption(), _levers()
+        yield _tables_caption(), _tables()
 
 
 def _caption() -> str:
-    subject, rows = levers()["subject"], {each["lever"]: each for each in levers()["finger"]}
-    plain = rows["the finger as it is"]["radius"]
-    moved = {name: row["radius"] - plain for name, row in rows.items() if row["misfit"] < MISSES}
-    most = max(moved, key=lambda name: moved[name])
+    subject, tried = levers()["subject"], levers()["finger"]
     read = levers()["reading"][subject]
     small = max(
         abs(row["radius"] - read[0]["radius"])
         for row in read
         if not row["lever"].startswith(("touch", "pressed"))
     )
+    above = (
+        "Upper block: fingers of the coarse mesh, pressed to 1.1 N, modulus and exponent fitted to "
+        "the force of Table 2.1 again, hollow where they cannot have that force. Lower block: the "
+    )
     return (
         f"What moves R, m and c0 b that the thesis's fit finds, subject {subject}: one lever at a "
-        "time, beside the row as it is (line) and Table 3.2 (dashed). Upper block: fingers of the "
-        "coarse mesh, pressed to 1.1 N, modulus and exponent fitted to the force of Table 2.1 "
-        "again and without a prior; hollow where they cannot have that force. Lower block: the "
-        "calibrated finger, as deep as it is pressed, and how its frames are made and read. "
-        f"What raises R most, at the same force, is {most} ({moved[most]:+.1f} mm): stiffening "
-        "tissue draws the pressure together below the bone, and a flatter pad spreads it. Noise, "
-        f"clipping, window, centering and relaxation move R by {small:.1f} mm at most; a touch "
-        "that is found late raises R and c0 b together."
+        "time, beside the row as it is (line) and Table 3.2 (dashed). "
+        f"{above if tried else 'The '}calibrated finger, and how its frames are made and read: "
+        f"noise, clipping, window, centering and relaxation move R by {small:.1f} mm at most. The "
+        "deeper the press, the smaller R and c0 b and the larger m, because bone and stiffening "
+        "draw the pressure together; a touch that is found late raises R and c0 b together."
     )
 
 
 def _levers() -> Any:
     subject = levers()["subject"]
-    blocks = (levers()["finger"], levers()["reading"][subject])
+    blocks = [each for each in (levers()["finger"], levers()["reading"][subject]) if each]
     count = sum(len(block) for block in blocks)
     made = figure(WIDE, 0.8 + 0.21 * count)
     axes = made.subplots(1, len(NAMES), sharey=True)
@@ -61,8 +60,8 @@ def _levers() -> Any:
         ax.axvline(getattr(printed, name), color=ORANGE, linestyle="--", linewidth=1)
         ax.set_xlabel(head)
         ax.margins(x=0.28)
-    names = [*(each["lever"] for each in blocks[0]), "", *(each["lever"] for each in blocks[1])]
-    axes[0].set_yticks(range(len(names)), names, fontsize=7)
+    names = [name for block in blocks for name in (*(each["lever"] for each in block), "")]
+    axes[0].set_yticks(range(len(names) - 1), names[:-1], fontsize=7)
     axes[0].invert_yaxis()
     return made
 
@@ -86,12 +85,12 @@ def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
 
 def _tables_caption() -> str:
     return (
-        "Tables 2.1 and 3.2 are of two sessions, and no finger has both. The fit of the thesis, of "
-        "frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns the "
-        "printed row. Of a contact that is Hertz's with the printed R and has the relaxed force of "
-        "Table 2.1, touched where that line has no force or 0.3 mm before, it finds R, but another "
-        "m and c0 b: that is what a finger with the force of Table 2.1 can show. Last the "
-        "calibrated finger, on a press of 0.2 mm/s, whose tissue is not quite relaxed."
+        "Tables 2.1 and 3.2 are of two sessions and do not describe one contact. The thesis's fit "
+        "of frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns "
+        "the printed row. Of a contact that is Hertz's with the printed R and has the relaxed "
+        "force of Table 2.1, touched where that line has no force or 0.3 mm before, it finds R, "
+        "but another m and c0 b: that is what a finger with the force of Table 2.1 can show. Last "
+        "the calibrated finger, on a press of 0.2 mm/s, whose tissue is not quite relaxed."
     )
 
 
