@@ -48,7 +48,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
     chosen = _cheapest(asked) if mechanics is None else _named(asked, mechanics)
     settings = _settings(scene, chosen)
     how = "the cheapest that does not refuse" if mechanics is None else "as named"
-    sentence = f"{chosen.mechanics}, {how}; {_expectation(chosen)}. {_told(settings)}"
+    sentence = f"{chosen.mechanics}, {how}; {_expectation(scene, chosen)}. {_told(settings)}"
     left_out = [name for name in ladder.names() if name not in {rung.mechanics for rung in asked}]
     if left_out and mechanics is None:
         sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
@@ -115,7 +115,9 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
     """Ask one candidate what it would cost and how wrong it would be, against what is asked."""
     candidate, asked = ladder.get(name), scene.ask
     seconds, (error, evidence) = candidate.cost(scene), candidate.error(scene)
-    if error > asked.rel_error:
+    if math.isnan(error):
+        refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
+    elif error > asked.rel_error:
         reason = f"expected relative error = {error:.2g} > {asked.rel_error:g} (ask.rel_error)"
         refusals = (*refusals, Refusal(name, "accuracy", reason))
     if asked.seconds is not None and seconds > asked.seconds:
@@ -128,10 +130,11 @@ def _cheapest(rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if not rung.refusals and not math.isnan(rung.error)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
+    relax = _relaxing(rungs)
     msg = (
         f"ask: no mechanics can answer this scene as it is asked\n\n{written(rungs)}\n\n"
-        f"{_relaxing(rungs)}Or name a mechanics to run it all the same (where it is able to); the "
-        "result then records the refusals."
+        f"{relax}{'Or name' if relax else 'Name'} a mechanics to run it all the same (where it is "
+        "able to); the result then records the refusals."
     )
     raise InputError(msg)
 
@@ -153,7 +156,7 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
                 least *= 1.01
             mesh = f" on the {best.resolution} mesh" if best.resolution else ""
             said += f"Relax {name} to {least:.3g} and {best.mechanics}{mesh} answers. "
-    return said or "Relax ask.rel_error or ask.seconds. "
+    return said
 
 
 def _of_ask(refusal: Refusal, name: str) -> bool:
@@ -203,5 +206,14 @@ def _told(settings: Settings) -> str:
     return f"It computes {what}{fibers} at {settings.times} times{mesh}."
 
 
-def _expectation(rung: Rung) -> str:
-    return f"expected error {rung.error:.2g} ({rung.evidence}), about {duration(rung.seconds)}"
+def _expectation(scene: Scene, rung: Rung) -> str:
+    """Return error and time in words, and what of the time only the first answer takes."""
+    error = f"expected error {rung.error:.2g}" if math.isfinite(rung.error) else "error unknown"
+    said = f"{error} ({rung.evidence}), about {duration(rung.seconds)}"
+    if rung.resolution is None:
+        return said
+    from fefinger.mechanics._evidence import once
+
+    finger = replace(scene.finger, resolution=rung.resolution)
+    first = once(rung.mechanics, replace(scene, finger=finger))
+    return f"{said}, {duration(first)} of it for what is built once and kept" if first else said

@@ -6,6 +6,7 @@ And that nothing is built that the scene did not ask for.
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -267,3 +268,23 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
     after = {name: get(name).cost(ask) for name in mechanics.names()}
     assert after == pytest.approx({name: 3 * cost for name, cost in before.items()})
     assert "takes 0.2 s for a piece of work that took 0.068 s" in machine.sentence()
+
+
+def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
+    from fefinger.mechanics import _evidence
+    from fefinger.mesh import ready
+
+    scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
+    kept = plan.choose(scene, "solid")
+    assert "built once" not in kept.sentence
+    monkeypatch.setattr(ready, "at_hand", lambda *a: False)
+    made = plan.choose(scene, "solid")
+    build = _evidence.MESH_SECONDS["coarse"]
+    assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
+    assert "of it for what is built once and kept" in made.sentence
+
+
+def test_under_a_steep_plate_condensed_is_expected_to_solve_the_whole_mesh():
+    steep = asked(rel_error=0.4, pressure=True, resolution="coarse")
+    steep = replace(steep, indenter=ff.Flat(60))
+    assert get("condensed").cost(steep) > get("linear").cost(steep)

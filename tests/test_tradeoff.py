@@ -18,7 +18,7 @@ from fefinger.validation.tradeoff_study import front
 from fefinger import plan
 from fefinger.mechanics import _tradeoff, get, hertz
 from fefinger.records import Rung
-from fefinger.scene import Ask, Finger, Flat, Ramp, RampHold, Scene, Sinusoid, Sphere
+from fefinger.scene import Ask, Cylinder, Finger, Flat, Ramp, RampHold, Scene, Sinusoid, Sphere
 
 
 REPORT = Path(__file__).resolve().parents[1] / "reports" / "tradeoff.json"
@@ -225,6 +225,23 @@ def test_what_was_not_measured_is_not_stated():
     assert _tradeoff.stated("solid standard", other) is None
     deviatoric = replace(soft, finger=replace(soft.finger, relaxation="deviatoric"))
     assert _tradeoff.stated("solid standard", deviatoric) is None
+
+
+@pytest.mark.parametrize(
+    ("indenter", "said"),
+    [
+        (Flat(30, tilt=5), "indenter.tilt = 5 degrees"),
+        (Flat(45), "a plate at 45 degrees"),
+        (Sphere(1.0), "a ball of 1 mm"),
+        (Sphere(5.0, at=(5.0, 0.0)), "a ball 5 mm away from the middle of the pad"),
+        (Cylinder(4.0), "indenter.kind = 'cylinder'"),
+    ],
+    ids=str,
+)
+def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
+    error, source = get("solid").error(on(indenter, 0.3))
+    assert source.endswith(f"(reports/tradeoff.json has none for {said})")
+    assert error > _tradeoff.rules()["steps"]["solid"]
 
 
 def test_the_margins_are_those_of_the_presses_of_the_report(report):

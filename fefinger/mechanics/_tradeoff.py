@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.data import report
-from fefinger.scene import Finger, Flat, Scene, Sphere
+from fefinger.scene import Finger, Flat, Indenter, Scene, Sphere
 
 
 Array = NDArray[np.float64]
@@ -29,6 +29,9 @@ POISSON = 0.005
 """Distance from the measured Poisson's ratios, likewise."""
 
 LAW = "neo-hookean"
+
+HELD = ("rigid", None, "fixed")
+"""Bone, nail and cut of the fingers that were measured."""
 
 KINDS = ("numerical", "model")
 
@@ -121,17 +124,41 @@ def told(
 
 def where(scene: Scene) -> Place | None:
     """Return the place of a scene, None where no press is like it."""
-    indenter = scene.indenter
-    if isinstance(indenter, Flat) and not indenter.tilt:
-        place_, known = Place("angle", indenter.angle), "angle"
-    elif isinstance(indenter, Sphere) and np.hypot(*(indenter.at or (0.0, 0.0))) <= NEAR:
-        place_, known = Place("curvature", 1 / indenter.radius), "radius"
-    else:
+    if _other(scene.indenter):
         return None
+    known = "angle" if isinstance(scene.indenter, Flat) else "radius"
+    value = getattr(scene.indenter, known)
     values = [row[known] for row in rules()["presses"].values() if row[known] is not None]
-    value = indenter.angle if isinstance(indenter, Flat) else indenter.radius
     beyond = value > max(values) and known == "angle"
-    return None if value < min(values) or beyond else place_
+    if value < min(values) or beyond:
+        return None
+    return place(value, None) if known == "angle" else place(None, value)
+
+
+def _other(indenter: Indenter) -> str:
+    """Return in which way an object is none that was pressed; empty if it is a plate or ball."""
+    if isinstance(indenter, Flat):
+        return f"indenter.tilt = {indenter.tilt:g} degrees" if indenter.tilt else ""
+    if isinstance(indenter, Sphere):
+        away = float(np.hypot(*(indenter.at or (0.0, 0.0))))
+        said = f"a ball {away:.2g} mm away from the middle of the pad"
+        return said if away > NEAR else ""
+    return f"indenter.kind = {indenter.kind!r}"
+
+
+def unlike(scene: Scene) -> str:
+    """Return in which way a scene that has no stated error is like no press of the report."""
+    said = _other(scene.indenter)
+    if said:
+        return said
+    if where(scene) is None:
+        flat = isinstance(scene.indenter, Flat)
+        value = getattr(scene.indenter, "angle" if flat else "radius")
+        return f"a plate at {value:g} degrees" if flat else f"a ball of {value:g} mm"
+    if not like(scene.finger):
+        surface = scene.finger.surface is not None
+        return f"a finger {'from a surface' if surface else 'of other tissue, bone or nail'}"
+    return "a press so deep, or its object on this mesh"
 
 
 def like(finger: Finger) -> bool:
@@ -149,6 +176,7 @@ def like(finger: Finger) -> bool:
         and all(abs(x.poisson - value) <= POISSON for x, value in zip(layers, nu, strict=True))
         and all(x.law == LAW and x.prony is None for x in layers)
         and finger.relaxation == "whole"
+        and (finger.bone, finger.nail, finger.cut) == HELD
     )
 
 
@@ -189,6 +217,12 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
         f"{model:.2g} of the model, {margin:.2g} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
+
+
+def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[float, str]:
+    """Return an error that another report tells, with that of time steps; and why it is taken."""
+    paced = error + rules()["steps"][candidate.split()[0]]
+    return paced, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
 def _own(finger: Finger, row: Mapping[str, Any]) -> bool:

@@ -92,10 +92,11 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
-    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
+    candidate = f"{name} {scene.finger.mesh}"
+    found = _tradeoff.stated(candidate, scene)
     if found is not None:
         return found.error, found.source
-    return _evidence.linear_error(scene)
+    return _tradeoff.instead(candidate, scene, *_evidence.linear_error(scene))
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:

@@ -75,11 +75,12 @@ def cost(scene: Scene) -> float:
 def error(scene: Scene) -> tuple[float, str]:
     """Return the relative error of the force, and its source.
 
-    Under a plate that of Eq. 2.3 identified from one press of the finger; else of its own steps.
+    Under a plate that of Eq. 2.3 identified from one press of the finger; else not a number: it is
+    not known how far the law of one plate and tissue holds for another.
     """
     found = _tradeoff.stated(name, scene)
     if found is None:
-        return NUMERICAL, f"its own equations only; {EVIDENCE}"
+        return float("nan"), "not known: no press like it was measured"
     return found.error + NUMERICAL, f"{found.source}, identified from one press; {EVIDENCE}"
 
 

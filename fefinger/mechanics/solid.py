@@ -47,8 +47,11 @@ def cost(scene: Scene) -> float:
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
-    found = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene)
-    return _evidence.solid_error(scene) if found is None else (found.error, found.source)
+    candidate = f"{name} {scene.finger.mesh}"
+    found = _tradeoff.stated(candidate, scene)
+    if found is not None:
+        return found.error, found.source
+    return _tradeoff.instead(candidate, scene, *_evidence.solid_error(scene))
 
 
 def coarser(scene: Scene) -> Scene | None:

@@ -115,8 +115,18 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
     assert named.force.max() > 0
 
 
+def test_an_error_that_no_press_tells_is_none_and_leaves_the_law_to_who_names_it():
+    """The force of a plate falls by a quarter from 30 to 40 degrees, which the law does not see."""
+    asked = scene(indenter=ff.Flat(angle=40), ask=replace(FORCE_ONLY, rel_error=0.4))
+    error, evidence = lumped.error(asked)
+    assert np.isnan(error)
+    assert evidence.startswith("not known")
+    assert ff.explain(asked).mechanics != "lumped"
+    assert ff.run(asked, mechanics="lumped").force.max() > 0
+
+
 @pytest.mark.parametrize("subject", [name for name in library.pawluk_bulk() if name != "means"])
-@pytest.mark.parametrize("angle", [20, 40])
+@pytest.mark.parametrize("angle", [20, 30])
 def test_every_subject_of_the_table_is_answered_under_the_plate(subject, angle):
     asked = scene(
         finger=ff.Finger.subject(subject),
