@@ -2,8 +2,8 @@
 
 `lumped` is the exact inverse: stiffness, touch and G of the thesis's own model. `condensed` scales
 the linear finger by the thesis's t(u); `solid` finds modulus and exponent of tissue that stiffens,
-on the coarse mesh first and then by corrections on the finer one, and the pad radius by what the
-thesis's fit finds in the frames of its array: both are settled together.
+on the coarse mesh first and then by presses of its own on the mesh asked for, and the pad radius by
+what the thesis's fit finds in the frames of its array: both are settled together.
 """
 
 import math
@@ -220,11 +220,11 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
             coarse = coarse.with_radius(flatter, MIDDLE, other)
             radius, spread = _radius(work, wanted, frames, coarse, (first, other), found)
             found = _solved(_forces(work, wanted, coarse, radius, spread), found)
-    if start.resolution != "coarse":
-        with work.stage(f"solid, {start.resolution}") as misfit:
-            start_at = radius, spread
-            found, coarse, radius = _finished(work, wanted, frames, coarse, start_at, found)
-            misfit(found.solution.misfit)
+    again = "solid, coarse, again" if start.resolution == "coarse" else f"solid, {start.resolution}"
+    with work.stage(again) as misfit:
+        start_at = radius, spread
+        found, coarse, radius = _finished(work, wanted, frames, coarse, start_at, found)
+        misfit(found.solution.misfit)
     with work.stage("array"):
         shape = _array(wanted, frames, found)
     adapted = replace(start, pad_radius=radius)

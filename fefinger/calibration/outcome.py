@@ -199,8 +199,8 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
     if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:
         said.append(
             f"pad_radius: the thesis's fit finds R = {array['array radius']:.3g} mm in the frames "
-            f"of this finger instead of {array['array radius, wanted']:.3g} mm; no finger of this "
-            "size near enough to the one at the start gives that, and the nearest is kept"
+            f"of this finger instead of {array['array radius, wanted']:.3g} mm; the pads that were "
+            "pressed come no nearer"
         )
     return tuple(said)
 
