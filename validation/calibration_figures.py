@@ -132,8 +132,8 @@ def _profile_caption() -> str:
         "What the array reads, over its largest value, against the distance from the center of "
         "pressure (proximal to the left), at 0.54, 1.1 and 2.3 N of a slow press (where a press "
         f"ends earlier, there: up to {max(reached):.2g} N): the calibrated finger (dots) and the "
-        "half-space of Table 3.2 (line). At small forces both agree; at 2.3 N bone and stiffening "
-        "leave the finger's pressure narrower, and lower on the proximal side."
+        "half-space of Table 3.2 (line). The finger's pressure is not that of a round "
+        "body: it is longer along the finger than across."
     )
 
 

@@ -32,7 +32,7 @@ MIDDLE = 1
 
 FLATTER = (
     "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
-    "that is flatter along the finger spreads it again, and no finger of this size is flat enough."
+    "that is flatter along the finger spreads it again; two presses did not settle how flat."
 )
 
 STIFFER = (
