@@ -133,11 +133,6 @@ def recovered(name: str, seeds: int) -> int:
     return sum(abs(deviations(seed)[name]) <= SPREAD for seed in range(seeds))
 
 
-def off(name: str, seeds: int, mesh: str) -> float:
-    """Return the largest miss over the true value in the seeds of a twin on another mesh."""
-    return max(abs(calibrated(seed, mesh)[name].value / TRUTH[name] - 1) for seed in range(seeds))
-
-
 def sharpness(name: str) -> float:
     """Return the stated standard deviation over the true value, of the first seed."""
     return calibrated(0)[name].sd / TRUTH[name]
