@@ -22,6 +22,7 @@ ABOUT = {
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
     "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
     "calibrated": "The calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
+    "calibration_levers": "What moves R, m and c0 b of the thesis's fit of simulated frames.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
     "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",
