@@ -241,10 +241,12 @@ def half_space(subject: str, seed: int | None = None) -> Frames:
 def _framed(depth: Array, radius: float, pressure: Callable[[Array], Array]) -> Frames:
     """Return frames at depths (n,) mm of round pressures; `pressure` takes (k,), gives (n, k)."""
     distance = np.hypot(*ArraySensor().positions.T)
-    rows = [
-        blurred(lambda r, i=i: pressure(r)[i], math.sqrt(radius * x), distance)  # type: ignore[misc]
-        for i, x in enumerate(depth.tolist())
-    ]
+
+    def felt(frame: int) -> Array:
+        reach = math.sqrt(radius * float(depth[frame]))
+        return blurred(lambda r: pressure(r)[frame], reach, distance)
+
+    rows = [felt(frame) for frame in range(len(depth))]
     return aligned(np.repeat(depth[:, None], len(distance), axis=1), np.array(rows), ArraySensor())
 
 

@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.equilibrium import Asked, State
+from fefinger.fem.equilibrium import Asked, State, _Anderson
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Path, Series, StressHistory, follow
@@ -169,3 +169,11 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
     follow(pressed.equilibrium, history, path, keep)
     assert (np.diff(depths) > 0).all()
     assert depths[-1] == pytest.approx(0.2, rel=1e-3)
+
+
+def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_halved():
+    """It left as an error of the linear algebra, which no step control catches."""
+    mixing = _Anderson(3)
+    mixing.next(np.zeros(2), np.array([1.0, 1e200]))
+    with np.errstate(over="ignore"), pytest.raises(ConvergenceError, match="ran away"):
+        mixing.next(np.ones(2), np.array([2.0, -1e200]))

@@ -53,6 +53,16 @@ def test_at_rest_the_tangent_is_the_small_strain_matrix(material: Law):
     assert abs(found - exact).max() < 1e-14 * abs(exact).max()
 
 
+def test_hard_parts_do_not_set_the_scale_that_soft_tissue_is_solved_to():
+    """The residual of the volume is judged against it: bone would let soft tissue be 1e5 off."""
+    space = box(*3 * (np.linspace(0.0, 1.0, 3),))
+    labels = np.where(np.arange(len(space.cells)) % 2, 1, 3).astype(np.int8)
+    space = Space(space.points, space.cells, labels)
+    tissues = {1: neo_hookean(SOFT), 3: neo_hookean(Elastic(17e6, 0.3))}
+    assert continuum(space, tissues, soft=(1,)).scale == tissues[1].shear
+    assert continuum(space, tissues).scale == tissues[3].shear
+
+
 @EACH_LAW
 def test_residual_and_tangent_are_the_derivatives_of_the_energy(material: Law):
     body = continuum(small(), {1: material})
