@@ -38,6 +38,7 @@ def pressed(scale=1.0, exponent=1.5):
         area=np.pi * 9 * depth,
         centroid=np.zeros((12, 2)),
         taxels=scale * np.multiply.outer(depth, np.ones((3, 3))),
+        highest=scale * depth**0.5,
         strain=strain,
         at=np.arange(12),
     )

@@ -14,6 +14,7 @@ from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.pressures import peaks
 from fefinger.records import Response
 
 
@@ -27,7 +28,7 @@ class Press:
     """A press: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm on the way down.
 
     strain (n, 4, 3, 3) at the central end organs; at (m,): the depths at which it is judged;
-    taxels (m, k, k) mN about the centroid there.
+    taxels (m, k, k) mN about the centroid there; highest (n,) kPa: the pressure over 1 mm².
     """
 
     depth: Array
@@ -37,10 +38,12 @@ class Press:
     strain: Array
     at: NDArray[np.int64]
     taxels: Array
+    highest: Array
 
     def scaled(self, factor: float) -> "Press":
         """Return the press of a body that is stiffer by a factor."""
-        return replace(self, force=factor * self.force, taxels=factor * self.taxels)
+        stiffer = {name: factor * getattr(self, name) for name in ("force", "taxels", "highest")}
+        return replace(self, **stiffer)
 
     @classmethod
     def of(cls, response: Response) -> "Press":
@@ -48,6 +51,8 @@ class Press:
         assert response.contact_area is not None
         assert response.centroid is not None
         assert response.strain is not None
+        assert response.pad is not None
+        assert response.pressure is not None
         wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
         at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
         return cls(
@@ -58,10 +63,11 @@ class Press:
             response.strain[1:],
             at - 1,
             np.array([runs.taxels(response, int(step)) for step in at]),
+            peaks(response.pad, response.pressure)[1:],
         )
 
 
-MEASURED = ("force", "area", "centroid", "strain", "taxels")
+MEASURED = ("force", "area", "centroid", "strain", "taxels", "highest")
 
 
 @cache
@@ -70,9 +76,9 @@ def press(name: str, mechanics: str, resolution: str = "standard") -> Press | No
     arrays = runs.load(Run("press", name, mechanics, resolution))
     if arrays is None:
         return None
-    curves = (arrays[key][1:] for key in ("depth", "force", "area", "centroid", "strain"))
-    depth, force, area, centroid, strain = curves
-    return Press(depth, force, area, centroid, strain, arrays["kept"] - 1, arrays["taxels"])
+    curves = ("depth", "force", "area", "centroid", "strain", "highest")
+    values = {key: arrays[key][1:] for key in curves}
+    return Press(**values, at=arrays["kept"] - 1, taxels=arrays["taxels"])
 
 
 def unknowns(name: str, mechanics: str, resolution: str) -> float:
