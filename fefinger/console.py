@@ -55,11 +55,14 @@ def _finite(value: Any) -> Any:
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:
-    """Return what `run --json` prints; area and centroid are those at the largest force."""
+    """Return what `run --json` prints.
+
+    Area and centroid are those at the largest force; expected errors those of `records.Rung`.
+    """
     import numpy as np
 
     force, area, centroid = result.force, result.contact_area, result.centroid
-    peak = int(np.argmax(result.response.force))
+    peak, chosen = int(np.argmax(result.response.force)), result.plan.chosen
     return {
         "status": result.status,
         "mechanics": result.plan.mechanics,
@@ -67,6 +70,7 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
         "final_force_N": None if force is None else float(force[-1]),
         "contact_area_mm2": None if area is None else float(area[peak]),
         "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
+        "expected_errors": {"force": chosen.error, **chosen.errors},
         "seconds": seconds,
         "files": files,
     }
@@ -86,6 +90,7 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
         rows.append(("spikes", result.spikes.told()))
+    rows.append(("trust", result.plan.trust))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
     rows += [("note", note) for note in result.notes]
@@ -104,7 +109,7 @@ def plan_summary(plan: "Plan") -> str:
     """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
     from fefinger.text import ladder
 
-    return f"{plan.sentence}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
+    return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:

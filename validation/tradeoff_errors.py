@@ -14,13 +14,14 @@ from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.mechanics._tradeoff import STATED
 from fefinger.pressures import peaks
 from fefinger.records import Response
 
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("force", "pressure", "area", "centroid", "strain")
+QUANTITIES = (*STATED, "taxels", "centroid")
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Press:
     """A press: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm on the way down.
 
     strain (n, 4, 3, 3) at the central end organs; at (m,): the depths at which it is judged;
-    taxels (m, k, k) mN about the centroid there; highest (n,) kPa: the pressure over 1 mm².
+    taxels (m, k, k) mN about the centroid there; pressure (n,) kPa, the highest over 1 mm².
     """
 
     depth: Array
@@ -38,11 +39,11 @@ class Press:
     strain: Array
     at: NDArray[np.int64]
     taxels: Array
-    highest: Array
+    pressure: Array
 
     def scaled(self, factor: float) -> "Press":
         """Return the press of a body that is stiffer by a factor."""
-        stiffer = {name: factor * getattr(self, name) for name in ("force", "taxels", "highest")}
+        stiffer = {name: factor * getattr(self, name) for name in ("force", "taxels", "pressure")}
         return replace(self, **stiffer)
 
     @classmethod
@@ -67,7 +68,7 @@ class Press:
         )
 
 
-MEASURED = ("force", "area", "centroid", "strain", "taxels", "highest")
+MEASURED = (*STATED, "centroid", "taxels")
 
 
 @cache
@@ -76,9 +77,10 @@ def press(name: str, mechanics: str, resolution: str = "standard") -> Press | No
     arrays = runs.load(Run("press", name, mechanics, resolution))
     if arrays is None:
         return None
-    curves = ("depth", "force", "area", "centroid", "strain", "highest")
+    curves = ("depth", "force", "area", "centroid", "strain")
     values = {key: arrays[key][1:] for key in curves}
-    return Press(**values, at=arrays["kept"] - 1, taxels=arrays["taxels"])
+    at, taxels, highest = arrays["kept"] - 1, arrays["taxels"], arrays["highest"][1:]
+    return Press(**values, at=at, taxels=taxels, pressure=highest)
 
 
 def unknowns(name: str, mechanics: str, resolution: str) -> float:
@@ -139,23 +141,27 @@ def converged(name: str, mechanics: str = "solid") -> Converged:
 def errors(found: Press, true: Press) -> dict[str, Array]:
     """Return the relative errors (n,) of each of QUANTITIES in presses to each depth.
 
-    force: the largest difference on the way to a depth, of the force there; pressure: of the
-    forces on taxels of 1 mm about the centroid, in L2; area: relative; centroid: the distance, of
-    the radius of a circle of that area; strain: Frobenius norm over the four end organs.
+    Of those that are stated, the largest difference on the way to a depth, of the value there:
+    force, highest pressure over 1 mm², contact area, strain (Frobenius norm over the four end
+    organs). taxels: of the forces on taxels of 1 mm about the centroid, in L2; centroid: the
+    distance, of the radius of a circle of that area.
     """
     at = true.at
-    apart = np.maximum.accumulate(np.abs(found.force - true.force))
-    shift, size = (found.centroid - true.centroid)[at], true.strain[at]
-    return {
-        "force": (apart / true.force)[at],
-        "pressure": _norm(found.taxels - true.taxels) / _norm(true.taxels),
-        "area": np.abs(found.area[at] / true.area[at] - 1),
+    stated = {name: _largest(getattr(found, name), getattr(true, name), at) for name in STATED}
+    shift = (found.centroid - true.centroid)[at]
+    return stated | {
+        "taxels": norm(found.taxels - true.taxels) / norm(true.taxels),
         "centroid": np.linalg.norm(shift, axis=1) / np.sqrt(true.area[at] / np.pi),
-        "strain": _norm(found.strain[at] - size) / _norm(size),
     }
 
 
-def _norm(values: Array) -> Array:
+def _largest(found: Array, true: Array, at: NDArray[np.int64]) -> Array:
+    """Return the largest difference so far of values (n, ...), of the value there, (m,) at some."""
+    return np.asarray(np.maximum.accumulate(norm(found - true))[at] / norm(true[at]))
+
+
+def norm(values: Array) -> Array:
+    """Return the norms (n,) of values (n, ...), over all but the first axis."""
     return np.asarray(np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1)))
 
 

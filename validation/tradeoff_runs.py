@@ -29,7 +29,7 @@ from fefinger.scene import Flat, Ramp, Scene
 Array = NDArray[np.float64]
 
 FORMAT = 2
-"""Raised when the mechanics change so that kept runs are to be made again."""
+"""Raised when the mechanics or what is kept change so that kept runs are to be made again."""
 
 PITCH, TAXELS = 1.0, 17
 """Spacing in mm and number per side of the taxels that the pressure is compared on."""

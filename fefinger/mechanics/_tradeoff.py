@@ -4,6 +4,7 @@ A scene is placed between the presses of `reports/tradeoff.json`: a plate by its
 its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
 the finger. The stated error is that of the worse neighbor, numerical and model error added, with
 the margins that the report has for what lies between presses, for motions and for other fingers.
+So it is for the force and for what else is STATED.
 """
 
 from collections.abc import Mapping
@@ -34,6 +35,17 @@ HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
 
 KINDS = ("numerical", "model")
+
+MEANT = {
+    "force": "the force",
+    "pressure": "the highest pressure over 1 mm²",
+    "area": "the contact area",
+    "strain": "the strain at the end organs, as a Frobenius norm",
+}
+"""What errors are stated of, as far as a mechanics gives it: each the largest through time, of the
+largest value."""
+
+STATED = tuple(MEANT)
 
 NEAR = 2.0
 """Distance in mm of a ball from the middle of the pad within which it counts as measured."""
@@ -104,20 +116,22 @@ def reach(row: Mapping[str, Any]) -> float:
 
 
 def told(
-    presses: Mapping[str, Any], candidate: str, where: Place, part: float
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str = "force"
 ) -> tuple[float, float] | None:
-    """Return numerical and model error of the force at the worse neighbor of a place.
+    """Return numerical and model error of a quantity at the worse neighbor of a place.
 
     None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
     """
     rows = [presses[name] for name in neighbors(presses, where)]
-    rows = [row for row in rows if candidate in row["candidates"]]
+    rows = [
+        row for row in rows if quantity in row["candidates"].get(candidate, {}).get("model", ())
+    ]
     if not any(part <= reach(row) * (1 + 1e-9) for row in rows):
         return None
     found = []
     for row in rows:
         own, parts = row["candidates"][candidate], np.array(row["depth_mm"])
-        at = [np.interp(part, parts / row["thickness_mm"], own[kind]["force"]) for kind in KINDS]
+        at = [np.interp(part, parts / row["thickness_mm"], own[kind][quantity]) for kind in KINDS]
         found.append((float(at[0]), float(at[1])))
     return max(found, key=sum)
 
@@ -196,21 +210,25 @@ def part(scene: Scene, press: str) -> float:
     return float(np.interp(wanted, [0.0, *row["force_N"]], parts, right=np.inf))
 
 
-def stated(candidate: str, scene: Scene) -> Stated | None:
-    """Return the stated error of the force; None where the scene is not like a measured press."""
+def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | None:
+    """Return the stated error of a quantity.
+
+    None where the scene is not like a measured press, or the candidate does not give it.
+    """
     place_ = where(scene)
     if place_ is None or not like(scene.finger):
         return None
-    presses, mechanics = rules()["presses"], candidate.split()[0]
-    names = neighbors(presses, place_)
-    found = told(presses, candidate, place_, max(part(scene, name) for name in names))
+    known, mechanics = rules(), candidate.split()[0]
+    names = neighbors(known["presses"], place_)
+    deepest = max(part(scene, name) for name in names)
+    found = told(known["presses"], candidate, place_, deepest, quantity)
     if found is None:
         return None
-    own = _own(scene.finger, presses[names[0]])
-    numerical = found[0] + rules()["steps"][mechanics]
-    model = found[1] * rules()["directs"][mechanics]
-    model *= 1.0 if own else rules()["fingers"][mechanics]
-    margins = rules()["margins"][candidate]
+    own = _own(scene.finger, known["presses"][names[0]])
+    numerical = found[0] + known["steps"][mechanics][quantity]
+    model = found[1] * known["directs"][mechanics][quantity]
+    model *= 1.0 if own else known["fingers"][mechanics]
+    margins = known["margins"][candidate][quantity]
     margin = margins["motion"] + (0.0 if own and len(names) == 1 else margins["between"])
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
@@ -219,10 +237,20 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
     return Stated(numerical + model + margin, numerical, model, source)
 
 
+def others(candidate: str, scene: Scene) -> dict[str, float]:
+    """Return the stated errors of what is STATED beside the force, as far as they are known."""
+    found = {quantity: stated(candidate, scene, quantity) for quantity in STATED[1:]}
+    return {quantity: each.error for quantity, each in found.items() if each is not None}
+
+
 def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[float, str]:
-    """Return an error that another report tells, with that of time steps; and why it is taken."""
-    paced = error + rules()["steps"][candidate.split()[0]]
-    return paced, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
+    """Return an error that another report tells, with those of steps and motions; and the reason.
+
+    That was measured under another object, or of another finger: no margin is known for that.
+    """
+    error += rules()["steps"][candidate.split()[0]]["force"]
+    error += rules()["margins"][candidate]["force"]["motion"]
+    return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
 def _own(finger: Finger, row: Mapping[str, Any]) -> bool:
