@@ -55,14 +55,11 @@ def _finite(value: Any) -> Any:
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:
-    """Return what `run --json` prints.
-
-    Area and centroid are those at the largest force; expected errors those of `records.Rung`.
-    """
+    """Return what `run --json` prints; area and centroid are those at the largest force."""
     import numpy as np
 
     force, area, centroid = result.force, result.contact_area, result.centroid
-    peak, chosen = int(np.argmax(result.response.force)), result.plan.chosen
+    peak = int(np.argmax(result.response.force))
     return {
         "status": result.status,
         "mechanics": result.plan.mechanics,
@@ -70,7 +67,6 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
         "final_force_N": None if force is None else float(force[-1]),
         "contact_area_mm2": None if area is None else float(area[peak]),
         "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
-        "expected_errors": {"force": chosen.error, **chosen.errors},
         "seconds": seconds,
         "files": files,
     }
@@ -90,7 +86,8 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
         rows.append(("spikes", result.spikes.told()))
-    rows.append(("trust", result.plan.trust))
+    if result.plan.trust:
+        rows.append(("trust", result.plan.trust))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
     rows += [("note", note) for note in result.notes]

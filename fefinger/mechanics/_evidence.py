@@ -305,8 +305,8 @@ def small_strain_part(scene: Scene) -> float:
 def small_strain_error(scene: Scene) -> float:
     """Return the measured difference of the forces of `linear` and `solid` to the scene's depth.
 
-    It is the largest on the way, of the force there, linear between the measured depths and constant beyond them, and none at first touch; of
-    tissue that relaxes, where that was measured.
+    It is the largest on the way, of the force there; linear between the measured depths, constant
+    beyond them, and none at first touch; of tissue that relaxes, where that was measured.
     """
     press = solid_press(scene)
     row = solid()[press]
