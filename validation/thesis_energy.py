@@ -27,7 +27,7 @@ FRACTIONS = {
 }
 """Dissipated share in % by offset and peak to peak in mm (section 2.4.3, recomputed).
 
-At 30 Hz the reference counts 333 of the 333.3 steps of 0.1 ms as a cycle, so that a second method
+At 30 Hz the recomputation counts 333 of the 333.3 steps of 0.1 ms as a cycle; a second method
 takes its place there.
 """
 

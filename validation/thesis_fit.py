@@ -94,7 +94,7 @@ def _bias(subject: str) -> Iterator[Case]:
         0.015,
         "1",
         "section 2.3, recomputed: within 1.5 %",
-        reason="the limit that the reference states",
+        reason="the limit of the recomputation",
     )
     if subject in APPARENT:
         yield Case(

@@ -36,7 +36,7 @@ BALLS = {
 }
 """Radius mm, modulus kPa, that of the sensor; E* kPa, P N, p0 kPa, a mm (recomputed)."""
 
-PRINTED_RADIUS = 14.0  # mm, mean of Table 3.2 as printed, which the reference takes too
+PRINTED_RADIUS = 14.0  # mm, mean of Table 3.2 as printed, which the recomputation takes too
 DEPTHS = (1.0, 1.5, 2.0, 2.5, 3.0)
 RATIOS: dict[Reading, dict[str, tuple[float, ...]]] = {
     "instantaneous": {
