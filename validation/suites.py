@@ -10,9 +10,19 @@ from fefinger.validation.case import Case, Outcome, Told
 from fefinger.checks import choice
 
 
-SUITES = (
-    *("fem", "finger", "condensed", "calibration", "neural", "thesis", "tradeoff", "extremes"),
-)
+ABOUT = {
+    "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
+    "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
+    "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
+    "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
+    "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
+    "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
+    "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
+}
+"""What each suite compares."""
+
+SUITES = tuple(ABOUT)
 
 LONG = {"tradeoff": "up to two hours on two cores, or minutes where its runs are kept"}
 """Suites that are run in full only if they are named, or all asked for, and how long they take."""
@@ -40,12 +50,12 @@ def figures(suites: Sequence[str]) -> dict[str, list[tuple[str, Any]]]:
 
 
 def findings(suites: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return what those suites find that say it: texts and tables."""
+    """Return what those suites are about, and texts and tables of what they find where they say."""
     found = {}
     for suite in suites:
         module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
-        if hasattr(module, "finding"):
-            found[suite] = module.finding()
+        said = module.finding() if hasattr(module, "finding") else {}
+        found[suite] = {"about": ABOUT[suite]} | said
     return found
 
 
