@@ -230,7 +230,9 @@ def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     assert path == picture
     assert options == {"field": "pressure", "time": 0.5, "limits": None}
     assert main([*command, "--time", "99"]) == 2
-    assert "--time: expected a finite number in s at least 0 and at most 5" in capsys.readouterr().err
+    assert (
+        "--time: expected a finite number in s at least 0 and at most 5" in capsys.readouterr().err
+    )
 
 
 TOML = '[finger]\nsubject = "a.h."\n[motion]\nkind = "ramp-hold"\nspeed = 60\ndepth = 1\nhold = 1\n'
@@ -240,8 +242,14 @@ BAD_FILES = {
     "not TOML further down": (TOML + "corner = = 3\n", r"not TOML: .* \(at line 8"),
     "misspelt": (TOML + "cornr = 0\n", r"cornr: unknown key in \[motion\]. Did you mean 'corner'?"),
     "missing": (TOML.replace("depth = 1\n", ""), "motion.depth: missing; a 'ramp-hold' motion"),
-    "text": (TOML.replace("= 60", '= "fast"'), "motion.speed: expected a finite number in mm/s above"),
-    "nan": (TOML.replace("= 60", "= nan"), "motion.speed: expected a finite number in mm/s above 0"),
+    "text": (
+        TOML.replace("= 60", '= "fast"'),
+        "motion.speed: expected a finite number in mm/s above",
+    ),
+    "nan": (
+        TOML.replace("= 60", "= nan"),
+        "motion.speed: expected a finite number in mm/s above 0",
+    ),
 }
 BAD_SETTINGS = {
     "motion.depth=-1": "motion.depth: expected a finite number in mm above 0, received -1",

@@ -10,7 +10,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fefinger.validation import tradeoff, tradeoff_errors, tradeoff_motion, tradeoff_scenes
+from fefinger.validation import (
+    tradeoff,
+    tradeoff_errors,
+    tradeoff_held_out,
+    tradeoff_motion,
+    tradeoff_scenes,
+)
 from fefinger.validation.tradeoff_errors import Press
 from fefinger.validation.tradeoff_held_out import label, summary
 from fefinger.validation.tradeoff_runs import TAXELS, taxels
@@ -172,6 +178,41 @@ def test_held_out_scenes_are_many_and_drawn_by_seed():
         *("Ramp", "RampHold", "Trapezoid", "Sinusoid")
     }
     assert not set(tradeoff_scenes.HELD_OUT) & set(tradeoff_scenes.BASE)
+
+
+def judged(tolerance):
+    """Return a scene of three candidates, ten times apart in cost and in error."""
+    errors = {"rough": 0.5, "fair": 0.05, "fine": 0.005}
+    rows = {
+        name: {
+            "seconds": 10.0**place,
+            "stated": {"force": 2 * error, "area": None},
+            "actual": {"force": error, "area": 1.0},
+        }
+        for place, (name, error) in enumerate(errors.items())
+    }
+    pick = tradeoff_held_out.cheapest(rows, tolerance / 2)
+    best = tradeoff_held_out.cheapest(rows, tolerance)
+    ratio = rows[pick]["seconds"] / rows[best]["seconds"]
+    return {"tolerance": tolerance, "candidates": rows, "pick": pick, "best": best, "ratio": ratio}
+
+
+def test_an_oracle_picks_the_cheapest_unless_it_overstates_across_a_tolerance():
+    scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}  # 1, 1.2, 1.8 and 4 times 0.05
+    shares = [tradeoff_held_out.oracle(scenes, factor) for factor in (1.0, 1.1, 1.5, 2.0, 9.0)]
+    assert shares == [1.0, 0.75, 0.5, 0.25, 0.0]
+
+
+def test_the_summary_counts_what_is_kept_and_what_the_picks_cost():
+    scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}
+    found = summary(scenes)
+    assert found["within_1.2"] == 0.25 == found["oracle_within_1.2"]["2"]
+    assert found["stated_kept"]["force"] == found["tolerance_met"] == 1.0
+    assert found["stated_over_actual"]["force"] == pytest.approx(2.0)
+    scenes["0.2"]["candidates"]["fair"]["actual"]["force"] = 0.11
+    worse = summary(scenes)
+    assert worse["stated_kept"]["force"] == 0.75
+    assert worse["stated_kept_by_all_candidates"]["force"] == 11 / 12
 
 
 # The report.

@@ -226,29 +226,25 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 def write(folder: Path) -> None:
     """Write `tradeoff.json`, the rules first, then what the planner makes of them; and a page."""
-    from fefinger.validation.suites import as_json
+    from fefinger.validation import suites
 
-    from fefinger import validation_report
+    from fefinger.validation_report import save
 
     complete(lambda stage, fraction: print(f"{100 * fraction:3.0f} % {stage}", file=sys.stderr))
-    head = {**provenance(COMMAND), "rules_read": RULES, "shared": SHARED}
+    made = {"provenance": provenance(COMMAND)}
+    said = {"rules_read": RULES, "shared": SHARED, "rules": tradeoff_rules.rules()}
     target = folder / _tradeoff.REPORT
-    rules = tradeoff_rules.rules()
-    _put(target, head | {"rules": rules})
+    _put(target, made | said)
     for kept in (_tradeoff.read, committed, fresh):
         kept.cache_clear()
-    _put(target, head | {"rules": rules} | fresh())
+    said |= fresh()
+    _put(target, made | said)
     _tradeoff.read.cache_clear()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
-    page = validation_report.html(
-        as_json({"tradeoff": outcomes}),
-        {"tradeoff": list(figures())},
-        provenance(COMMAND),
-        data=_tradeoff.REPORT,
-        findings={"tradeoff": finding()},
-    )
-    (folder / "tradeoff.html").write_text(page, encoding="utf-8")
+    record = suites.as_json({"tradeoff": outcomes}) | _plain(said)
+    drawn, found = {"tradeoff": list(figures())}, suites.findings(["tradeoff"])
+    save(record, folder, drawn, made["provenance"], "tradeoff", found)
 
 
 def _put(target: Path, data: dict[str, Any]) -> None:

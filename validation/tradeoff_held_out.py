@@ -144,8 +144,9 @@ def _kept(rows: list[dict[str, Any]], quantity: str) -> float:
 
 
 def _over(rows: list[dict[str, Any]], quantity: str) -> float:
-    """Return the median of the stated over the actual error."""
-    return float(np.median([stated / actual for stated, actual in _told(rows, quantity)]))
+    """Return the median of the stated over the actual error, nan where none is stated."""
+    told = [stated / actual for stated, actual in _told(rows, quantity)]
+    return float(np.median(told)) if told else float("nan")
 
 
 def _share(held: list[Any]) -> float:
