@@ -228,22 +228,19 @@ def on(indenter, depth, resolution="standard"):
     )
 
 
-def by_hand(report, press, candidate, depth, quantity="force"):
-    """Return numerical and model error at a depth, read from the report by other means."""
-    row = report["rules"]["presses"][press]
+def by_hand(report, press, candidate, depth, quantity="force", *, between=0, factor=1.0):
+    """Return the stated error at a depth of a press, read from the report by other means."""
+    rules, mechanics = report["rules"], candidate.split()[0]
+    row = rules["presses"][press]
     own = row["candidates"][candidate]
     numerical, model = (
         float(np.interp(depth, row["depth_mm"], own[kind][quantity]))
         for kind in ("numerical", "model")
     )
-    mechanics = candidate.split()[0]
-    numerical += report["rules"]["steps"][mechanics][quantity]
-    return numerical, model * report["rules"]["directs"][mechanics][quantity]
-
-
-def margin_of(report, candidate, quantity="force", *, between):
-    own = report["rules"]["margins"][candidate][quantity]
-    return own["motion"] + between * own["between"]
+    margins = rules["margins"][candidate][quantity]
+    margin = margins["motion"] * (numerical + model) + between * margins["between"]
+    larger = factor * rules["directs"][mechanics][quantity]
+    return numerical + larger * model + margin + rules["steps"][mechanics][quantity]
 
 
 @pytest.mark.parametrize("name", ["lumped", "hertz", "layered", "condensed", "linear", "solid"])
@@ -252,10 +249,8 @@ def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, d
     meshed = name in ("condensed", "linear", "solid")
     candidate = f"{name} coarse" if meshed else name
     error, source = get(name).error(on(Flat(30), depth, "coarse"))
-    numerical, model = by_hand(report, "flat-30", candidate, depth)
-    margin = margin_of(report, candidate, between=0)
-    expected = numerical + model + margin + (1e-3 if name == "lumped" else 0.0)
-    assert error == pytest.approx(expected, rel=1e-12)
+    known = by_hand(report, "flat-30", candidate, depth)
+    assert error == pytest.approx(known + (1e-3 if name == "lumped" else 0.0), rel=1e-12)
     assert source.startswith("reports/tradeoff.json, flat-30")
 
 
@@ -265,9 +260,8 @@ def test_what_else_is_stated_is_that_of_the_report_too(report, candidate, quanti
     mesh = candidate.partition(" ")[2]
     scene = on(Flat(30), 0.7, mesh or "auto")
     rung = next(each for each in plan.rungs(scene) if label(each) == candidate)
-    known = sum(by_hand(report, "flat-30", candidate, 0.7, quantity))
-    margin = margin_of(report, candidate, quantity, between=0)
-    assert rung.errors[quantity] == pytest.approx(known + margin, rel=1e-12)
+    known = by_hand(report, "flat-30", candidate, 0.7, quantity)
+    assert rung.errors[quantity] == pytest.approx(known, rel=1e-12)
 
 
 def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
@@ -278,34 +272,31 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
 
 
 def test_between_presses_the_worse_neighbor_tells_the_error(report):
-    margin = margin_of(report, "solid standard", between=1)
     for indenter, names in (
-        (Flat(12), ("flat-0", "flat-30")),
-        (Sphere(4), ("sphere-10", "sphere-2")),
+        (Flat(12), ("flat-0", "flat-15")),
+        (Sphere(4), ("sphere-5", "sphere-2")),
         (Sphere(20), ("sphere-10", "flat-30")),
     ):
         error, source = get("solid").error(on(indenter, 0.5))
-        worst = max(sum(by_hand(report, press, "solid standard", 0.5)) for press in names)
-        assert error == pytest.approx(worst + margin, rel=1e-9)
+        every = [by_hand(report, press, "solid standard", 0.5, between=1) for press in names]
+        assert error == pytest.approx(max(every), rel=1e-9)
         assert all(press in source for press in names)
 
 
 def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepest(report):
     error, _ = get("solid").error(on(Flat(12), 1.5))
-    margin = margin_of(report, "solid standard", between=1)
-    known = [sum(by_hand(report, press, "solid standard", 1.5)) for press in ("flat-0", "flat-30")]
-    assert error == pytest.approx(margin + max(known), rel=1e-9)
+    presses = ("flat-0", "flat-15")
+    known = [by_hand(report, press, "solid standard", 1.5, between=1) for press in presses]
+    assert error == pytest.approx(max(known), rel=1e-9)
     assert _tradeoff.stated("solid standard", on(Flat(0), 1.5)) is None
 
 
 def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
-    own = on(Flat(30), 1.15)
-    other = replace(own, finger=Finger.subject("d.s.", resolution="standard"))
+    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard"))
     factor = report["rules"]["fingers"]["linear"]
-    numerical, model = by_hand(report, "flat-30", "linear standard", 1.0)
-    expected = numerical + factor * model + margin_of(report, "linear standard", between=1)
+    known = by_hand(report, "flat-30", "linear standard", 1.0, between=1, factor=factor)
     assert factor > 1
-    assert get("linear").error(other)[0] == pytest.approx(expected, rel=1e-9)
+    assert get("linear").error(other)[0] == pytest.approx(known, rel=1e-9)
 
 
 def test_what_was_not_measured_is_not_stated():
@@ -336,6 +327,15 @@ def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said
     error, source = get("solid").error(on(indenter, 0.3))
     assert source.endswith(f"(reports/tradeoff.json has none for {said})")
     assert error > _tradeoff.rules()["steps"]["solid"]["force"]
+
+
+@pytest.mark.parametrize("indenter", [Flat(45), Flat(60), Flat(30, tilt=5), Cylinder(4.0)], ids=str)
+@pytest.mark.parametrize("name", ["condensed", "linear", "solid"])
+def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indenter, name):
+    for depth in (0.3, 1.0):
+        scenes = (on(indenter, depth, mesh) for mesh in ("coarse", "standard", "fine"))
+        errors = [get(name).error(scene)[0] for scene in scenes]
+        assert errors == sorted(errors, reverse=True)
 
 
 def test_the_margins_are_those_of_the_presses_of_the_report(report):

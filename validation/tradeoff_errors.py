@@ -92,7 +92,7 @@ def unknowns(name: str, mechanics: str, resolution: str) -> float:
 
 @dataclass(frozen=True)
 class Converged:
-    """A press in the limit of fine meshes, and by what it may be wrong: relative, (n,) each."""
+    """A press on the finest meshes, and by what it may be wrong: relative, (n,) each."""
 
     press: Press
     bars: dict[str, Array]
@@ -100,8 +100,7 @@ class Converged:
 
 def limit(coarse: Press, fine: Press, ratio: float) -> Press:
     """Return the limit of two meshes, with `ratio` times the unknowns, of errors of order 2."""
-    gain = 1 / (ratio ** (ORDER / 3) - 1)
-    return moved(fine, coarse, fine, gain)
+    return moved(fine, coarse, fine, left([1.0, ratio]))
 
 
 def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
@@ -115,27 +114,46 @@ def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
 
 @cache
 def converged(name: str, mechanics: str = "solid") -> Converged:
-    """Return the press of `solid` (or another one) extrapolated over the meshes that it has.
+    """Return the press of `solid` (or another one) on the finest meshes, and its error bars.
 
-    Where the coarse mesh is too coarse for the object, `solid` is taken to change with the mesh as
-    `linear` does from the standard to the fine one.
+    The force is extrapolated over the meshes that the mechanics was run on, with errors of order
+    2; where the coarse one is too coarse for the object, as that of `linear` changes from the
+    standard to the fine mesh. Nothing else comes close to its order on the coarse mesh: for the
+    rest, and for all of `linear`, that change is made and not extrapolated; what it leaves of an
+    error of order 2 is in the bars, so that the truth has no noise of extrapolation.
     """
-    fine = press(name, mechanics, "standard")
-    if fine is None:
-        msg = f"{name}: expected a press of {mechanics} on the standard mesh, it refused"
+    standard, coarse = press(name, mechanics), press(name, mechanics, "coarse")
+    rough, finest = press(name, "linear"), press(name, "linear", "fine")
+    if standard is None or rough is None or finest is None:
+        msg = f"{name}: expected presses of {mechanics} and `linear`, they refused"
         raise InputError(msg)
-    coarse = press(name, mechanics, "coarse")
+    sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
+    best = moved(standard, rough, finest)
+    bars = {key: left(sizes) * values for key, values in errors(standard, best).items()}
     if coarse is not None:
         sizes = [unknowns(name, mechanics, mesh) for mesh in ("coarse", "standard")]
-        best = limit(coarse, fine, sizes[1] / sizes[0])
-        return Converged(best, errors(fine, best))
-    finest, rough = press(name, "linear", "fine"), press(name, "linear", "standard")
-    assert finest is not None
-    assert rough is not None
-    sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
-    small = limit(rough, finest, sizes[1] / sizes[0])
-    best = moved(fine, rough, small)
-    return Converged(best, errors(fine, best))
+        limited = limit(coarse, standard, sizes[1] / sizes[0])
+    else:
+        limited = moved(standard, rough, finest, 1 + left(sizes))
+    best = replace(best, force=limited.force)
+    return Converged(best, bars | {"force": errors(standard, best)["force"]})
+
+
+def left(sizes: list[float]) -> float:
+    """Return the error of a mesh over what it changes of another, given the unknowns of both."""
+    return 1 / ((sizes[1] / sizes[0]) ** (ORDER / 3) - 1)
+
+
+def mesh_errors(pressed: Press | None, limit_: Converged) -> dict[str, Array]:
+    """Return the numerical errors of a press on a mesh; None is the fine one, all but its force.
+
+    They are those against the finest meshes, and what is left there but for the force.
+    """
+    rest = {key: bar for key, bar in limit_.bars.items() if key != "force"}
+    if pressed is None:
+        return rest
+    found = errors(pressed, limit_.press)
+    return found | {key: found[key] + bar for key, bar in rest.items()}
 
 
 def errors(found: Press, true: Press) -> dict[str, Array]:

@@ -72,19 +72,25 @@ def direct(name: str, mechanics: str, resolution: str, refine: int = 1) -> Passa
 
 
 def errors(found: Passage, true: Passage) -> dict[str, float]:
-    """Return the errors of what is stated: the largest through time, of the largest value."""
-    return {
-        name: float(norm(_at(found, name, true.time) - values).max() / norm(values).max())
-        for name, values in ((name, getattr(true, name)) for name in STATED)
+    """Return the errors of what is stated.
+
+    Of the force the largest through time, of its peak; of the rest that when the force is largest.
+    """
+    at = int(np.argmax(true.force))
+    force = np.interp(true.time, found.time, found.force)
+    apart = {
+        name: norm(_at(found, name, true.time[at]) - value) / norm(value)
+        for name, value in ((name, getattr(true, name)[at : at + 1]) for name in STATED[1:])
     }
+    largest = float(np.abs(force - true.force).max() / true.force.max())
+    return {"force": largest, **{name: float(value[0]) for name, value in apart.items()}}
 
 
-def _at(found: Passage, name: str, time: Array) -> Array:
-    """Return values (n, ...) of a passage at other times."""
+def _at(found: Passage, name: str, time: float) -> Array:
+    """Return the value (1, ...) of a passage at a time."""
     values = getattr(found, name)
-    flat = values.reshape(len(values), -1).T
-    rows = [np.interp(time, found.time, row) for row in flat]
-    return np.stack(rows, axis=-1).reshape(len(time), *values.shape[1:])
+    rows = [np.interp(time, found.time, row) for row in values.reshape(len(values), -1).T]
+    return np.reshape(rows, (1, *values.shape[1:]))
 
 
 def spikes(

@@ -24,6 +24,7 @@ from fefinger.validation.tradeoff_errors import (
     errors,
     identify,
     law,
+    mesh_errors,
     press,
     unknowns,
 )
@@ -44,6 +45,9 @@ WITHOUT_MESH = ("hertz", "layered")
 NO_MESH = (*WITHOUT_MESH, "lumped")
 
 WITH_MESH = ("condensed", "linear", "solid")
+
+LIMIT = {"condensed": "linear"}
+"""Whose limit of fine meshes a mechanics has, if not its own."""
 
 FINGERS = ("d.p.", "p.w.")
 """Fingers that tell how much the model error differs; the held-out one is not among them."""
@@ -79,20 +83,19 @@ def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list
             "model": {"force": _short(apart)},
         }
     for mechanics in WITH_MESH:
-        own = converged(name, mechanics)
+        own = converged(name, LIMIT.get(mechanics, mechanics))
         model = errors(own.press, true.press) if mechanics != "solid" else zero
         for mesh in MESHES:
             pressed = press(name, mechanics, mesh)
             if pressed is not None:
-                found[f"{mechanics} {mesh}"] = _listed(errors(pressed, own.press), model)
-        standard = found[f"{mechanics} standard"]["numerical"]
-        shrunk = {key: np.array(values) * _FINE for key, values in standard.items()}
-        found[f"{mechanics} fine"] = _listed(shrunk, model)
+                found[f"{mechanics} {mesh}"] = _listed(mesh_errors(pressed, own), model)
+        force = _FINE * np.array(found[f"{mechanics} standard"]["numerical"]["force"])
+        found[f"{mechanics} fine"] = _listed({**mesh_errors(None, own), "force": force}, model)
     return found
 
 
 _FINE = float((40926 / 99374) ** (ORDER / 3))
-"""Error of the fine mesh over that of the standard one, of order 2 in the cell length."""
+"""Error of the force on the fine mesh over that on the standard one, of order 2 in the cells."""
 
 
 def _listed(numerical: dict[str, Array], model: dict[str, Array]) -> dict[str, Any]:
@@ -130,7 +133,7 @@ def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
 
     between: half of the 95th percentile of what the neighbors of a press tell too little of it,
     where it has one on either side; half, because leaving a press out doubles the gap. motion: the
-    largest of what a press tells too little of a base scene.
+    largest share of its error that a press tells too little of a base scene.
     """
     names = sorted({name for each in presses.values() for name in each["candidates"]})
     return {
@@ -145,7 +148,7 @@ def _margins(
     missed = [each for name in presses for each in _missed(presses, name, candidate, quantity)]
     alike = candidate.replace("fine", "standard")
     moving = [
-        each["carried"][alike][quantity] - _own(presses[each["press"]], alike, each, quantity)
+        each["carried"][alike][quantity] / _own(presses[each["press"]], alike, each, quantity) - 1
         for each in motions.values()
         if alike in each["carried"]
     ]

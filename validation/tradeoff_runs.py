@@ -91,8 +91,8 @@ def campaign() -> tuple[Run, ...]:
     rough = [Run("press", name, "solid", "coarse") for name in scenes.PRESSES]
     direct = [Run("base", name, "solid", "coarse") for name in scenes.MOTIONS]
     converged = [Run("press", name, "solid", "standard") for name in scenes.PRESSES]
-    fine = [Run("press", name, "linear", "fine") for name in ("sphere-2",)]
-    return (*cheap, *small, *rough, *converged, *fine, *direct, *steps())
+    fine = [Run("press", name, "linear", "fine") for name in scenes.PRESSES]
+    return (*cheap, *small, *rough, *converged, *direct, *steps(), *fine)
 
 
 def steps() -> tuple[Run, ...]:

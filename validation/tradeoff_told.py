@@ -73,8 +73,9 @@ def _stated() -> dict[str, Any]:
         found = [_tradeoff.stated(candidate, scene, name) for name in STATED]
         rows.append([candidate, *("-" if each is None else percent(each.error) for each in found)])
     caption = (
-        f"Stated errors in a press by a plate at 30 degrees, {DEPTH:g} mm deep: each the largest "
-        "through time, of the largest value, with its margins. lumped gives the force alone."
+        f"Stated errors of a press by a plate at 30 degrees, {DEPTH:g} mm deep, with margins: "
+        "of the force the largest through time, of its peak; of the rest that at the peak. lumped "
+        "gives the force alone."
     )
     return {"caption": caption, "heading": ["candidate", *SAID.values()], "rows": rows}
 

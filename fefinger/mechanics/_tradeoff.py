@@ -42,8 +42,8 @@ MEANT = {
     "area": "the contact area",
     "strain": "the strain at the end organs, as a Frobenius norm",
 }
-"""What errors are stated of, as far as a mechanics gives it: each the largest through time, of the
-largest value."""
+"""What errors are stated of, as far as a mechanics gives it: of the force the largest through time,
+of its peak; of the rest that when the force is largest."""
 
 STATED = tuple(MEANT)
 
@@ -229,7 +229,8 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     model = found[1] * known["directs"][mechanics][quantity]
     model *= 1.0 if own else known["fingers"][mechanics]
     margins = known["margins"][candidate][quantity]
-    margin = margins["motion"] + (0.0 if own and len(names) == 1 else margins["between"])
+    margin = margins["motion"] * sum(found)
+    margin += 0.0 if own and len(names) == 1 else margins["between"]
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
         f"{model:.2g} of the model, {margin:.2g} of margin"
@@ -248,8 +249,11 @@ def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[fl
 
     That was measured under another object, or of another finger: no margin is known for that.
     """
-    error += rules()["steps"][candidate.split()[0]]["force"]
-    error += rules()["margins"][candidate]["force"]["motion"]
+    mechanics, margins = candidate.split()[0], rules()["margins"]
+    shares = [
+        each["force"]["motion"] for name, each in margins.items() if mechanics in name.split()
+    ]
+    error = error * (1 + max(shares)) + rules()["steps"][mechanics]["force"]
     return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
