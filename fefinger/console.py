@@ -207,7 +207,7 @@ def validation_summary(record: dict[str, Any]) -> str:
             suite["suite"],
             case["name"],
             "none" if case["failure"] else f"{case['value']:.6g}",
-            f"{case['expected']:.6g} +- {case['tolerance']:.2g} {case['unit']}",
+            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {case['unit']}",
             " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]

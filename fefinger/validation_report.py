@@ -142,7 +142,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
             "name": case["name"],
             "value": _number(case["value"], limit),
             "expected": _number(case["expected"], limit),
-            "tolerance": f"{limit:.2g}",
+            "tolerance": f"{limit:.3g}",
             "printed": "" if printed is None else f"{printed:g}",
             "unit": "" if case["unit"] == "1" else case["unit"],
             "source": case["source"],

@@ -186,8 +186,8 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
         return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
 
     monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
-    monkeypatch.setattr(suites, "figures", lambda suites: {})
-    monkeypatch.setattr(suites, "findings", lambda suites: {})
+    monkeypatch.setattr(suites, "figures", lambda record: {})
+    monkeypatch.setattr(suites, "findings", lambda record: {})
     for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
         monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
         assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
@@ -260,7 +260,7 @@ BAD_SETTINGS = {
     "finger.prony={c=[0.4,0.6],v=[-1]}": "finger.prony.v: expected rates above 0 1/s",
     "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because the thesis",
     "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
-    "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0 and at most",
+    "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0",
     "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
     "depth": "--set 'depth': expected FIELD=VALUE, as in motion.depth=2",
 }

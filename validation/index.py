@@ -77,12 +77,9 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
     for path in sorted(folder.glob("*.json")):
         record = _read(path)
         if _cases(record) and path.with_suffix(".html").exists():
-            names = [
-                suite["suite"] for suite in record["suites"] if suite["suite"] in suites.SUITES
-            ]
             provenance = record.pop("provenance", {})
-            found = suites.findings(names)
-            save(record, folder, suites.figures(names), provenance, path.stem, found)
+            drawn, found = suites.figures(record), suites.findings(record)
+            save(record, folder, drawn, provenance, path.stem, found)
             yield path.with_suffix(".html")
 
 
