@@ -1,7 +1,7 @@
 """The rules that the planner reads, derived from the presses of the trade-off.
 
 Per press and candidate: the numerical error (of the mesh) and the model error (of what is left
-out) in presses to each depth. The stated error is their sum, at the worse neighbor of a scene, with
+out) in presses to each depth. The stated error is their sum, between the neighbors of a scene, with
 a margin for what lies between the presses and one for motions.
 """
 
@@ -167,8 +167,8 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     """Return by what the errors of a mechanics are larger in direct runs than its press tells.
 
     The largest over the base scenes; on model errors, which carrying a press leaves too small. Of
-    the contact area it is not told: direct runs are on the coarse mesh, too rough for it. `condensed`
-    has the model of `linear`, and errors of a mesh that does not follow the touch.
+    the contact area it is not told: direct runs are on the coarse mesh, too rough for it.
+    `condensed` has the model of `linear`, and errors of a mesh that does not follow the touch.
     """
     factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
     for each in motions.values():

@@ -25,7 +25,8 @@ CANDIDATES = (
 
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
-    return {"texts": texts(data["summary"]), "tables": [_stated(), _spikes(data["scenes"])]}
+    said = [*texts(data["summary"]), again(data["drawn_again"])]
+    return {"texts": said, "tables": [_stated(), _spikes(data["scenes"])]}
 
 
 def texts(found: dict[str, Any]) -> list[str]:
@@ -54,6 +55,17 @@ def texts(found: dict[str, Any]) -> list[str]:
         "The ways to an answer are far apart in cost, and a margin that excludes one leaves the "
         "next.",
     ]
+
+
+def again(found: dict[str, Any]) -> str:
+    """Return what became of scenes that were drawn after the rules were made."""
+    return (
+        "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
+        "that were drawn on the same presses when the rules were done, the picks meet the "
+        f"tolerance in {100 * found['tolerance_met']:.0f} %, keep what they state of the force in "
+        f"{100 * found['stated_kept']['force']:.0f} %, and are within {ENOUGH:g} times in "
+        f"{100 * found['within_1.2']:.0f} %."
+    )
 
 
 def _shares(picks: dict[str, float], every: dict[str, float]) -> str:

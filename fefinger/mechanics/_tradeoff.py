@@ -2,9 +2,9 @@
 
 A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
 its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
-the finger. The stated error is that of the worse neighbor, numerical and model error added, with
-the margins that the report has for what lies between presses, for motions and for other fingers.
-So it is for the force and for what else is STATED.
+the finger. The stated error lies between those of its neighbors, numerical and model error added,
+with margins for what lies between presses, for motions and for other fingers. So it is for the
+force and for what else is STATED.
 """
 
 from collections.abc import Mapping
@@ -93,8 +93,11 @@ def total(candidate: Mapping[str, Any], quantity: str) -> Array:
     return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
 
 
-def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
-    """Return the presses on either side of a place, or the one at it; beyond all, the last."""
+def neighbors(presses: Mapping[str, Any], where: Place) -> dict[str, float]:
+    """Return the presses on either side of a place, or the one at it, with their weights.
+
+    Beyond all, that is the last.
+    """
     known: dict[str, float] = {}
     for name, row in presses.items():
         own = place(row["angle"], row["radius"])
@@ -104,10 +107,13 @@ def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
             known[name] = 0.0
     below = [name for name in known if known[name] <= where.value]
     above = [name for name in known if known[name] >= where.value]
-    if below and above:
-        ends = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
-        return list(dict.fromkeys(ends))
-    return sorted(below or above, key=lambda name: abs(known[name] - where.value))[:1]
+    if not below or not above:
+        return {min(known, key=lambda name: abs(known[name] - where.value)): 1.0}
+    low, high = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
+    if low == high:
+        return {low: 1.0}
+    part = (where.value - known[low]) / (known[high] - known[low])
+    return {low: 1 - part, high: part}
 
 
 def reach(row: Mapping[str, Any]) -> float:
@@ -118,22 +124,23 @@ def reach(row: Mapping[str, Any]) -> float:
 def told(
     presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str = "force"
 ) -> tuple[float, float] | None:
-    """Return numerical and model error of a quantity at the worse neighbor of a place.
+    """Return numerical and model error of a quantity at a place, between those of its neighbors.
 
     None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
     """
-    rows = [presses[name] for name in neighbors(presses, where)]
     rows = [
-        row for row in rows if quantity in row["candidates"].get(candidate, {}).get("model", ())
+        (presses[name], weight)
+        for name, weight in neighbors(presses, where).items()
+        if quantity in presses[name]["candidates"].get(candidate, {}).get("model", ())
     ]
-    if not any(part <= reach(row) * (1 + 1e-9) for row in rows):
+    if not any(part <= reach(row) * (1 + 1e-9) for row, _ in rows):
         return None
-    found = []
-    for row in rows:
-        own, parts = row["candidates"][candidate], np.array(row["depth_mm"])
-        at = [np.interp(part, parts / row["thickness_mm"], own[kind][quantity]) for kind in KINDS]
-        found.append((float(at[0]), float(at[1])))
-    return max(found, key=sum)
+    whole, found = sum(weight for _, weight in rows), np.zeros(len(KINDS))
+    for row, weight in rows:
+        own, parts = row["candidates"][candidate], np.array(row["depth_mm"]) / row["thickness_mm"]
+        at = [np.interp(part, parts, own[kind][quantity]) for kind in KINDS]
+        found += weight / whole * np.array(at)
+    return float(found[0]), float(found[1])
 
 
 def where(scene: Scene) -> Place | None:
@@ -219,7 +226,7 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     if place_ is None or not like(scene.finger):
         return None
     known, mechanics = rules(), candidate.split()[0]
-    names = neighbors(known["presses"], place_)
+    names = list(neighbors(known["presses"], place_))
     deepest = max(part(scene, name) for name in names)
     found = told(known["presses"], candidate, place_, deepest, quantity)
     if found is None:
