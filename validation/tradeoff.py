@@ -33,15 +33,17 @@ RULES = (
     "The stated error of the force, the highest pressure over 1 mm², the contact area or the "
     "strain lies between those of the neighboring presses (a plate by its angle, a ball by its "
     "curvature, that of the plate at 30 degrees being 0), at the depth over the thickness of the "
-    "finger. It is the sum of numerical error, model error (times a factor on other fingers, that "
-    "of the force) and margins: half of the 95th percentile of what the neighbors of a base press "
+    "finger. It is the sum of numerical error, model error (of the force times a factor on other "
+    "fingers) and margins: half of the 95th percentile of what the neighbors of a base press "
     "tell too little of it, and the largest share of its error that a press tells too little of a "
     "base scene. The model error is multiplied by what direct runs of `solid` through the base "
     "scenes find it larger; what shorter time steps change is added. These rules were changed "
     "after looks at the held-out scenes: the margin for what lies between presses is there on "
     "other fingers too since a first look, of which 89 % had been kept; since a second, margins "
     "for motions are shares, two presses were added, and errors are those between presses instead "
-    "of those of the worse neighbor. Then another draw of scenes on the same presses was judged."
+    "of those of the worse neighbor, but of pressure, area and strain on other fingers, where the "
+    "worst of all plates or of two balls counts. Then another draw of scenes on the same presses "
+    "was judged."
 )
 
 SHARED = (

@@ -233,7 +233,7 @@ def fingers() -> dict[str, float]:
     """Return by what the model error of other fingers is larger, at the same part of the thickness.
 
     The largest over presses and depths at which it is above LEAST on the measured finger, of the
-    force; it is taken for what else is stated too.
+    force; of the rest none is known.
     """
     rows = _evidence.read(_evidence.SOLID_REPORT)["rows"]
     found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)

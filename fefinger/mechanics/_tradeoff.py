@@ -128,19 +128,43 @@ def told(
 
     None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
     """
-    rows = [
-        (presses[name], weight)
-        for name, weight in neighbors(presses, where).items()
-        if quantity in presses[name]["candidates"].get(candidate, {}).get("model", ())
-    ]
-    if not any(part <= reach(row) * (1 + 1e-9) for row, _ in rows):
+    weights = neighbors(presses, where)
+    names = [name for name in weights if gives(presses[name], candidate, quantity)]
+    if not any(part <= reach(presses[name]) * (1 + 1e-9) for name in names):
         return None
-    whole, found = sum(weight for _, weight in rows), np.zeros(len(KINDS))
-    for row, weight in rows:
-        own, parts = row["candidates"][candidate], np.array(row["depth_mm"]) / row["thickness_mm"]
-        at = [np.interp(part, parts, own[kind][quantity]) for kind in KINDS]
-        found += weight / whole * np.array(at)
-    return float(found[0]), float(found[1])
+    whole = sum(weights[name] for name in names)
+    parts = [weights[name] / whole * at(presses[name], candidate, part, quantity) for name in names]
+    numerical, model = np.sum(parts, axis=0).tolist()
+    return numerical, model
+
+
+def worst(
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str
+) -> tuple[float, float] | None:
+    """Return the errors that the worst of all plates tells of a plate, or of two balls of a ball.
+
+    So it is on fingers of which no press is known but by its force: which points of their meshes
+    bear the pressure of a rim, and how a flat pad is rounded, is their own.
+    """
+    if told(presses, candidate, where, part, quantity) is None:
+        return None
+    names = [name for name, row in presses.items() if row["radius"] is None]
+    if where.axis == "curvature":
+        names = list(neighbors(presses, where))
+    rows = [presses[name] for name in names if gives(presses[name], candidate, quantity)]
+    numerical, model = max((at(row, candidate, part, quantity) for row in rows), key=sum).tolist()
+    return numerical, model
+
+
+def gives(row: Mapping[str, Any], candidate: str, quantity: str) -> bool:
+    """Return whether a candidate gave a quantity in a press."""
+    return quantity in row["candidates"].get(candidate, {}).get("model", ())
+
+
+def at(row: Mapping[str, Any], candidate: str, part: float, quantity: str) -> Array:
+    """Return numerical and model error (2,) in a press at a depth over thickness, or its last."""
+    own, parts = row["candidates"][candidate], np.array(row["depth_mm"]) / row["thickness_mm"]
+    return np.array([np.interp(part, parts, own[kind][quantity]) for kind in KINDS])
 
 
 def where(scene: Scene) -> Place | None:
@@ -228,13 +252,14 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     known, mechanics = rules(), candidate.split()[0]
     names = list(neighbors(known["presses"], place_))
     deepest = max(part(scene, name) for name in names)
-    found = told(known["presses"], candidate, place_, deepest, quantity)
+    own = _own(scene.finger, known["presses"][names[0]])
+    tell = told if own or quantity == "force" else worst
+    found = tell(known["presses"], candidate, place_, deepest, quantity)
     if found is None:
         return None
-    own = _own(scene.finger, known["presses"][names[0]])
     numerical = found[0] + known["steps"][mechanics][quantity]
     model = found[1] * known["directs"][mechanics][quantity]
-    model *= 1.0 if own else known["fingers"][mechanics]
+    model *= known["fingers"][mechanics] if quantity == "force" and not own else 1.0
     margins = known["margins"][candidate][quantity]
     margin = margins["motion"] * sum(found)
     margin += 0.0 if own and len(names) == 1 else margins["between"]
