@@ -96,6 +96,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
     ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
     every = [row for each in judged.values() for row in each["candidates"].values()]
     own = [row for _, row in picks]
+    cheap = [each["candidates"][each["best"]] for each in judged.values() if each["best"]]
     total = sum(each["candidates"][each["pick"]]["seconds"] for each in picked if each["best"])
     least = sum(each["candidates"][each["best"]]["seconds"] for each in picked if each["best"])
     return {
@@ -110,6 +111,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "stated_kept": {name: _kept(own, name) for name in STATED},
         "stated_kept_by_all_candidates": {name: _kept(every, name) for name in STATED},
         "stated_over_actual": {name: _over(every, name) for name in STATED},
+        "stated_over_actual_of_the_cheapest": _over(cheap, "force"),
         "within_1.2": _share(list(ratios <= ENOUGH)),
         "oracle_within_1.2": {f"{x:g}": oracle(judged, x) for x in OVERSTATED},
         "median_ratio": float(np.median(ratios)),

@@ -48,7 +48,8 @@ def texts(found: dict[str, Any]) -> list[str]:
         "They are too large by a factor of "
         + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
         + ", in the median of all candidates.",
-        f"So the picks cost more than they must: {100 * found['within_1.2']:.0f} % are within "
+        f"So the picks cost {found['total_seconds_over_least']:.1f} times what they must, taken "
+        f"together: {100 * found['within_1.2']:.0f} % are within "
         f"{ENOUGH:g} times the cheapest that meets the tolerance, where 95 % are wanted. That asks "
         "for errors known almost exactly. An oracle that knows every actual error, and states "
         f"each too large by one factor, has picks within {ENOUGH:g} times as follows, {oracle}. "
