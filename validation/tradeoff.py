@@ -250,7 +250,7 @@ def write(folder: Path) -> None:
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
     record = suites.as_json({"tradeoff": outcomes}) | _plain(said)
-    drawn, found = {"tradeoff": list(figures())}, suites.findings(["tradeoff"])
+    drawn, found = suites.figures(record), suites.findings(record)
     save(record, folder, drawn, made["provenance"], "tradeoff", found)
 
 

@@ -192,7 +192,7 @@ def _split_caption() -> str:
 def _split(data: dict[str, Any]) -> Any:
     presses = data["presses"]
     drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 2, sharey=True, sharex=True).ravel()
+    axes = drawn.subplots(2, len(presses) // 2, sharey=True, sharex=True).ravel()
     names = list(dict.fromkeys(key for rows in presses.values() for key in rows))
     for axis, (press, rows) in zip(axes, presses.items(), strict=True):
         for place, name in enumerate(names):
@@ -207,7 +207,7 @@ def _split(data: dict[str, Any]) -> Any:
         axis.set(xscale="log", title=f"{press}, {deepest:g} mm", xlim=(LEAST, 3))
         axis.set_yticks(range(len(names)), labels=names)
         axis.invert_yaxis()
-    for axis in axes[2:]:
+    for axis in axes[len(axes) // 2 :]:
         axis.set_xlabel("error of the force")
     return drawn
 
