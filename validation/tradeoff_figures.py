@@ -234,7 +234,7 @@ _NAMES = {
 
 
 def _held(data: dict[str, Any]) -> Any:
-    drawn = figure(WIDE, 5.6)
+    drawn = figure(WIDE, 5.2)
     grid = drawn.subplots(2, 2, sharex=True, sharey=True)
     for axis, (quantity, said) in zip(grid.ravel(), _NAMES.items(), strict=True):
         for each in data["held_out"].values():
