@@ -39,7 +39,6 @@ def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         yield _split_caption(), _split(data)
         yield _held_caption(data), _held(data)
         yield _cost_caption(data), _cost(data)
-        yield _settings_caption(), _settings(data)
 
 
 def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
@@ -290,49 +289,4 @@ def _cost(data: dict[str, Any]) -> Any:
     right.set(xlabel="stated / actual error", ylabel=f"share within {ENOUGH:g} times the least")
     for axis in (left, right):
         axis.set_ylim(0, 1.02)
-    return drawn
-
-
-def _settings_caption() -> str:
-    return (
-        "Other settings. Time steps: what finer ones change of the force in direct runs on the "
-        "coarse mesh. Strain: what other measures than the logarithmic one give at the deepest "
-        "press. Membrane: worst error of a spike time against Runge-Kutta at 5 us, and CPU time. "
-        "Carried: a press of solid carried to a motion, against a direct run."
-    )
-
-
-def _settings(data: dict[str, Any]) -> Any:
-    rows = [("what", "error", "")]
-    rows += [
-        (f"time steps: {k}", f"{100 * v['force']:.2g} %", "") for k, v in data["time_steps"].items()
-    ]
-    rows += [
-        (
-            f"strain measure: {name}, largest {row['largest_log_strain']:.2g}",
-            f"{100 * row['green_lagrange']:.2g} % Green-Lagrange",
-            f"{100 * row['small']:.2g} % small strain of linear",
-        )
-        for name, row in data["strain_measures"].items()
-    ]
-    for scene, settings in data["integrators"].items():
-        rows += [
-            (f"membrane: {scene}: {k}", f"{v['worst_ms']:.2g} ms", f"{1e3 * v['cpu_s']:.2g} ms CPU")
-            for k, v in settings.items()
-        ]
-    rows += [
-        (f"carried: {name}", f"{100 * row['separable']['force']:.2g} %", "of the force")
-        for name, row in data["scenes"].items()
-        if row["separable"]
-    ]
-    drawn = figure(WIDE, 0.22 * len(rows) + 0.2)
-    axis = drawn.subplots()
-    axis.set_axis_off()
-    made = axis.table(
-        rows, cellLoc="left", loc="center", edges="horizontal", colWidths=[0.6, 0.2, 0.2]
-    )
-    made.auto_set_font_size(False)
-    made.set_fontsize(8)
-    for cell in made.get_celld().values():
-        cell.set_edgecolor("#e8ecf0")
     return drawn

@@ -26,7 +26,7 @@ CANDIDATES = (
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
     said = [*texts(data["summary"]), again(data["drawn_again"])]
-    return {"texts": said, "tables": [_stated(), _spikes(data["scenes"])]}
+    return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
 def texts(found: dict[str, Any]) -> list[str]:
@@ -112,3 +112,30 @@ def _spikes(found: dict[str, Any]) -> dict[str, Any]:
         "few scenes does not carry to others."
     )
     return {"caption": caption, "heading": heading, "rows": rows}
+
+
+def _settings(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the table of other settings: time steps, strain measures, membranes, carrying."""
+    groups = {
+        "time steps of direct runs: what finer ones change of the force": [
+            [name, percent(row["force"]), ""] for name, row in data["time_steps"].items()
+        ],
+        "strain at the deepest press: other measures than the logarithmic one": [
+            [f"{name}, largest {row['largest_log_strain']:.2g}",
+             f"Green-Lagrange {percent(row['green_lagrange'])}",
+             f"small strain of linear {percent(row['small'])}"]
+            for name, row in data["strain_measures"].items()
+        ],
+        "membrane: worst error of a spike time against Runge-Kutta at 5 us": [
+            [f"{scene}: {name}", f"{row['worst_ms']:.2g} ms", f"{1e3 * row['cpu_s']:.2g} ms CPU"]
+            for scene, settings in data["integrators"].items()
+            for name, row in settings.items()
+        ],
+        "a press of solid carried to a motion: the force against a direct run": [
+            [name, percent(row["separable"]["force"]), ""]
+            for name, row in data["scenes"].items()
+            if row["separable"]
+        ],
+    }  # fmt: skip
+    rows = [row for name, group in groups.items() for row in ([name], *group)]
+    return {"caption": "Other settings.", "heading": ["setting", "error", ""], "rows": rows}
