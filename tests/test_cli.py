@@ -19,6 +19,7 @@ from fefinger.checks import ConvergenceError, InputError
 from fefinger.files import load
 from fefinger.mechanics import linear
 from fefinger.scene import Ask, Scene
+from fefinger.text import trust
 
 
 QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
@@ -67,7 +68,8 @@ def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic
     response = replace(
         synthetic.response, contact_area=None, centroid=None, pad=None, pressure=None
     )
-    bare = replace(synthetic, scene=scene, response=response, spikes=None)
+    plan = replace(synthetic.plan, trust=trust(synthetic.plan.chosen, scene.ask))
+    bare = replace(synthetic, scene=scene, plan=plan, response=response, spikes=None)
     module = importlib.import_module("fefinger.run")
     monkeypatch.setattr(module, "run", lambda scene, **options: bare)
     assert main(["run", "flat-press", "--json"]) == 0
