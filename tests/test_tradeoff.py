@@ -303,14 +303,14 @@ def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepes
 
 
 def test_of_pressure_on_another_finger_the_worst_plate_tells(report):
-    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard"))
-    found = _tradeoff.stated("solid standard", other, "pressure")
+    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse"))
+    found = _tradeoff.stated("solid coarse", other, "pressure")
     every = [
-        by_hand(report, press, "solid standard", 1.0, "pressure", between=1)
+        by_hand(report, press, "solid coarse", 1.0, "pressure", between=1)
         for press in ("flat-0", "flat-15", "flat-30")
     ]
     assert found.error == pytest.approx(max(every), rel=1e-9)
-    assert _tradeoff.stated("solid standard", on(Flat(30), 1.0), "pressure").error <= max(every)
+    assert max(every) > 1.1 * every[-1]
 
 
 def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
