@@ -23,9 +23,16 @@ CANDIDATES = (
 )
 
 
+EARLIER = (
+    "Of strain these are presses from before end organs read it recovered from the displacements "
+    "around them. Its error of the mesh is a half to a fourth of that now, so that what is stated "
+    "of strain is too large by more than is told here."
+)
+
+
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
-    said = [*texts(data["summary"]), again(data["drawn_again"])]
+    said = [*texts(data["summary"]), again(data["drawn_again"]), EARLIER]
     return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
