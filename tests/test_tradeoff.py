@@ -228,19 +228,31 @@ def on(indenter, depth, resolution="standard"):
     )
 
 
-def by_hand(report, press, candidate, depth, quantity="force", *, between=0, factor=1.0):
-    """Return the stated error at a depth of a press, read from the report by other means."""
+def by_hand(report, weights, candidate, depth, quantity="force", *, between=0, factor=1.0):
+    """Return the stated error at a depth between presses, read from the report by other means."""
     rules, mechanics = report["rules"], candidate.split()[0]
-    row = rules["presses"][press]
-    own = row["candidates"][candidate]
     numerical, model = (
-        float(np.interp(depth, row["depth_mm"], own[kind][quantity]))
+        sum(
+            weight * _at(rules["presses"][name], candidate, kind, quantity, depth)
+            for name, weight in weights.items()
+        )
         for kind in ("numerical", "model")
     )
     margins = rules["margins"][candidate][quantity]
-    margin = margins["motion"] * (numerical + model) + between * margins["between"]
+    shares = margins["motion"]
+    share = max(shares[name] for name in (weights if set(weights) <= set(shares) else shares))
+    margin = share * (numerical + model) + between * margins["between"]
     larger = factor * rules["directs"][mechanics][quantity]
     return numerical + larger * model + margin + rules["steps"][mechanics][quantity]
+
+
+def _at(row, candidate, kind, quantity, depth):
+    """Return an error in a press, which grows on for 6 % of the depth beyond its deepest."""
+    depths, errors = row["depth_mm"], row["candidates"][candidate][kind][quantity]
+    if depth <= depths[-1]:
+        return float(np.interp(depth, depths, errors))
+    growth = max((errors[-1] - errors[-2]) / (depths[-1] - depths[-2]), 0.0)
+    return errors[-1] + growth * min(depth - depths[-1], 0.06 * depths[-1])
 
 
 @pytest.mark.parametrize("name", ["lumped", "hertz", "layered", "condensed", "linear", "solid"])
@@ -249,7 +261,7 @@ def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, d
     meshed = name in ("condensed", "linear", "solid")
     candidate = f"{name} coarse" if meshed else name
     error, source = get(name).error(on(Flat(30), depth, "coarse"))
-    known = by_hand(report, "flat-30", candidate, depth)
+    known = by_hand(report, {"flat-30": 1}, candidate, depth)
     assert error == pytest.approx(known + (1e-3 if name == "lumped" else 0.0), rel=1e-12)
     assert source.startswith("reports/tradeoff.json, flat-30")
 
@@ -260,7 +272,7 @@ def test_what_else_is_stated_is_that_of_the_report_too(report, candidate, quanti
     mesh = candidate.partition(" ")[2]
     scene = on(Flat(30), 0.7, mesh or "auto")
     rung = next(each for each in plan.rungs(scene) if label(each) == candidate)
-    known = by_hand(report, "flat-30", candidate, 0.7, quantity)
+    known = by_hand(report, {"flat-30": 1}, candidate, 0.7, quantity)
     assert rung.errors[quantity] == pytest.approx(known, rel=1e-12)
 
 
@@ -284,29 +296,34 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
 @pytest.mark.parametrize("quantity", ["force", "strain"])
 def test_between_presses_the_error_is_between_theirs(report, indenter, weights, quantity):
     found = _tradeoff.stated("solid standard", on(indenter, 0.5), quantity)
-    every = [
-        weight * by_hand(report, press, "solid standard", 0.5, quantity, between=1)
-        for press, weight in weights.items()
-    ]
-    assert found.error == pytest.approx(sum(every), rel=1e-9)
+    known = by_hand(report, weights, "solid standard", 0.5, quantity, between=1)
+    assert found.error == pytest.approx(known, rel=1e-9)
     assert all(press in found.source for press in weights)
 
 
 def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepest(report):
     error, _ = get("solid").error(on(Flat(12), 1.5))
-    known = [
-        weight * by_hand(report, press, "solid standard", 1.5, between=1)
-        for press, weight in (("flat-0", 0.2), ("flat-15", 0.8))
-    ]
-    assert error == pytest.approx(sum(known), rel=1e-9)
+    weights = {"flat-0": 0.2, "flat-15": 0.8}
+    known = by_hand(report, weights, "solid standard", 1.5, between=1)
+    assert error == pytest.approx(known, rel=1e-9)
     assert _tradeoff.stated("solid standard", on(Flat(0), 1.5)) is None
+
+
+def test_a_little_beyond_the_deepest_press_errors_grow_on(report):
+    deepest = report["rules"]["presses"]["flat-30"]["depth_mm"][-1]
+    depths = deepest * np.array([0.97, 1.0, 1.05])
+    errors = [_tradeoff.stated("linear standard", on(Flat(30), depth)).error for depth in depths]
+    known = [by_hand(report, {"flat-30": 1}, "linear standard", depth) for depth in depths]
+    assert errors == pytest.approx(known, rel=1e-9)
+    assert errors == sorted(errors)
+    assert _tradeoff.stated("linear standard", on(Flat(30), 1.07 * deepest)) is None
 
 
 def test_of_pressure_on_another_finger_the_worst_plate_tells(report):
     other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse"))
     found = _tradeoff.stated("solid coarse", other, "pressure")
     every = [
-        by_hand(report, press, "solid coarse", 1.0, "pressure", between=1)
+        by_hand(report, {press: 1}, "solid coarse", 1.0, "pressure", between=1)
         for press in ("flat-0", "flat-15", "flat-30")
     ]
     assert found.error == pytest.approx(max(every), rel=1e-9)
@@ -316,7 +333,7 @@ def test_of_pressure_on_another_finger_the_worst_plate_tells(report):
 def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
     other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard"))
     factor = report["rules"]["fingers"]["linear"]
-    known = by_hand(report, "flat-30", "linear standard", 1.0, between=1, factor=factor)
+    known = by_hand(report, {"flat-30": 1}, "linear standard", 1.0, between=1, factor=factor)
     assert factor > 1
     assert get("linear").error(other)[0] == pytest.approx(known, rel=1e-9)
 

@@ -133,7 +133,7 @@ def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
 
     between: half of the 95th percentile of what the neighbors of a press tell too little of it,
     where it has one on either side; half, because leaving a press out doubles the gap. motion: the
-    largest share of its error that a press tells too little of a base scene.
+    largest share of its error that a press tells too little of its base scenes, by press.
     """
     names = sorted({name for each in presses.values() for name in each["candidates"]})
     return {
@@ -144,17 +144,20 @@ def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
 
 def _margins(
     presses: dict[str, Any], motions: dict[str, Any], candidate: str, quantity: str
-) -> dict[str, float]:
+) -> dict[str, Any]:
     missed = [each for name in presses for each in _missed(presses, name, candidate, quantity)]
     alike = candidate.replace("fine", "standard")
-    moving = [
-        each["carried"][alike][quantity] / _own(presses[each["press"]], alike, each, quantity) - 1
-        for each in motions.values()
-        if alike in each["carried"]
-    ]
+    moving: dict[str, float] = {}
+    for each in motions.values():
+        name = each["press"]
+        if alike in each["carried"]:
+            share = (
+                each["carried"][alike][quantity] / _own(presses[name], alike, each, quantity) - 1
+            )
+            moving[name] = max(moving.get(name, 0.0), _margin(share))
     return {
         "between": _margin(float(np.quantile(missed, QUANTILE)) / 2 if missed else 0.0),
-        "motion": _margin(max(moving, default=0.0)),
+        "motion": moving,
     }
 
 

@@ -7,7 +7,7 @@ with margins for what lies between presses, for motions and for other fingers. S
 force and for what else is STATED.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cache
 from json import loads
 from typing import Any, NamedTuple
@@ -35,6 +35,9 @@ HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
 
 KINDS = ("numerical", "model")
+
+BEYOND = 1.06
+"""Depth over that of the deepest press up to which its errors are taken to grow on as they did."""
 
 MEANT = {
     "force": "the force",
@@ -130,7 +133,7 @@ def told(
     """
     weights = neighbors(presses, where)
     names = [name for name in weights if gives(presses[name], candidate, quantity)]
-    if not any(part <= reach(presses[name]) * (1 + 1e-9) for name in names):
+    if not any(part <= BEYOND * reach(presses[name]) for name in names):
         return None
     whole = sum(weights[name] for name in names)
     parts = [weights[name] / whole * at(presses[name], candidate, part, quantity) for name in names]
@@ -162,9 +165,15 @@ def gives(row: Mapping[str, Any], candidate: str, quantity: str) -> bool:
 
 
 def at(row: Mapping[str, Any], candidate: str, part: float, quantity: str) -> Array:
-    """Return numerical and model error (2,) in a press at a depth over thickness, or its last."""
-    own, parts = row["candidates"][candidate], np.array(row["depth_mm"]) / row["thickness_mm"]
-    return np.array([np.interp(part, parts, own[kind][quantity]) for kind in KINDS])
+    """Return numerical and model error (2,) in a press at a depth over thickness.
+
+    Beyond its deepest they grow on as before it, up to BEYOND.
+    """
+    parts = np.array(row["depth_mm"]) / row["thickness_mm"]
+    known = np.array([row["candidates"][candidate][kind][quantity] for kind in KINDS])
+    further = np.clip(part - parts[-1], 0.0, (BEYOND - 1) * parts[-1])
+    growth = np.maximum(known[:, -1] - known[:, -2], 0.0) / (parts[-1] - parts[-2])
+    return np.array([np.interp(part, parts, each) for each in known]) + growth * further
 
 
 def where(scene: Scene) -> Place | None:
@@ -261,13 +270,19 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     model = found[1] * known["directs"][mechanics][quantity]
     model *= known["fingers"][mechanics] if quantity == "force" and not own else 1.0
     margins = known["margins"][candidate][quantity]
-    margin = margins["motion"] * sum(found)
+    margin = moving(margins["motion"], names) * sum(found)
     margin += 0.0 if own and len(names) == 1 else margins["between"]
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
         f"{model:.2g} of the model, {margin:.2g} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
+
+
+def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
+    """Return by which share presses tell too little of motions: the largest of all, if unknown."""
+    known = names if all(name in shares for name in names) else shares
+    return max((shares[name] for name in known), default=0.0)
 
 
 def others(candidate: str, scene: Scene) -> dict[str, float]:
@@ -282,10 +297,9 @@ def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[fl
     That was measured under another object, or of another finger: no margin is known for that.
     """
     mechanics, margins = candidate.split()[0], rules()["margins"]
-    shares = [
-        each["force"]["motion"] for name, each in margins.items() if mechanics in name.split()
-    ]
-    error = error * (1 + max(shares)) + rules()["steps"][mechanics]["force"]
+    own = (each["force"]["motion"] for name, each in margins.items() if mechanics in name.split())
+    shares = [share for each in own for share in each.values()]
+    error = error * (1 + max(shares, default=0.0)) + rules()["steps"][mechanics]["force"]
     return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
