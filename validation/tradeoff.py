@@ -39,12 +39,12 @@ RULES = (
     "its base scenes, or any press if it has none. The model error is multiplied by what direct "
     "runs of `solid` through the base scenes find it larger; what shorter time steps change is "
     "added. Up to 6 % beyond the deepest press errors grow on as before it. These rules were "
-    "changed after looks at the held-out scenes: the margin for what lies between presses is there on "
-    "other fingers too since a first look, of which 89 % had been kept; since a second, margins "
-    "for motions are shares, two presses were added, and errors are those between presses instead "
-    "of those of the worse neighbor, but of pressure, area and strain on other fingers, where the "
-    "worst of all plates or of two balls counts. Then another draw of scenes on the same presses "
-    "was judged."
+    "changed after looks at the held-out scenes. Since a first look, of which 89 % had been kept, "
+    "the margin for what lies between presses is there on other fingers too. Since a second, "
+    "margins for motions are shares, two presses were added, and errors are those between presses "
+    "instead of those of the worse neighbor, but of pressure, area and strain on other fingers, "
+    "where the worst of all plates or of two balls counts. Then another draw of scenes on the same "
+    "presses was judged."
 )
 
 SHARED = (
