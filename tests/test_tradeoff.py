@@ -368,6 +368,19 @@ def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said
     assert error > _tradeoff.rules()["steps"]["solid"]["force"]
 
 
+@pytest.mark.parametrize(
+    ("indenter", "nearest"),
+    [(Flat(45), Flat(30)), (Flat(20, tilt=5), Flat(20)), (Sphere(1.0), Sphere(2.0))],
+    ids=str,
+)
+@pytest.mark.parametrize("candidate", ["linear standard", "solid standard"])
+def test_where_no_press_was_like_it_no_less_is_stated_than_next_to_it(indenter, nearest, candidate):
+    name, _, mesh = candidate.partition(" ")
+    for depth in (0.3, 0.5):
+        errors = [get(name).error(on(each, depth, mesh))[0] for each in (indenter, nearest)]
+        assert errors[0] >= errors[1]
+
+
 @pytest.mark.parametrize("indenter", [Flat(45), Flat(60), Flat(30, tilt=5), Cylinder(4.0)], ids=str)
 @pytest.mark.parametrize("name", ["condensed", "linear", "solid"])
 def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indenter, name):

@@ -8,6 +8,7 @@ force and for what else is STATED.
 """
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cache
 from json import loads
 from typing import Any, NamedTuple
@@ -294,13 +295,27 @@ def others(candidate: str, scene: Scene) -> dict[str, float]:
 def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[float, str]:
     """Return an error that another report tells, with those of steps and motions; and the reason.
 
-    That was measured under another object, or of another finger: no margin is known for that.
+    That was measured under another object, or of another finger: no margin is known for that. It
+    is no smaller than what is stated of the nearest plate or ball that was pressed.
     """
     mechanics, margins = candidate.split()[0], rules()["margins"]
     own = (each["force"]["motion"] for name, each in margins.items() if mechanics in name.split())
     shares = [share for each in own for share in each.values()]
     error = error * (1 + max(shares, default=0.0)) + rules()["steps"][mechanics]["force"]
+    near = stated(candidate, replace(scene, indenter=_nearest(scene.indenter)))
+    if near is not None and near.error > error:
+        error, source = near.error, near.source
     return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
+
+
+def _nearest(indenter: Indenter) -> Indenter:
+    """Return the plate or ball next to one that was not pressed; another object as it is."""
+    presses = rules()["presses"].values()
+    if isinstance(indenter, Flat):
+        return Flat(min(indenter.angle, max(row["angle"] or 0.0 for row in presses)))
+    if isinstance(indenter, Sphere):
+        return Sphere(max(indenter.radius, min(row["radius"] or np.inf for row in presses)))
+    return indenter
 
 
 def _own(finger: Finger, row: Mapping[str, Any]) -> bool:
