@@ -29,7 +29,7 @@ from fefinger.theory.sensor import ArraySensor
 
 Array = NDArray[np.float64]
 
-FORMAT = 4
+FORMAT = 5
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
 PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
@@ -178,28 +178,16 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
 
 def felt(scene: Scene, response: Response) -> Array:
-    """Return what the array feels (n_t, 64) kPa, its middle under the center of the last pressure.
-
-    The pressure is linear in every triangle of the pad and summed over the middles of its sides,
-    because the vertices of a coarse mesh alone are too far apart for the elements of the array.
-    """
-    from fefinger.sensing import plane
+    """Return what the array feels (n_t, 64) kPa, its middle under the center of the last pressure."""
+    from fefinger import sensing
 
     assert response.pad is not None
     assert response.pressure is not None
     pad, pressure = response.pad, response.pressure
-    points = plane(scene.indenter, pad.points)
+    points = sensing.plane(scene.indenter, pad.points)
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()
-    used = pad.triangles[(pressure.max(axis=0)[pad.triangles] > 0).any(axis=1)]
-    one, two = (pad.points[used[:, i]] - pad.points[used[:, 0]] for i in (1, 2))
-    areas = np.linalg.norm(np.cross(one, two), axis=1) / 2
-    read = np.zeros((len(pressure), ArraySensor().elements ** 2))
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        middle = (points[used[:, i]] + points[used[:, j]]) / 2
-        weights = ArraySensor().weights(middle, areas / 3)
-        read += (pressure[:, used[:, i]] + pressure[:, used[:, j]]) / 2 @ weights.T
-    return read
+    return np.asarray(pressure @ sensing.response(ArraySensor(), pad, points).T)
 
 
 def _keep(found: Press, place: Path) -> None:
