@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from fefinger import library
 from fefinger.calibration import inverse, target
-from fefinger.calibration.calibrate import EXPONENTS, Work
+from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.press import Press, press
+from fefinger.calibration.work import Work
 from fefinger.mechanics import solid
 from fefinger.scene import Ask, Finger, RampHold, Scene
 

@@ -13,7 +13,7 @@ from fefinger.validation.chain import Array
 
 from fefinger import library
 from fefinger.calibration import pad, target
-from fefinger.calibration.calibrate import WIDER, Work
+from fefinger.calibration.calibrate import WIDER
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
@@ -21,6 +21,7 @@ from fefinger.calibration.outcome import layer, line
 from fefinger.calibration.press import Press, press
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, aligned
+from fefinger.calibration.work import Work
 from fefinger.checks import ConvergenceError
 from fefinger.scene import Finger, Prony
 from fefinger.theory.fingerpad import Fingerpad

@@ -134,8 +134,12 @@ class _Passage:
     numbers: dict[str, float]
 
 
+class _Rim(Exception):
+    """The contact has met the rim of its candidates: what follows would be solved in vain."""
+
+
 class _Recorder:
-    """Keeps what a response needs of every step, and whole states at some."""
+    """Keeps what a response needs of every step, and whole states at some; stops at the rim."""
 
     def __init__(self, contact: Sliding, places: Array, probe: Any, frames: set[int]) -> None:
         self.contact, self.places, self.probe, self.wanted = contact, places, probe, frames
@@ -160,6 +164,8 @@ class _Recorder:
         self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
         if number in self.wanted:
             self.frames[number] = state.values
+        if (state.pressure[self.contact.on.edge] > 0).any():
+            raise _Rim
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) N mm of the pressure about the origin."""
@@ -204,6 +210,8 @@ def _passage(
         with stages.stage("steps") as report:
             try:
                 follow(equilibrium, history, path, recorder.keep, report)
+            except _Rim:
+                pass  # seen again below
             except ConvergenceError as error:
                 halt = told(error, elements, recorder.last)
                 if len(recorder.depth) < WORTH:
