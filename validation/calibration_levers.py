@@ -26,6 +26,7 @@ from fefinger.checks import ConvergenceError
 from fefinger.scene import Finger, Prony
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.tissue import Hard
 
 
 FORCE = 1.1
@@ -33,6 +34,12 @@ FORCE = 1.1
 
 EXPONENTS = (1.5, 3.0, 4.5)
 """Exponents at which a finger is pressed, and joined by a parabola."""
+
+PART = 0.18
+"""Depth of these presses over the thickness; FORCE is reached before."""
+
+SOLVED = 0.16
+"""Part of that at which a press that ends earlier still counts."""
 
 LOW = 0.02
 """Exponent of a layer that is not to stiffen."""
@@ -88,6 +95,9 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
         one, other = (replace(each, poisson=poisson) for each in (skin, pulp))
         loose = replace(start, skin=one, subcutaneous=other)
         yield f"Poisson's ratio {poisson:g} (0.48)", loose, both
+    yield "nail free (held)", replace(start, nail="free"), both
+    yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), both
+    yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), both
     yield "skin alone stiffens", start, skin_alone
     yield "pulp alone stiffens", start, pulp_alone
 
@@ -146,13 +156,13 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
 
 
 def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
-    """Yield exponents and presses that are solved to 0.8 of the depth at least."""
+    """Yield exponents and presses that are solved to SOLVED at least."""
     for exponent in EXPONENTS:
         try:
-            found = press(law(finger, exponent), "solid")
+            found = press(law(finger, exponent), "solid", PART)
         except ConvergenceError:
             continue
-        if found.depth[-1] > 0.16 * finger.thickness:
+        if found.depth[-1] > SOLVED * finger.thickness:
             yield exponent, found
 
 

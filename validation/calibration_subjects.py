@@ -181,7 +181,7 @@ def fresh(subject: str) -> Curve:
     """Return the curve of a new press of the calibrated finger, on the coarse mesh."""
     found = calibrated(subject)
     finger = Finger.subject(subject, resolution="coarse", pad_radius=found.finger["pad_radius"])
-    exponent = found["exponent"].value
+    exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
     own = replace(
         finger,
         skin=layer(finger.skin, exponent),

@@ -35,6 +35,7 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 Array = NDArray[np.float64]
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
+SPREAD = _press.GROW  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
@@ -197,7 +198,7 @@ def _passage(
     path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
     frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     deviatoric = scene.finger.relaxation == "deviatoric"
-    reach, known = _press.REACH * deepest, 0
+    reach, known = SPREAD * _press.REACH * deepest, 0
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
         if len(contact) == known:
