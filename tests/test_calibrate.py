@@ -118,6 +118,14 @@ def test_a_family_learns_radius_ratio_and_a_better_press(law):
         1.1 * curve(formula(2.0))[0].force(x),
         rtol=1e-4,
     )
+    short = formula(2.0)
+    part = {name: getattr(short, name)[:18] for name in ("depth", "force", "felt", "area")}
+    ended = law.corrected(replace(short, **part), 2.0, 14.0).at(2.0, 14.0)
+    assert ended.deepest == part["depth"][-1] < law.deepest
+    x = np.linspace(0.2, 1.0, 5) * ended.deepest
+    whole = law.at(2.0, 14.0)
+    np.testing.assert_allclose(ended.force(x), whole.force(x), rtol=1e-4)
+    np.testing.assert_allclose(ended.felt(x), whole.felt(x), rtol=2e-2, atol=0.1)
     with pytest.raises(InputError, match=r"family\.shapes: expected numbers that rise"):
         family((3.0, 1.0), 14.0, formula)
 

@@ -35,11 +35,8 @@ FORCE = 1.1
 EXPONENTS = (1.5, 3.0, 4.5)
 """Exponents at which a finger is pressed, and joined by a parabola."""
 
-PART = 0.18
-"""Depth of these presses over the thickness; FORCE is reached before."""
-
 SOLVED = 0.16
-"""Part of that at which a press that ends earlier still counts."""
+"""Depth over the thickness at which a press that ends early still counts."""
 
 LOW = 0.02
 """Exponent of a layer that is not to stiffen."""
@@ -136,7 +133,7 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
     modulus = finger.subcutaneous.modulus
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
-    free = [replace(each, prior=None) for each in forces.unknowns]
+    free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
     found = solve(forces.residual, free, forces.starts())
     curve, factor = forces.curve(found.values)
     prony = prony_of(found.values)
@@ -159,7 +156,7 @@ def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
     """Yield exponents and presses that are solved to SOLVED at least."""
     for exponent in EXPONENTS:
         try:
-            found = press(law(finger, exponent), "solid", PART)
+            found = press(law(finger, exponent), "solid")
         except ConvergenceError:
             continue
         if found.depth[-1] > SOLVED * finger.thickness:

@@ -48,7 +48,7 @@ AGAINST = 2.0
 MIDDLE = 3.0
 """Exponent of that press, and of the one at the other pad radius."""
 
-CORRECTIONS = 3
+CORRECTIONS = 5
 """Presses on the finer mesh, at most."""
 
 DEEPER = 1.05
@@ -313,7 +313,7 @@ def _finished(
     trials: list[Trial] = []
     while len(trials) < CORRECTIONS:
         exponent = round(found.solution.values[SHAPE], 2)
-        part = _deep_enough(wanted, curves, found) / work.finger.thickness
+        part = _deep_enough(work, wanted, curves, radius, found) / work.finger.thickness
         own = work.press("solid", work.finger.resolution, radius, exponent, part=part)
         curves = curves.corrected(own, exponent, radius)
         found = _solved(_forces(work, wanted, curves, radius), found)
@@ -336,11 +336,15 @@ def _finished(
     return replace(best, found=_solved(forces, best.found))
 
 
-def _deep_enough(wanted: Bulk | Record, curves: Family, found: Found) -> float:
-    """Return the depth in mm of a press that holds what is fitted, at most that of the curves."""
+def _deep_enough(
+    work: Work, wanted: Bulk | Record, curves: Family, radius: float, found: Found
+) -> float:
+    """Return the depth in mm of a press that holds what is fitted, at most that of the family."""
+    whole = _forces(work, wanted, replace(curves, reached=math.inf), radius)
+    own = Found(found.solution, *whole.curve(found.solution.values))
     prony = prony_of(found.solution.values)
-    frames = float(pad.slow_press(found.curve, found.factor, prony)[-1])
-    return min(round(DEEPER * max(frames, reach(wanted, found)), 2), curves.deepest)
+    frames = float(pad.slow_press(own.curve, own.factor, prony)[-1])
+    return min(round(DEEPER * max(frames, reach(wanted, own)), 2), curves.deepest)
 
 
 def _array(wanted: Bulk | Record, frames: Frames | None, found: Found) -> dict[str, float]:
