@@ -48,7 +48,7 @@ AGAINST = 2.0
 MIDDLE = 3.0
 """Exponent of that press, and of the one at the other pad radius."""
 
-CORRECTIONS = 5
+CORRECTIONS = 6
 """Presses on the finer mesh, at most."""
 
 DEEPER = 1.05
