@@ -31,7 +31,8 @@ class Ask:
     population
         Where units of these types lie, and how each is built: a Scatter, Grid, Line or Places.
     rel_error
-        Relative error of the force that is good enough, 0 to 1.
+        Relative error of the force that is good enough, 0 to 1. It does not govern what else is
+        given: `Plan.trust` states the errors of pressure, contact area and strain as they are.
     seconds
         Longest time in s that the answer may take; None is no limit.
     depths

@@ -39,7 +39,7 @@ def number(
         (below, "below", lambda v, x: v < x),
         (at_most, "at most", lambda v, x: v <= x),
     ]
-    suffix = f" {unit}" if unit else ""
+    suffix = f" in {unit}" if unit else ""
     wanted = " and ".join(f"{word} {limit:g}" for limit, word, _ in limits if limit is not None)
     expected = f"expected a finite number{suffix}" + (f" {wanted}" if wanted else "")
     message = f"{name}: {expected}, received {value!r}"

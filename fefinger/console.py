@@ -86,6 +86,8 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
         rows.append(("spikes", result.spikes.told()))
+    if result.plan.trust:
+        rows.append(("trust", result.plan.trust))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
     rows += [("note", note) for note in result.notes]
@@ -104,7 +106,7 @@ def plan_summary(plan: "Plan") -> str:
     """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
     from fefinger.text import ladder
 
-    return f"{plan.sentence}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
+    return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
@@ -205,7 +207,7 @@ def validation_summary(record: dict[str, Any]) -> str:
             suite["suite"],
             case["name"],
             "none" if case["failure"] else f"{case['value']:.6g}",
-            f"{case['expected']:.6g} +- {case['tolerance']:.2g} {case['unit']}",
+            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {case['unit']}",
             " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]

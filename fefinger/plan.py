@@ -9,9 +9,10 @@ from fefinger import machine
 from fefinger import mechanics as ladder
 from fefinger.checks import InputError, choice
 from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
+from fefinger.mechanics import _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
-from fefinger.text import duration
+from fefinger.text import duration, trust
 from fefinger.text import ladder as written
 
 
@@ -56,7 +57,13 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
         reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."
     return Plan(
-        chosen.mechanics, asked, sentence, chosen.refusals, settings, machine=machine.sentence()
+        chosen.mechanics,
+        asked,
+        sentence,
+        chosen.refusals,
+        settings,
+        machine=machine.sentence(),
+        trust=trust(chosen, scene.ask),
     )
 
 
@@ -123,7 +130,8 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
     if asked.seconds is not None and seconds > asked.seconds:
         reason = f"expected time = {seconds:.2g} s > {asked.seconds:g} s (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
-    return Rung(name, seconds, error, evidence, refusals, resolution)
+    errors = _tradeoff.others(f"{name} {resolution or ''}".strip(), scene)
+    return Rung(name, seconds, error, evidence, refusals, resolution, errors)
 
 
 def _cheapest(rungs: tuple[Rung, ...]) -> Rung:

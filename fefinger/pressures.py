@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.records import Array, Pad
 
@@ -60,7 +61,12 @@ def net(pad: Pad, parts: int) -> Net:
 
 
 def highest(pad: Pad, pressure: Array) -> float:
-    """Return the largest mean pressure in kPa over 1 mm², of pressures (n_t, n_pad).
+    """Return the largest mean pressure in kPa over 1 mm² at any time, see `peaks`."""
+    return float(peaks(pad, pressure).max())
+
+
+def peaks(pad: Pad, pressure: Array) -> Array:
+    """Return the largest mean pressure (n_t,) in kPa over 1 mm², of pressures (n_t, n_pad).
 
     The mean is weighted by a Gaussian about each point of the pad. What one point bears depends on
     the mesh (a quarter at the rim of a plate, on the standard mesh); this does not.
@@ -69,8 +75,8 @@ def highest(pad: Pad, pressure: Array) -> float:
 
     used = np.any(pressure > 0, axis=0)
     if not used.any():
-        return 0.0
-    pad = replace(pad, triangles=pad.triangles[used[pad.triangles].any(axis=1)])
+        return np.zeros(len(pressure))
+    pad = pressed(pad, used)
     fine = net(pad, cuts(pad, SPREAD))
     tree = KDTree(fine.between @ pad.points)
     near = KDTree(pad.points[used]).sparse_distance_matrix(
@@ -78,7 +84,12 @@ def highest(pad: Pad, pressure: Array) -> float:
     )
     near.data = np.exp(-(near.data**2) / (2 * SPREAD**2)) / (2 * np.pi * SPREAD**2)
     felt = (near @ fine.loads)[:, used] @ pressure[:, used].T
-    return float(felt.max())
+    return np.asarray(felt.max(axis=0))
+
+
+def pressed(pad: Pad, used: NDArray[np.bool_]) -> Pad:
+    """Return the pad with those triangles alone that have one of some points (n_pad,)."""
+    return replace(pad, triangles=pad.triangles[used[pad.triangles].any(axis=1)])
 
 
 def cuts(pad: Pad, length: float) -> int:

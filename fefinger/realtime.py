@@ -23,7 +23,8 @@ from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact import patch
 from fefinger.fem.march import History
 from fefinger.fem.obstacle import Rigid
-from fefinger.fem.probe import ODD, VOIGT, strain_at
+from fefinger.fem.probe import ODD, VOIGT
+from fefinger.fem.recover import recovered_strain_at
 from fefinger.mechanics import _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import STANDARD
@@ -320,12 +321,12 @@ def _scene(
 def _probe(solid: Solid, points: Array) -> sparse.csr_matrix:
     """Return the strain at points; those of the half that is not there have theirs mirrored."""
     if not solid.half:
-        return strain_at(solid.space, points)
+        return recovered_strain_at(solid.space, points)
     beyond = points[:, 1] < 0
     signs = np.ones((len(points), len(VOIGT)))
     signs[np.ix_(beyond, np.array(ODD))] = -1.0
     there = np.where(beyond[:, None], points * MIRROR, points)
-    return sparse.diags(signs.ravel()) @ strain_at(solid.space, there, medial=True)
+    return sparse.diags(signs.ravel()) @ recovered_strain_at(solid.space, there, solid.planes)
 
 
 def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:

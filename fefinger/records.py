@@ -3,6 +3,7 @@
 All are frozen: a stage that has not run has no field to read. `files.py` saves and loads a Result.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -40,7 +41,10 @@ class Rung:
     """One mechanics on the ladder, on one mesh where it has one.
 
     `seconds` on this machine and the relative `error` of the force that are expected, nan where it
-    is not able or was not asked; `evidence`: the report that measured the error.
+    is not able or was not asked; `evidence`: the report that measured the error; `errors`: what
+    is known of the highest "pressure" over 1 mm², the contact "area" and the "strain" at the end
+    organs, where the force is largest; that of the force is the largest through time, of its peak.
+    What is not in `errors` is not known.
     """
 
     mechanics: str
@@ -49,6 +53,7 @@ class Rung:
     evidence: str
     refusals: tuple[Refusal, ...] = ()
     resolution: str | None = None
+    errors: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,7 @@ class Plan:
     """The chosen mechanics and its settings, and the ladder they were chosen from.
 
     `overridden` are the refusals in spite of which it was named; `machine` says what the times of
-    the rungs stand for.
+    the rungs stand for, `trust` how far from the truth each thing that was asked may be.
     """
 
     mechanics: str
@@ -81,6 +86,7 @@ class Plan:
     overridden: tuple[Refusal, ...] = ()
     settings: Settings | None = None
     machine: str = ""
+    trust: str = ""
 
     @property
     def chosen(self) -> Rung:

@@ -20,7 +20,7 @@ from fefinger.fem.body import Reduced
 from fefinger.fem.condense import reduce
 from fefinger.fem.contact import Patch, patch, smooth_places
 from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.probe import strain_at
+from fefinger.fem.recover import recovered_strain_at
 from fefinger.fem.spaces import trace
 from fefinger.mechanics import _operator, _placing, _press
 from fefinger.mechanics._touch import direction
@@ -131,7 +131,7 @@ class Rolling:
 
     def _reduced(self, points: Array) -> Reduced:
         """Return what the body does at points under unit tractions of both directions."""
-        probe = strain_at(self.solid.space, points, medial=True)
+        probe = recovered_strain_at(self.solid.space, points, self.solid.planes)
         return reduce(self.solid, self._both, probe)
 
     def _read(self, depth: float) -> Step:

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
+    from fefinger.ask import Ask
     from fefinger.records import Rung
+
+
+SAID = {
+    "force": "force",
+    "pressure": "highest pressure over 1 mm²",
+    "area": "contact area",
+    "strain": "strain at the end organs",
+}
+"""What errors are stated of, in words."""
 
 
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
@@ -40,6 +50,19 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
 def percent(error: float) -> str:
     """Return an error in percent, a dash where it is not known."""
     return "-" if math.isnan(error) else f"{100 * error:.2g} %" if error < 10 else "no limit"
+
+
+def trust(rung: "Rung", ask: "Ask") -> str:
+    """Return how far from the truth each thing that is asked may be, in a sentence or two."""
+    errors = {"force": rung.error, **rung.errors}
+    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
+    known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
+    unknown = [SAID[name] for name in wanted if name not in known]
+    told = ", ".join(f"{SAID[name]} {percent(errors[name])}" for name in known)
+    sentences = [f"Expected within: {told}."] if known else []
+    sentences += [f"No error is known of: {', '.join(unknown)}."] if unknown else []
+    return " ".join(sentences)
 
 
 def duration(seconds: float) -> str:

@@ -19,8 +19,10 @@ Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
 Findings = Mapping[str, Mapping[str, Any]]
-"""What a suite finds, by its name: `texts`, and `tables` of caption, heading and rows."""
+"""What a suite is `about` and finds, by its name: `texts`; `tables` of caption, heading, rows."""
 
+NEAREST = 3
+"""Cases that are named because they are closest to their tolerance."""
 
 WIDE = 1.7
 """Width over height from which a figure gets the whole width of the page."""
@@ -65,8 +67,10 @@ def html(
         for suite in record["suites"]
     ]
     total = {key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS}
+    only = f": {suites[0]['name']}" if len(suites) == 1 else ""
     return page.render(
         "validation.html",
+        title=f"Validation{only}",
         answer=_answer(total),
         verdicts=VERDICTS,
         total=total,
@@ -96,10 +100,31 @@ def _suite(
         "name": suite["suite"],
         "counts": {key: verdicts.count(key) for key in VERDICTS},
         "finding": finding,
+        "errata": list(_errata(cases).items()),
+        "nearest": _nearest(cases),
         "printed": any(case.get("printed") is not None for case in cases),
         "rows": list(_rows(cases)),
         "figures": [_figure(text, drawn) for text, drawn in figures],
     }
+
+
+def _errata(cases: Sequence[dict[str, Any]]) -> dict[str, list[str]]:
+    """Return why published numbers are elsewhere, with the names of the cases."""
+    found: dict[str, list[str]] = {}
+    for case in cases:
+        if case["verdict"] == "documented":
+            found.setdefault(case["erratum"], []).append(case["name"])
+    return found
+
+
+def _nearest(cases: Sequence[dict[str, Any]]) -> list[tuple[int, str]]:
+    """Return which share in % of its tolerance is used, and by which case, the largest first."""
+    shares = [
+        (round(100 * abs(case["value"] - case["expected"]) / case["tolerance"]), case["name"])
+        for case in cases
+        if case["verdict"] != "fail" and case["tolerance"] > 0 and math.isfinite(case["value"])
+    ]
+    return sorted(shares, key=lambda share: -share[0])[:NEAREST]
 
 
 def _figure(caption: str, drawn: Any) -> dict[str, Any]:
@@ -117,7 +142,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
             "name": case["name"],
             "value": _number(case["value"], limit),
             "expected": _number(case["expected"], limit),
-            "tolerance": f"{limit:.2g}",
+            "tolerance": f"{limit:.3g}",
             "printed": "" if printed is None else f"{printed:g}",
             "unit": "" if case["unit"] == "1" else case["unit"],
             "source": case["source"],

@@ -21,6 +21,7 @@ from fefinger.records import (
     Sites,
 )
 from fefinger.scene import Ask, Finger, Flat, RampHold, Scene
+from fefinger.text import trust
 
 
 Array = NDArray[np.float64]
@@ -118,11 +119,12 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
             "reports/ladder.json",
             (Refusal("hertz", "accuracy", "contact radius / tissue thickness = 0.9 > 0.1"),),
         ),
-        Rung("linear", 12.0, 0.04, "reports/linear.json", (refusal,)),
+        Rung("linear", 12.0, 0.04, "reports/linear.json", (refusal,), errors={"area": 0.03}),
     )
+    chosen = "linear: the cheapest that does not refuse."
     return Result(
         scene=scene,
-        plan=Plan("linear", rungs, "linear: the cheapest that does not refuse.", (refusal,)),
+        plan=Plan("linear", rungs, chosen, (refusal,), trust=trust(rungs[1], scene.ask)),
         response=response,
         spikes=make_spikes(time, depth, sites.points),
         status="done",

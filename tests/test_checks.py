@@ -23,10 +23,10 @@ def test_a_number_comes_back_as_a_float(value):
         ([2], {}, r"received \[2\]"),
         (1j, {}, r"received 1j"),
         (float("nan"), {}, r"received nan"),
-        (float("inf"), {"unit": "mm"}, r"expected a finite number mm, received inf"),
+        (float("inf"), {"unit": "mm"}, r"expected a finite number in mm, received inf"),
         (1, {"above": 1}, r"expected a finite number above 1, received 1"),
         (0.9, {"at_least": 1, "at_most": 2}, r"number at least 1 and at most 2, received 0.9"),
-        (2, {"below": 2, "unit": "s"}, r"number s below 2, received 2"),
+        (2, {"below": 2, "unit": "s"}, r"number in s below 2, received 2"),
     ],
 )
 def test_what_is_no_number_in_range_is_named_with_what_was_expected(value, limits, message):

@@ -19,6 +19,7 @@ from fefinger.checks import ConvergenceError, InputError
 from fefinger.files import load
 from fefinger.mechanics import linear
 from fefinger.scene import Ask, Scene
+from fefinger.text import trust
 
 
 QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
@@ -67,7 +68,8 @@ def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic
     response = replace(
         synthetic.response, contact_area=None, centroid=None, pad=None, pressure=None
     )
-    bare = replace(synthetic, scene=scene, response=response, spikes=None)
+    plan = replace(synthetic.plan, trust=trust(synthetic.plan.chosen, scene.ask))
+    bare = replace(synthetic, scene=scene, plan=plan, response=response, spikes=None)
     module = importlib.import_module("fefinger.run")
     monkeypatch.setattr(module, "run", lambda scene, **options: bare)
     assert main(["run", "flat-press", "--json"]) == 0
@@ -179,14 +181,15 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
         "tolerance": 0.1,
         "unit": "N",
         "failure": "",
+        "erratum": "",
     }
 
     def outcome(verdict):
         return {"suites": [{"suite": "s", "cases": [cases | {"source": "", "verdict": verdict}]}]}
 
     monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
-    monkeypatch.setattr(suites, "figures", lambda suites: {})
-    monkeypatch.setattr(suites, "findings", lambda suites: {})
+    monkeypatch.setattr(suites, "figures", lambda record: {})
+    monkeypatch.setattr(suites, "findings", lambda record: {})
     for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
         monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
         assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
@@ -229,7 +232,9 @@ def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     assert path == picture
     assert options == {"field": "pressure", "time": 0.5, "limits": None}
     assert main([*command, "--time", "99"]) == 2
-    assert "--time: expected a finite number s at least 0 and at most 5" in capsys.readouterr().err
+    assert (
+        "--time: expected a finite number in s at least 0 and at most 5" in capsys.readouterr().err
+    )
 
 
 TOML = '[finger]\nsubject = "a.h."\n[motion]\nkind = "ramp-hold"\nspeed = 60\ndepth = 1\nhold = 1\n'
@@ -239,19 +244,25 @@ BAD_FILES = {
     "not TOML further down": (TOML + "corner = = 3\n", r"not TOML: .* \(at line 8"),
     "misspelt": (TOML + "cornr = 0\n", r"cornr: unknown key in \[motion\]. Did you mean 'corner'?"),
     "missing": (TOML.replace("depth = 1\n", ""), "motion.depth: missing; a 'ramp-hold' motion"),
-    "text": (TOML.replace("= 60", '= "fast"'), "motion.speed: expected a finite number mm/s above"),
-    "nan": (TOML.replace("= 60", "= nan"), "motion.speed: expected a finite number mm/s above 0"),
+    "text": (
+        TOML.replace("= 60", '= "fast"'),
+        "motion.speed: expected a finite number in mm/s above",
+    ),
+    "nan": (
+        TOML.replace("= 60", "= nan"),
+        "motion.speed: expected a finite number in mm/s above 0",
+    ),
 }
 BAD_SETTINGS = {
-    "motion.depth=-1": "motion.depth: expected a finite number mm above 0, received -1",
-    "motion.speed=0": "motion.speed: expected a finite number mm/s above 0, received 0",
+    "motion.depth=-1": "motion.depth: expected a finite number in mm above 0, received -1",
+    "motion.speed=0": "motion.speed: expected a finite number in mm/s above 0, received 0",
     "motion.depth=5": "motion.depth: expected less than 5 mm, the tissue under the pad",
     "finger.skin.poisson=0.51": "finger.skin.poisson: expected a finite number at least 0 and at",
     "finger.prony={c=[0.3,0.6],v=[1]}": "finger.prony.c: expected weights that sum to 0.98 to 1.02",
     "finger.prony={c=[0.4,0.6],v=[-1]}": "finger.prony.v: expected rates above 0 1/s",
     "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because the thesis",
     "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
-    "indenter.angle=90": "indenter.angle: expected a finite number degrees at least 0 and at most",
+    "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0",
     "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
     "depth": "--set 'depth': expected FIELD=VALUE, as in motion.depth=2",
 }

@@ -313,8 +313,31 @@ def test_the_suite_has_its_trials_and_tells_what_came_out():
     (outcome,) = (suites._measured(quick[0]),)
     assert outcome.verdict == "pass"
     assert outcome.told.startswith(("answered: ", "refused: "))
-    ((caption, drawn),) = extremes_drawings.figures(every)
-    assert "answered with every invariant kept" in caption
+
+
+def test_the_page_says_how_the_trials_ended_from_their_record_alone():
+    kept = "answered: with finite, balance; nearest to its limit: balance"
+    told = {
+        "linear, depth: 1 mm": (kept, 0.5, "pass"),
+        "linear, depth: 9 mm": ("refused: press less", 0.0, "pass"),
+        "nerve, pace: fast": ("answered, but finite: 3 > 0", 1e6, "fail"),
+    }
+    cases = [
+        {"name": name, "told": said, "value": value, "verdict": verdict}
+        for name, (said, value, verdict) in told.items()
+    ]
+    found = extremes_drawings.finding(cases)
+    assert found["texts"] == [
+        "Of 3 trials at the edges 1 are answered with every invariant kept, 1 refused in a "
+        "sentence, 1 failed."
+    ]
+    (table,) = found["tables"]
+    assert table["rows"] == [
+        ["linear", "1", "1", "0", "50 % (balance; depth)"],
+        ["nerve", "0", "0", "1", ""],
+    ]
+    ((caption, drawn),) = extremes_drawings.figures(cases)
+    assert caption.startswith(found["texts"][0])
     assert len(drawn.axes) == 1
 
 

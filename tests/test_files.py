@@ -79,6 +79,27 @@ def test_a_saved_result_loads_equal(
 
 
 @pytest.mark.usefixtures("plain_report")
+def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    encode = files._encode
+
+    def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
+        found = encode(value, place, variables)
+        late = {"Rung": "errors", "Plan": "trust"}
+        if isinstance(found, dict) and found.get("record") in late:
+            del found[late[found["record"]]]
+        return found
+
+    monkeypatch.setattr(files, "_encode", former)
+    save(synthetic, tmp_path)
+    found = load(tmp_path).plan
+    assert found.trust == ""
+    assert [rung.errors for rung in found.rungs] == [{}, {}]
+    assert found.chosen.error == synthetic.plan.chosen.error
+
+
+@pytest.mark.usefixtures("plain_report")
 def test_a_long_sampled_motion_is_saved_whole(synthetic: Result, tmp_path: Path) -> None:
     time = np.linspace(0, 1, 6000)
     motion = Sampled(time=tuple(time), depth=tuple(1 - np.cos(np.pi * time)))

@@ -151,7 +151,7 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Ramp(0, 1), r"motion.speed: expected a finite number mm/s above 0, received 0"),
+        (lambda: Ramp(0, 1), r"motion.speed: expected a finite number in mm/s above 0, received 0"),
         (lambda: Ramp(60, -1), r"motion.depth: .*above 0, received -1"),
         (lambda: Ramp("60", 1), r"motion.speed: expected a finite number.*received '60'"),
         (lambda: Ramp(True, 1), r"motion.speed: .*received True"),

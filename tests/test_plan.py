@@ -12,10 +12,10 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, machine, mechanics, plan, scenes
+from fefinger import console, machine, mechanics, plan, scenes, text
 from fefinger.checks import InputError
 from fefinger.mechanics import get
-from fefinger.records import Refusal, Settings
+from fefinger.records import Refusal, Rung, Settings
 
 
 def rung(name, *, seconds, error, refusals=()):
@@ -88,6 +88,20 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
     assert "linear, the cheapest that does not refuse" in found.sentence
     assert "expected error 0.03 (reports/linear.json), about 30 s" in found.sentence
     assert "on the standard mesh of half a finger" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "Expected within: force 4 %, contact area 30 %. No error is known of: highest "
+         "pressure over 1 mm², strain at the end organs."),
+        ({"strain": False, "pressure": False}, "Expected within: force 4 %."),
+        ({"force": False, "pressure": False}, "No error is known of: strain at the end organs."),
+    ],
+)  # fmt: skip
+def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
+    rung = Rung("linear", 1.0, 0.04, "reports/linear.json", errors={"area": 0.3})
+    assert text.trust(rung, scene(**changes).ask) == said
 
 
 @pytest.mark.usefixtures("four")

@@ -153,7 +153,7 @@ def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
     strain = spikes.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
     with pytest.raises(InputError, match="--length: column 'strain' is a strain"):
         spikes.fire(strain)
-    with pytest.raises(InputError, match="--length: expected a finite number mm above 0"):
+    with pytest.raises(InputError, match="--length: expected a finite number in mm above 0"):
         spikes.fire(strain, length=-1.0)
 
 

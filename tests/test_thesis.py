@@ -59,7 +59,7 @@ def test_a_verdict_is_about_ours_first(value, printed, verdict):
 
 
 def test_the_figures_of_the_thesis_are_drawn():
-    found = suites.figures(["thesis"])
+    found = suites.figures({"suites": [{"suite": "thesis", "cases": []}]})
     captions = [caption for caption, _ in found["thesis"]]
     numbers = [n for text in captions for n in re.findall(r"\d-\d+|A-\d", text.split(".")[0])]
     assert set(DRAWN) <= set(numbers)

@@ -58,10 +58,13 @@ def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
     assert verdicts == ["pass", "documented", "documented", "fail"]
 
 
-def test_a_shared_erratum_is_told_once_after_the_last_it_holds_for():
+def test_a_shared_erratum_is_told_once_up_front_and_after_the_last_it_holds_for():
     html = validation_report.html(RECORD, {}, {})
-    assert html.count("The print is wrong.") == 1
-    assert html.index("third") < html.index("The print is wrong.") < html.index("fourth")
+    assert html.count("The print is wrong.") == 2
+    front, back = html.index("The print is wrong."), html.rindex("The print is wrong.")
+    assert front < html.index("The comparisons") < html.index("first &lt;a&gt;</td>")
+    assert html.rindex("third") < back < html.index("fourth")
+    assert "(second, and 1 more)" in html
     assert "Tolerance: Two digits." in html
 
 
@@ -90,7 +93,18 @@ def test_a_finding_stands_before_the_comparisons():
     place = html.index("Hertz is too soft.")
     assert html.index('id="two"') < place < html.index("Forces.") < html.index("fourth")
     assert ["bone", "1.50"] in cells(html)
-    assert html.count("The comparisons") == 1
+    assert html.index("Forces.") < html.rindex("The comparisons") < html.index("fourth</td>")
+
+
+def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not():
+    near = case("near", "pass", value=1.24)
+    record = {"suites": [{"suite": "s", "cases": [*RECORD["suites"][1]["cases"], near]}]}
+    html = validation_report.html(record, {}, {}, findings={"s": {"about": "What it is about."}})
+    assert "near: 80 % of it." in html
+    assert "fourth: " not in html
+    assert "<h1>Validation: s</h1>" in html
+    assert "<h2>What it is about.</h2>" in html
+    assert 'id="summary"' not in html
 
 
 def test_both_files_are_written_and_the_page_stands_alone(tmp_path):

@@ -308,7 +308,7 @@ def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixtu
     ("words", "said"),
     [
         (["--field", "stress"], "--field: expected one of 'compressive strain', 'tensile strain'"),
-        (["--time", "99"], "--time: expected a finite number s at least 0 and at most 5"),
+        (["--time", "99"], "--time: expected a finite number in s at least 0 and at most 5"),
         (["--limits", "3"], "--limits: expected LOW:HIGH, such as 0:30, received '3'"),
         (["--movie", "a.avi"], "--movie: expected a file that ends in .gif or .mp4"),
     ],

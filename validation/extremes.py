@@ -5,7 +5,7 @@ the worst violation of an invariant over the most that is allowed, 0 for a refus
 warning of Python, a number that is not finite and too long a time fail.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -73,6 +73,11 @@ def _measured(trial: Trial) -> Told:
     return Told(end.worst, f"{end.kind}: {end.text}")
 
 
-def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and matplotlib Figure."""
-    yield from extremes_drawings.figures(trials(quick=False))
+def figures_of(cases: Sequence[dict[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure on the records of cases."""
+    yield from extremes_drawings.figures(cases)
+
+
+def finding_of(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return how the trials ended, from the records of their cases."""
+    return extremes_drawings.finding(cases)

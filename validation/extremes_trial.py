@@ -66,11 +66,6 @@ class Ending:
 _ENDED: dict[Trial, Ending] = {}
 
 
-def ended(trial: Trial) -> bool:
-    """Return whether a trial has run."""
-    return trial in _ENDED
-
-
 def ending(trial: Trial) -> Ending:
     """Return how a trial ends; it runs once."""
     if trial not in _ENDED:

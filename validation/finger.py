@@ -7,7 +7,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from fefinger.validation import finger_causes, finger_figures, finger_solid
+from fefinger.validation import finger_causes, finger_figures, finger_solid, finger_strain
 from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
@@ -201,6 +201,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="bone does not relax, so that it bends more under tissue that has not yet",
         )
         yield from finger_solid.cases()
+        yield from finger_strain.cases()
         for mechanics, kind in product((linear.name, solid.name), KINDS):
             yield Case(
                 "finger",

@@ -12,22 +12,16 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
+from fefinger.validation import suites
+
 from fefinger import page
 from fefinger.validation_report import VERDICTS, save
 
 
-ABOUT = {
-    "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
-    "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
-    "condensed": "The condensed finger against the whole mesh that it was reduced from.",
-    "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
+ABOUT = suites.ABOUT | {
     "calibrated": "The calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
     "calibration_levers": "What moves R, m and c0 b of the thesis's fit of simulated frames.",
-    "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
-    "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
     "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",
-    "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
-    "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",
     "bench-fem": "Speed and memory of assembly, factor and loads.",
     "bench-neural": "Speed of membranes and units.",
@@ -80,17 +74,12 @@ def write(folder: Path) -> Path:
 
 def rewrite_pages(folder: Path) -> Iterator[Path]:
     """Write the page of every suite anew from its JSON file, and give its path."""
-    from fefinger.validation import suites
-
     for path in sorted(folder.glob("*.json")):
         record = _read(path)
         if _cases(record) and path.with_suffix(".html").exists():
-            names = [
-                suite["suite"] for suite in record["suites"] if suite["suite"] in suites.SUITES
-            ]
             provenance = record.pop("provenance", {})
-            found = suites.findings(names)
-            save(record, folder, suites.figures(names), provenance, path.stem, found)
+            drawn, found = suites.figures(record), suites.findings(record)
+            save(record, folder, drawn, provenance, path.stem, found)
             yield path.with_suffix(".html")
 
 

@@ -1,7 +1,7 @@
 """The suites by name, and how they are run."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -10,9 +10,19 @@ from fefinger.validation.case import Case, Outcome, Told
 from fefinger.checks import choice
 
 
-SUITES = (
-    *("fem", "finger", "condensed", "calibration", "neural", "thesis", "tradeoff", "extremes"),
-)
+ABOUT = {
+    "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
+    "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
+    "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
+    "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
+    "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
+    "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
+    "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
+}
+"""What each suite compares."""
+
+SUITES = tuple(ABOUT)
 
 LONG = {"tradeoff": "up to two hours on two cores, or minutes where its runs are kept"}
 """Suites that are run in full only if they are named, or all asked for, and how long they take."""
@@ -29,24 +39,42 @@ def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     return tuple(module.cases(quick=quick))
 
 
-def figures(suites: Sequence[str]) -> dict[str, list[tuple[str, Any]]]:
-    """Return the figures (caption, matplotlib Figure) of those suites that draw some."""
+def figures(record: dict[str, Any]) -> dict[str, list[tuple[str, Any]]]:
+    """Return the figures (caption, matplotlib Figure) of those suites of a record that draw some.
+
+    A suite draws what it knows (`figures`), or what came out of its cases (`figures_of`).
+    """
     found = {}
-    for suite in suites:
-        module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
-        if hasattr(module, "figures"):
+    for suite, module, cases in _recorded(record):
+        if hasattr(module, "figures_of"):
+            found[suite] = list(module.figures_of(cases))
+        elif hasattr(module, "figures"):
             found[suite] = list(module.figures())
     return found
 
 
-def findings(suites: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return what those suites find that say it: texts and tables."""
+def findings(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return what the suites of a record are about, and texts and tables of what they find.
+
+    A suite says what it knows (`finding`), or what came out of its cases (`finding_of`).
+    """
     found = {}
-    for suite in suites:
-        module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
-        if hasattr(module, "finding"):
-            found[suite] = module.finding()
+    for suite, module, cases in _recorded(record):
+        said = module.finding_of(cases) if hasattr(module, "finding_of") else {}
+        said = module.finding() if hasattr(module, "finding") else said
+        found[suite] = {"about": ABOUT[suite]} | said
     return found
+
+
+def _recorded(record: dict[str, Any]) -> Iterator[tuple[str, Any, list[dict[str, Any]]]]:
+    """Give name, module and cases of the suites of a record that are known here."""
+    for suite in record["suites"]:
+        if suite["suite"] in SUITES:
+            yield (
+                suite["suite"],
+                import_module(f"fefinger.validation.{suite['suite']}"),
+                suite["cases"],
+            )
 
 
 def run(

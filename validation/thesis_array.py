@@ -273,21 +273,21 @@ def _array() -> Iterator[Case]:
             *(2.261, 1e-3, "mm", None, "sigma sqrt(8 ln 2)"),
         ),
         (
-            *("A5-6: modulus that a cover of 1 MPa makes 5 % too soft", partial(cover, 0.05)),
-            *(53.0, 0.5, "kPa", None, "recomputed A5-6"),
+            *("3.2: modulus that a cover of 1 MPa makes 5 % too soft", partial(cover, 0.05)),
+            *(53.0, 0.5, "kPa", None, "section 3.2, recomputed"),
         ),
         (
-            *("A5-6: modulus that a cover of 1 MPa makes 10 % too soft", partial(cover, 0.10)),
-            *(111.0, 0.5, "kPa", None, "recomputed A5-6"),
+            *("3.2: modulus that a cover of 1 MPa makes 10 % too soft", partial(cover, 0.10)),
+            *(111.0, 0.5, "kPa", None, "section 3.2, recomputed"),
         ),
         (
-            "A5-9: noise of 0.5 kPa on the area of a Gaussian, 2 pi sigma²",
+            "3.2: noise of 0.5 kPa on the area of a Gaussian, 2 pi sigma²",
             lambda: sensor.noise * 2 * np.pi * sensor.sigma**2 / GRAM_FORCE,
-            *(0.295, 6e-3, "gf", 1.2, "recomputed A5-9: 0.30 gf"),
+            *(0.295, 6e-3, "gf", 1.2, "section 3.2, recomputed: 0.30 gf"),
         ),
         (
-            *("A5-9: time from the first element to the last", lambda: 1e3 * sensor.delays[-1]),
-            *(4.92, 0.05, "ms", 5.0, "64 / 13 kHz; recomputed A5-9"),
+            *("3.2: time from the first element to the last", lambda: 1e3 * sensor.delays[-1]),
+            *(4.92, 0.05, "ms", 5.0, "64 / 13 kHz; section 3.2, recomputed"),
         ),
     ):  # fmt: skip
         yield Case(

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 COVER = 2.0  # mm of RTV silicone on a rigid plane (A.1)
 BONDED = {"nominal": (2.34, 4.49), "fitted": (2.53, 4.61)}
-"""Force in N and contact radius in mm at 0.59 mm on the bonded cover (recomputed A5-5)."""
+"""Force in N and contact radius in mm at 0.59 mm on the bonded cover (section A.3, recomputed)."""
 
 PRINTED_FORCE = 1.8  # N at 0.59 mm (Figure A-5)
 PRINTED_FIT = {"radius": 32.6, "modulus": 570.0}
@@ -88,12 +88,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
             force = unit == "N"
             yield Case(
                 "thesis",
-                f"A5-5: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
+                f"A.3: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
                 lambda n=name, q=quantity, s=1e-3 if force else 1.0: s * getattr(bonded(n), q),
                 expected,
                 0.006,
                 unit,
-                "recomputed A5-5: integral equation, 1 - L weighted by the share of the cover",
+                "recomputed: integral equation, 1 - L weighted by the share of the cover",
                 printed=PRINTED_FORCE if force else None,
                 erratum=(
                     "A 2 mm cover on a rigid plane is no half-space: bonded to it, it makes the "
@@ -106,12 +106,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name, expected in (("nominal", 1.144), ("fitted", 1.078)):
         yield Case(
             "thesis",
-            f"A5-5: printed force of the ball over that of Hertz, {name}",
+            f"A.3: printed force of the ball over that of Hertz, {name}",
             lambda n=name: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)),
             expected,
             1e-3,
             "1",
-            "recomputed A5-5: 14 % above the nominal ball, 8 % above the fitted one",
+            "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one",
             reason=DIGITS,
         )
     yield from _fits()
@@ -121,7 +121,7 @@ def _fits() -> Iterator[Case]:
     for name, nominal in NOMINAL.items():
         yield Case(
             "thesis",
-            f"A5-5: {name} that the fit finds over the true one, cover a half-space",
+            f"A.3: {name} that the fit finds over the true one, cover a half-space",
             lambda n=name: fitted("half-space")[n] / NOMINAL[n],
             1.0,
             0.02,
@@ -137,7 +137,7 @@ def _fits() -> Iterator[Case]:
         expected = direct(name) / nominal
         yield Case(
             "thesis",
-            f"A5-5: {name} that the fit finds over the true one, cover bonded",
+            f"A.3: {name} that the fit finds over the true one, cover bonded",
             lambda n=name: fitted("bonded")[n] / NOMINAL[n],
             expected,
             0.03 * expected,

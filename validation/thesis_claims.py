@@ -22,10 +22,10 @@ HELD = {"d.p.": 1.0302, "d.s.": 1.0095, "a.h.": 1.0274, "p.w.": 1.0142}
 """G at 5 s over c0: 1 + (c3 / c0) exp(-5 v3), the faster terms being below 1e-20."""
 
 COARSE = {(250, 1.5): 0.894, (250, 3.0): 20.9, (500, 1.5): 0.855, (500, 3.0): 19.9}
-"""Peak-to-peak force in N by rectangles, by samples per s and offset in mm (recomputed A5-1)."""
+"""Peak-to-peak force in N by rectangles, by samples per s and offset in mm (recomputed)."""
 
 ROUNDED = {(1.5, -1): 0.43, (1.5, 1): 0.53, (3.0, -1): 9.8, (3.0, 1): 13.9}
-"""Least and largest c0 T in N that two digits of b, m and c0 allow (recomputed A5-1)."""
+"""Least and largest c0 T in N that two digits of b, m and c0 allow (section 2.4.3, recomputed)."""
 
 HALF_DIGIT = {"b": 0.005, "m": 0.05, "c0": 0.005}
 OFFSET = 0.08  # mm, by which the thesis moves the touch (section 2.4.1)
@@ -132,7 +132,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             expected,
             6e-5,
             "1",
-            "1 + (c3 / c0) exp(-5 v3) with Table 2.1; recomputed A4: 1.01 to 1.03",
+            "1 + (c3 / c0) exp(-5 v3) with Table 2.1; recomputed: 1.01 to 1.03",
             reason=DIGITS,
         )
     yield from _stiffness()
@@ -163,24 +163,24 @@ def _not_instantaneous() -> Iterator[Case]:
     for subject in ("d.p.", "d.s.", "p.w.", "means"):
         yield Case(
             "thesis",
-            f"A5-3: P / T at 60 mm/s, {subject}, 2 mm",
+            f"2.3: P / T at 60 mm/s, {subject}, 2 mm",
             partial(ratio, subject, 60.0),
             ramp_ratio(subject),
             1e-6,
             "1",
-            "second method: hereditary integral of samples of T; recomputed A5-3: 69 to 74 %",
+            "second method: hereditary integral of samples of T; recomputed: 69 to 74 %",
             printed=1.0,
             erratum="Section 2.3 takes the ramp at 60 mm/s for instantaneous.",
             reason="straight lines between the samples",
         )
     yield Case(
         "thesis",
-        "A5-1: instantaneous over relaxed force, means",
+        "2.4.3: instantaneous over relaxed force, means",
         lambda: 1 / finger("means")[1].long_time,
         3.85,
         0.006,
         "1",
-        "recomputed A5-1; the text says a factor of about 4",
+        "section 2.4.3, recomputed; the text says a factor of about 4",
         reason=DIGITS,
     )
 
@@ -189,12 +189,12 @@ def _explanations() -> Iterator[Case]:
     for (rate, offset), expected in COARSE.items():
         yield Case(
             "thesis",
-            f"A5-1: peak to peak about {offset:g} mm by rectangles of {1e3 / rate:g} ms, a.h.",
+            f"2.4.3: peak to peak about {offset:g} mm by rectangles of {1e3 / rate:g} ms, a.h.",
             partial(rectangles, rate, offset),
             expected,
             6e-4 if expected < 1 else 0.06,
             "N",
-            "recomputed A5-1: what a coarse convolution makes of the printed parameters",
+            "section 2.4.3, recomputed: what a coarse convolution makes of the printed parameters",
             printed={1.5: 0.93, 3.0: 21.0}[offset] if rate == 250 else None,
             erratum="At 250 samples per s it comes within 4 % of the printed peak to peak; the "
             "exact one is 9 to 12 % below.",
@@ -215,12 +215,12 @@ def _explanations() -> Iterator[Case]:
     for offset, expected in ((1.5, 0.67), (3.0, 16.0)):
         yield Case(
             "thesis",
-            f"A5-1: mean force if the wave were 1 - cos on {offset:g} mm, 16 Hz, 0.28 mm, a.h.",
+            f"2.4.3: mean force if the wave were 1 - cos on {offset:g} mm, 16 Hz, 0.28 mm, a.h.",
             partial(raised_mean, offset),
             expected,
             0.006 if offset == 1.5 else 0.06,
             "N",
-            "recomputed A5-1",
+            "section 2.4.3, recomputed",
             printed={1.5: 0.48, 3.0: 11.2}[offset],
             erratum="So the wave of section 2.4.3 is a sine about the offset, not one above it.",
             reason=DIGITS,
@@ -228,13 +228,13 @@ def _explanations() -> Iterator[Case]:
     for (offset, sign), expected in ROUNDED.items():
         yield Case(
             "thesis",
-            f"A5-1: {'least' if sign < 0 else 'largest'} c0 T at {offset:g} mm that two digits of "
+            f"2.4.3: {'least' if sign < 0 else 'largest'} c0 T at {offset:g} mm that two digits of "
             "Table 2.1 allow, a.h.",
             partial(rounded, offset, sign),
             expected,
             0.006 if offset == 1.5 else 0.06,
             "N",
-            "recomputed A5-1; the printed means 0.48 and 11.2 N lie between",
+            "section 2.4.3, recomputed; the printed means 0.48 and 11.2 N lie between",
             reason=DIGITS,
         )
 
@@ -244,29 +244,29 @@ def _ranges() -> Iterator[Case]:
     for name, best, corner, steep in (("least", min, 29.1, -17.0), ("largest", max, 42.0, -18.2)):
         yield Case(
             "thesis",
-            f"A5-4: {name} corner frequency v1 / 2 pi of a subject",
+            f"2.4.2: {name} corner frequency v1 / 2 pi of a subject",
             lambda b=best: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects),
             corner,
             0.06,
             "Hz",
-            "recomputed A5-4: 29 to 42 Hz",
+            "section 2.4.2, recomputed: 29 to 42 Hz",
             reason=DIGITS,
         )
         yield Case(
             "thesis",
-            f"A5-4: {name} fall of |G| from 30 to 200 Hz of a subject",
+            f"2.4.2: {name} fall of |G| from 30 to 200 Hz of a subject",
             lambda b=best: -b(-slope(s, 30, 200) for s in subjects),
             steep,
             0.06,
             "dB/decade",
-            "recomputed A5-4: -17.0 to -18.2",
+            "section 2.4.2, recomputed: -17.0 to -18.2",
             printed=-20.0,
             erratum="-20 dB per decade is the limit of a spring; no subject's G is there yet.",
             reason=DIGITS,
         )
     yield Case(
         "thesis",
-        "A5-9: rise of the stiffness with the force, means",
+        "2.4.2: rise of the stiffness with the force, means",
         lambda: 1e3 * float(line("means")[0]),
         2100.0,
         5.0,
@@ -312,12 +312,12 @@ def _apparatus() -> Iterator[Case]:
     )
     yield Case(
         "thesis",
-        "A6-15: fast rate v1 of the means times a step at 2500 Hz",
+        "3.4.3: fast rate v1 of the means times a step at 2500 Hz",
         lambda: finger("means")[1].v[0] / 2500,
         0.0924,
         6e-5,
         "1",
-        "recomputed A6-15",
+        "section 3.4.3, recomputed",
         printed=9.24e-5,
         erratum="Section 3.4.3 has subsampling at 2500 kHz; the raw data came at 13 kHz, so Hz.",
         reason=DIGITS,

@@ -25,14 +25,14 @@ FRACTIONS = {
     (1.5, 0.14): (9.0, 11.3, 11.7, 12.3, 15.7),
     (3.0, 0.14): (8.7, 10.9, 11.2, 11.9, 15.1),
 }
-"""Dissipated share in % by offset and peak to peak in mm (recomputed A5-2).
+"""Dissipated share in % by offset and peak to peak in mm (section 2.4.3, recomputed).
 
-At 30 Hz the reference counts 333 of the 333.3 steps of 0.1 ms as a cycle, so that a second method
+At 30 Hz the recomputation counts 333 of the 333.3 steps of 0.1 ms as a cycle; a second method
 takes its place there.
 """
 
 POWERS = {(1.5, 0.28): 0.738, (3.0, 0.28): 17.2, (1.5, 0.14): 0.183, (3.0, 0.14): 4.27}
-"""Dissipated power in mW at 16 Hz (recomputed A5-2)."""
+"""Dissipated power in mW at 16 Hz (section 2.4.3, recomputed)."""
 
 PHASES = (
     *((1, -78.1), (10, -76.5), (30, -74.0), (37, -74.7), (100, -81.8), (200, -85.6)),
@@ -42,12 +42,12 @@ MAGNITUDES = {
     1.0: ((30, 34.0, 9.5), (100, 12.6, 3.5), (200, 6.5, 1.8)),
     5.6: ((30, 189.0, 49.6), (100, 69.0, 18.3), (200, 36.0, 9.4)),
 }
-"""|Z| in N s/m by preload in N: frequency in Hz, right and by Eq. 2.12 (recomputed A5-4)."""
+"""|Z| in N s/m by preload in N: frequency in Hz, right and by Eq. 2.12 (recomputed)."""
 
 TAPS = ((1, 41), (10, 44), (50, 46), (100, 45), (300, 33))  # mm/s, %
 RELAXED = 16.0  # s, after which the slowest exponential is below 1e-4
 SLOPES = ((30, 200, -17.5, 0.06), (1, 10, -17, 0.5), (200, 1e3, -19.9, 0.06))
-"""Slope of |G| in dB per decade: from and to Hz, its value, its tolerance (recomputed A5-4)."""
+"""Slope of |G| in dB per decade: from and to Hz, its value, its tolerance (recomputed)."""
 
 
 def periodic_work(offset: float, peak_to_peak: float, frequency: float) -> tuple[float, float]:
@@ -92,12 +92,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for speed, expected in TAPS:
         yield Case(
             "thesis",
-            f"A5-9: dissipated in a tap to 2 mm at {speed} mm/s, a.h.",
+            f"2.4.3: dissipated in a tap to 2 mm at {speed} mm/s, a.h.",
             partial(tapped, speed),
             expected,
             0.6,
             "%",
-            "recomputed A5-9; measured taps dissipate 81 % (Jindrich et al. 2003)",
+            "section 2.4.3, recomputed; measured taps dissipate 81 % (Jindrich et al. 2003)",
             reason=DIGITS,
         )
 
@@ -107,18 +107,18 @@ def _energy() -> Iterator[Case]:
         for frequency, expected in zip(FREQUENCIES, values, strict=True):
             yield Case(
                 "thesis",
-                f"A5-2: dissipated, {frequency} Hz, {size:g} mm about {offset:g} mm",
+                f"2.4.3: dissipated, {frequency} Hz, {size:g} mm about {offset:g} mm",
                 lambda o=offset, s=size, f=frequency: 100 * vibrated(o, s, f).steady.fraction,
                 expected,
                 0.06,
                 "%",
-                "recomputed A5-2; Figure 2-10",
+                "section 2.4.3, recomputed; Figure 2-10",
                 reason=DIGITS,
             )
         loading, dissipated = periodic_work(offset, size, 30)
         yield Case(
             "thesis",
-            f"A5-2: dissipated, 30 Hz, {size:g} mm about {offset:g} mm, after 16 s",
+            f"2.4.3: dissipated, 30 Hz, {size:g} mm about {offset:g} mm, after 16 s",
             lambda o=offset, s=size: 100 * vibrated(o, s, 30, RELAXED).steady.fraction,
             100 * dissipated / loading,
             0.01,
@@ -129,19 +129,19 @@ def _energy() -> Iterator[Case]:
     for (offset, size), expected in POWERS.items():
         yield Case(
             "thesis",
-            f"A5-2: power at 16 Hz, {size:g} mm about {offset:g} mm",
+            f"2.4.3: power at 16 Hz, {size:g} mm about {offset:g} mm",
             lambda o=offset, s=size: vibrated(o, s, 16).steady.power,
             expected,
             digits(expected),
             "mW",
-            "recomputed A5-2; Figure 2-10",
+            "section 2.4.3, recomputed; Figure 2-10",
             reason=DIGITS,
         )
     for size, frequency in ((0.28, 1), (0.28, 30), (0.14, 1), (0.14, 30)):
         transient = 2 * transient_work(1.5, size, frequency)
         yield Case(
             "thesis",
-            f"A5-2: transient over steady power, {frequency} Hz, {size:g} mm about 1.5 mm",
+            f"2.4.3: transient over steady power, {frequency} Hz, {size:g} mm about 1.5 mm",
             lambda s=size, f=frequency: (
                 vibrated(1.5, s, f).transient.power / vibrated(1.5, s, f).steady.power
             ),
@@ -157,12 +157,12 @@ def _energy() -> Iterator[Case]:
         )
     yield Case(
         "thesis",
-        "A5-2: dissipated share about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm",
+        "2.4.3: dissipated share about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm",
         lambda: vibrated(3.0, 0.28, 16).steady.fraction / vibrated(1.5, 0.28, 16).steady.fraction,
         28.2 / 29.3,
         0.003,
         "1",
-        "recomputed A5-2",
+        "section 2.4.3, recomputed",
         printed=1.0,
         erratum=(
             "Section 2.4.3 lets the offset cancel. It does for changes of the force; the -1 of "
@@ -175,23 +175,23 @@ def _energy() -> Iterator[Case]:
 def _impedance() -> Iterator[Case]:
     yield Case(
         "thesis",
-        "A5-4: corner frequency v1 / 2 pi, means",
+        "2.4.2: corner frequency v1 / 2 pi, means",
         lambda: finger("means")[1].v[0] / (2 * np.pi),
         36.8,
         0.06,
         "Hz",
-        "recomputed A5-4; section 2.4.2 prints 37",
+        "recomputed; section 2.4.2 prints 37",
         reason=DIGITS,
     )
     for frequency, expected in PHASES:
         yield Case(
             "thesis",
-            f"A5-4: phase of G at {frequency:g} Hz, means",
+            f"2.4.2: phase of G at {frequency:g} Hz, means",
             lambda f=frequency: float(phase(relaxation_spectrum(finger("means")[1], f))),
             expected,
             0.06,
             "degrees",
-            "recomputed A5-4; Figure 2-8",
+            "section 2.4.2, recomputed; Figure 2-8",
             reason=DIGITS,
         )
     for low, high, expected, tolerance in (
@@ -201,12 +201,12 @@ def _impedance() -> Iterator[Case]:
     ):
         yield Case(
             "thesis",
-            f"A5-4: slope of |G| from {low:g} to {high:g} Hz, means",
+            f"2.4.2: slope of |G| from {low:g} to {high:g} Hz, means",
             lambda a=low, b=high: slope("means", a, b),
             expected,
             tolerance,
             "dB/decade",
-            "recomputed A5-4; Figure 2-6",
+            "section 2.4.2, recomputed; Figure 2-6",
             printed=-20.0 if low == 30 else None,
             erratum="-20 dB per decade is the limit of a spring; the fitted G is not there yet."
             if low == 30
@@ -217,12 +217,12 @@ def _impedance() -> Iterator[Case]:
         for frequency, expected, printed in rows:
             yield Case(
                 "thesis",
-                f"A5-4: |Z| at {frequency} Hz, preload {preload:g} N, means",
+                f"2.4.2: |Z| at {frequency} Hz, preload {preload:g} N, means",
                 lambda p=preload, f=frequency: magnitude(p, f),
                 expected,
                 0.6 if expected >= 20 else 0.06,
                 "N s/m",
-                "recomputed A5-4: K = m P0 / c0 + b",
+                "section 2.4.2, recomputed: K = m P0 / c0 + b",
                 printed=printed,
                 erratum=(
                     "Eq. 2.12 takes K = m P0 + b, but P0 has relaxed: T = P0 / c0. The printed "
@@ -232,7 +232,7 @@ def _impedance() -> Iterator[Case]:
             )
     yield Case(
         "thesis",
-        "A5-9: stiffness of the pad at 2 N, means",
+        "2.4.2: stiffness of the pad at 2 N, means",
         lambda: float(finger("means")[0].stiffness(2.0)),
         4.39,
         0.005,

@@ -11,10 +11,10 @@ from fefinger.theory.synthetic import ramp_and_hold
 
 
 BIASED = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}
-"""b in N/mm that the thesis's procedure finds from the printed parameters (recomputed A5-3)."""
+"""b in N/mm that the thesis's procedure finds from the printed parameters (recomputed)."""
 
 APPARENT = {"d.p.": 0.30, "p.w.": 0.42}
-"""Least and largest c0 that it finds (recomputed A5-3)."""
+"""Least and largest c0 that it finds (section 2.3, recomputed)."""
 
 
 @cache
@@ -48,7 +48,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         for name in ("b", "c0"):
             yield Case(
                 "thesis",
-                f"A5-3: error in {name} of a fit of ramp and hold together, {subject}",
+                f"2.3: error in {name} of a fit of ramp and hold together, {subject}",
                 partial(error, subject, name),
                 0.0,
                 3.0,
@@ -58,7 +58,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
         yield Case(
             "thesis",
-            f"A5-3: error in b of that fit over its own uncertainty, {subject}",
+            f"2.3: error in b of that fit over its own uncertainty, {subject}",
             partial(deviations, subject),
             0.0,
             3.0,
@@ -72,12 +72,12 @@ def _bias(subject: str) -> Iterator[Case]:
     spring, prony = finger(subject)
     yield Case(
         "thesis",
-        f"A5-3: b that the thesis's procedure finds, {subject}",
+        f"2.3: b that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.b,
         BIASED[subject],
         6e-4,
         "N/mm",
-        "recomputed A5-3: protocol P2 with the printed parameters, refitted",
+        "section 2.3, recomputed: protocol P2 with the printed parameters, refitted",
         printed=spring.b,
         erratum=(
             "The procedure takes the ramp at 60 mm/s for the instantaneous response, but by its "
@@ -88,23 +88,23 @@ def _bias(subject: str) -> Iterator[Case]:
     )
     yield Case(
         "thesis",
-        f"A5-3: m that the thesis's procedure finds, {subject}",
+        f"2.3: m that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.m / spring.m,
         1.0,
         0.015,
         "1",
-        "recomputed A5-3: within 1.5 %",
-        reason="the limit that the reference states",
+        "section 2.3, recomputed: within 1.5 %",
+        reason="the limit of the recomputation",
     )
     if subject in APPARENT:
         yield Case(
             "thesis",
-            f"A5-3: c0 that the thesis's procedure finds, {subject}",
+            f"2.3: c0 that the thesis's procedure finds, {subject}",
             lambda: identified(subject, unbiased=False).prony.long_time,
             APPARENT[subject],
             0.006,
             "1",
-            "recomputed A5-3: 0.30 to 0.42 instead of 0.22 to 0.29",
+            "section 2.3, recomputed: 0.30 to 0.42 instead of 0.22 to 0.29",
             printed=prony.long_time,
             erratum="What has relaxed on the ramp is missing in the hold, so c0 comes out high.",
             reason=DIGITS,

@@ -17,12 +17,12 @@ from fefinger.theory.relaxation import Prony
 
 Array = NDArray[np.float64]
 
-DIGITS = "half a unit of the reference's last digit, and its own rounding"
+DIGITS = "half a unit of the last digit of the recomputation, and its own rounding"
 SPEEDS = (
     *((0.1, 0.294), (0.2, 0.321), (0.5, 0.367), (1, 0.403), (8, 0.538), (16, 0.596), (32, 0.661)),
     *((48, 0.703), (60, 0.727), (64, 0.735), (80, 0.760), (1000, 0.962)),
 )
-"""P / T at 2 mm of a.h. by speed in mm/s (recomputed A5-3)."""
+"""P / T at 2 mm of a.h. by speed in mm/s (section 2.3, recomputed)."""
 
 DEEP = 8.0  # mm, where the -1 of Eq. 2.1 no longer counts
 
@@ -31,12 +31,12 @@ FORCES = (
     *((1.5, "first_peak_to_peak", 0.945, None), (3.0, "mean", 11.95, 11.2)),
     *((3.0, "peak_to_peak", 19.14, 21), (3.0, "first_peak_to_peak", 22.15, None)),
 )
-"""Offset in mm, force at 16 Hz and 0.28 mm in N, recomputed, printed (recomputed A5-1)."""
+"""Offset in mm, force at 16 Hz and 0.28 mm in N, recomputed, printed (section 2.4.3)."""
 
 OFFSETS = ((1.5, 0.28), (3.0, 0.28), (1.5, 0.14), (3.0, 0.14))  # with peak to peak, mm
 
 PEAKS = (2.32, 2.18, 2.14, 2.10, 2.07)
-"""Peaks in N of Figure 2-4, a.h., 1.5 mm and 0.4 mm amplitude (recomputed A4)."""
+"""Peaks in N of Figure 2-4, a.h., 1.5 mm and 0.4 mm amplitude (recomputed)."""
 
 
 def finger(subject: str) -> tuple[Spring, Prony]:
@@ -131,12 +131,12 @@ def _velocity() -> Iterator[Case]:
         printed = {0.2: 0.25, 60: 1.0}.get(speed)
         yield Case(
             "thesis",
-            f"A5-3: P / T at {speed:g} mm/s, a.h., 2 mm",
+            f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
             lambda v=speed: ratio("a.h.", v),
             expected,
             6e-4,
             "1",
-            "recomputed A5-3: sum of ci m v / (m v + vi)",
+            "section 2.3, recomputed: sum of ci m v / (m v + vi)",
             printed=printed,
             erratum=(
                 "Section 2.3 says that the force saturates above about 60 mm/s (P = T) and below "
@@ -149,12 +149,12 @@ def _velocity() -> Iterator[Case]:
     for subject in pawluk_bulk():
         yield Case(
             "thesis",
-            f"A5-3: force at 0.2 mm/s above c0 T, {subject}",
+            f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),
             100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
             0.01,
             "%",
-            "closed form for an exponential T: sum of ci m v / (m v + vi); recomputed A5-3",
+            "closed form for an exponential T: sum of ci m v / (m v + vi); section 2.3, recomputed",
             printed=0,
             erratum="Section 2.3 takes 0.2 mm/s for the steady state; it is 15 to 44 % above.",
             reason="exp(-m x) at 8 mm, below which the -1 of Eq. 2.1 has sunk",
@@ -165,12 +165,12 @@ def _forces() -> Iterator[Case]:
     for offset, name, expected, printed in FORCES:
         yield Case(
             "thesis",
-            f"A5-1: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
+            f"2.4.3: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
             lambda o=offset, n=name: simulated(o, n),
             expected,
             digits(expected),
             "N",
-            "recomputed A5-1: recomputed with steps of 0.1 ms",
+            "section 2.4.3, recomputed with steps of 0.1 ms",
             printed=printed,
             erratum=(
                 "Printed means are 2 to 6 % below, peak to peak 10 to 13 % above what the "
@@ -185,12 +185,12 @@ def _forces() -> Iterator[Case]:
     for name, measure, expected, tolerance, printed, erratum in _factors():
         yield Case(
             "thesis",
-            f"A5-1: {name}, a.h.",
+            f"2.4.3: {name}, a.h.",
             measure,
             expected,
             tolerance,
             "1",
-            "recomputed A5-1",
+            "section 2.4.3, recomputed",
             printed=printed,
             erratum=erratum,
             reason=DIGITS,
@@ -231,7 +231,7 @@ def _sinusoid() -> Iterator[Case]:
             expected,
             0.006,
             "N",
-            "recomputed A4",
+            "Figure 2-4, recomputed",
             reason=DIGITS,
         )
     yield Case(
@@ -241,6 +241,6 @@ def _sinusoid() -> Iterator[Case]:
         -0.12,
         0.006,
         "N",
-        "recomputed A4",
+        "Figure 2-4, recomputed",
         reason=DIGITS,
     )

@@ -115,7 +115,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for (tone, current), count in slowed.items():
         yield Case(
             "thesis",
-            f"A5-8: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
+            f"4.3.2: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
             partial(per_cycle, 6.0, tone, current),
             count,
             1e-9,

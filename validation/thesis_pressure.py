@@ -34,9 +34,9 @@ BALLS = {
     "nominal, rigid sensor": (31.0, 540.0, np.inf, (720.0, 2.42, 63.2, 4.28)),
     "fitted, rigid sensor": (32.6, 570.0, np.inf, (760.0, 2.62, 65.1, 4.39)),
 }
-"""Radius mm, modulus kPa, that of the sensor; E* kPa, P N, p0 kPa, a mm (recomputed A5-5)."""
+"""Radius mm, modulus kPa, that of the sensor; E* kPa, P N, p0 kPa, a mm (recomputed)."""
 
-PRINTED_RADIUS = 14.0  # mm, mean of Table 3.2 as printed, which the reference takes too
+PRINTED_RADIUS = 14.0  # mm, mean of Table 3.2 as printed, which the recomputation takes too
 DEPTHS = (1.0, 1.5, 2.0, 2.5, 3.0)
 RATIOS: dict[Reading, dict[str, tuple[float, ...]]] = {
     "instantaneous": {
@@ -54,13 +54,13 @@ RATIOS: dict[Reading, dict[str, tuple[float, ...]]] = {
         "means": (2.35, 1.57, 1.28, 1.16, 1.13),
     },
 }
-"""Lumped T of Eq. 2.1 over that of Eq. 3.16 at DEPTHS, by the reading of b (recomputed A5-6)."""
+"""Lumped T of Eq. 2.1 over that of Eq. 3.16 at DEPTHS, by the reading of b (recomputed)."""
 
 PROFILES: dict[Reading, tuple[tuple[float, ...], ...]] = {
     "relaxed": ((0.54, 1.61, 4.75, 11.4), (1.1, 1.89, 5.14, 19.9), (2.3, 2.19, 5.54, 35.8)),
     "instantaneous": ((0.54, 2.07, 5.39, 8.9), (1.1, 2.38, 5.77, 15.8), (2.3, 2.71, 6.16, 28.9)),
 }
-"""Relaxed force N, depth mm, contact radius mm, peak kPa of the means (recomputed A5-6)."""
+"""Relaxed force N, depth mm, contact radius mm, peak kPa of the means (section 3.2, recomputed)."""
 
 MODULI: dict[Reading, tuple[float, ...]] = {
     "instantaneous": (169, 158, 163, 120, 170, 164),
@@ -151,12 +151,12 @@ def _ball() -> Iterator[Case]:
             force = name == "force"
             yield Case(
                 "thesis",
-                f"A5-5: {name} of the ball at 0.59 mm, {ball_name}",
+                f"A.3: {name} of the ball at 0.59 mm, {ball_name}",
                 partial(ball_quantity, ball_name, index),
                 expected[index],
                 digits(expected[index]),
                 unit,
-                "recomputed A5-5; p0 = 3 P / (2 pi a²)",
+                "section A.3, recomputed; p0 = 3 P / (2 pi a²)",
                 printed=1.8 if force else None,
                 erratum=(
                     "The thesis gives 1.8 N. Hertz with a half-space for the 2 mm cover gives less "
@@ -174,12 +174,12 @@ def _ratios() -> Iterator[Case]:
             for depth, expected in zip(DEPTHS, row, strict=True):
                 yield Case(
                     "thesis",
-                    f"A5-6: lumped over integrated force at {depth:g} mm, {subject}, b {reading}",
+                    f"3.2: lumped over integrated force at {depth:g} mm, {subject}, b {reading}",
                     partial(lumped_ratio, subject, reading, depth),
                     expected,
                     0.006 if reading == "relaxed" else 0.06,
                     "1",
-                    "recomputed A5-6: Eq. 2.1 over Eq. 3.16",
+                    "section 3.2, recomputed: Eq. 2.1 over Eq. 3.16",
                     erratum=(
                         "Both chapters describe one finger, so this should be 1. The printed b of "
                         "Table 3.2 is 3 to 8 times too soft; read as c0 b, which is what the text "
@@ -201,30 +201,30 @@ def _profiles() -> Iterator[Case]:
                     values[index],
                     0.06 if unit == "kPa" else 0.006,
                     unit,
-                    "recomputed A5-6",
+                    "section 3.2, recomputed",
                     reason=DIGITS,
                 )
     for reading, moduli in MODULI.items():
         for subject, expected in zip(pawluk_quasistatic(), moduli, strict=True):
             yield Case(
                 "thesis",
-                f"A5-6: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
+                f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
                 partial(modulus_at, subject, reading),
                 expected,
                 0.6,
                 "kPa",
-                "recomputed A5-6; section 3.2.1 has typically 234 kPa",
+                "recomputed; section 3.2.1 has typically 234 kPa",
                 reason=DIGITS,
             )
     for subject, expected in (("a.h.", 2.75), ("means", 2.5)):
         yield Case(
             "thesis",
-            f"A5-6: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
+            f"3.2: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[0],
             expected,
             0.06,
             "1/mm",
-            "recomputed A5-6",
+            "section 3.2, recomputed",
             printed=pawluk_quasistatic()[subject].m,
             erratum="The m of Table 3.2 is not that of Table 2.1: x^(3/2) adds to the slope.",
             reason=DIGITS,
@@ -232,12 +232,12 @@ def _profiles() -> Iterator[Case]:
     for subject, expected in (("a.h.", 0.998), ("means", 0.997), ("d.s.", 0.993)):
         yield Case(
             "thesis",
-            f"A5-6: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
+            f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[1],
             expected,
             6e-4,
             "1",
-            "recomputed A5-6: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
+            "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
             reason=DIGITS,
         )
 
@@ -247,12 +247,12 @@ def _goodwin() -> Iterator[Case]:
         flat = curvature == 0
         yield Case(
             "thesis",
-            f"A5-7: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
+            f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin(c / 1e3, 20.0)),
             peak,
             6e-4,
             "1",
-            "recomputed A5-7: Eq. 3.23",
+            "section 3.6, recomputed: Eq. 3.23",
             printed=0.3 if flat else None,
             erratum=(
                 "Section 3.6 reads about 0.3 off its figure. Eq. 3.23 gives 0.196; 0.295 follows "
@@ -264,23 +264,23 @@ def _goodwin() -> Iterator[Case]:
         )
         yield Case(
             "thesis",
-            f"A5-7: relative contact radius, curvature {curvature:g} 1/m",
+            f"3.6: relative contact radius, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin_radius(c / 1e3)),
             radius,
             6e-4,
             "1",
-            "recomputed A4: Eq. 3.25; Figure 3-10",
+            "Eq. 3.25, recomputed; Figure 3-10",
             reason=DIGITS,
         )
     for force, expected in ((15.0, 0.909), (10.0, 0.794)):
         yield Case(
             "thesis",
-            f"A5-7: peak pressure at {force:g} gf over that at 20 gf",
+            f"3.6: peak pressure at {force:g} gf over that at 20 gf",
             lambda f=force: float(goodwin(0.0, f) / goodwin(0.0, 20.0)),
             expected,
             6e-4,
             "1",
-            "recomputed A5-7",
+            "section 3.6, recomputed",
             reason=DIGITS,
         )
     yield from _readings()
@@ -297,12 +297,12 @@ def _readings() -> Iterator[Case]:
     ):
         yield Case(
             "thesis",
-            f"A6-8: relative peak pressure of a plate {name}",
+            f"3.6: relative peak pressure of a plate {name}",
             lambda m=measure: float(m()),
             expected,
             tolerance,
             "1",
-            "recomputed A6-8",
+            "section 3.6, recomputed",
             reason=DIGITS,
         )
 
@@ -331,7 +331,7 @@ def _others() -> Iterator[Case]:
         )
     yield Case(
         "thesis",
-        "A5-6: error of 234 kPa when a cover of 1 MPa is taken for rigid",
+        "3.2: error of 234 kPa when a cover of 1 MPa is taken for rigid",
         lambda: 100 * (1 - 0.75 * series_modulus((234.0, 0.5), (SENSOR, 0.5)) / 234.0),
         19.0,
         0.5,
@@ -342,7 +342,7 @@ def _others() -> Iterator[Case]:
     hertz = Hertz(15.0, 1.0, 100.0, 0.5)
     yield Case(
         "thesis",
-        "A5-9: torsional friction of a Hertz contact, over its integral",
+        "3.1: torsional friction of a Hertz contact, over its integral",
         lambda: float(
             torsional_friction(0.5, hertz.force, hertz.contact_radius)
             / torque_by_quadrature(0.5, hertz)
@@ -356,7 +356,7 @@ def _others() -> Iterator[Case]:
     softer = replace(hertz, modulus=10.0)
     yield Case(
         "thesis",
-        "A5-9: contact radius at a depth, soft over stiff",
+        "3.5: contact radius at a depth, soft over stiff",
         lambda: softer.contact_radius / hertz.contact_radius,
         1.0,
         1e-12,

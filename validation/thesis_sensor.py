@@ -16,7 +16,7 @@ from fefinger.theory.sensor import ArraySensor, blurred
 Array = NDArray[np.float64]
 
 FILTERED = ((0, 39.4), (1, 38.1), (2, 34.0), (3, 25.7), (4, 13.8), (5, 4.1), (6, 0.57))
-"""Distance in mm and blurred pressure in kPa of Figure A-5, fitted ball (recomputed A5-5)."""
+"""Distance in mm and blurred pressure in kPa of Figure A-5, fitted ball (recomputed)."""
 
 GRAM_FORCE = 9.80665  # mN
 
@@ -72,7 +72,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             expected,
             0.006 if expected < 1 else 0.06,
             "kPa",
-            "recomputed A5-5: Eq. A.4 on a grid",
+            "section A.3, recomputed: Eq. A.4 on a grid",
             reason=DIGITS,
         )
     yield Case(
@@ -82,30 +82,30 @@ def cases(*, quick: bool) -> Iterator[Case]:
         1.670,
         6e-4,
         "N",
-        "recomputed A5-5; B10: the blur conserves force",
+        "section A.3, recomputed; the blur conserves force",
         reason=DIGITS,
     )
     yield from _coupling()
     yield Case(
         "thesis",
-        "A5-9: noise of 0.5 kPa on an element of 2 x 2 mm",
+        "3.2: noise of 0.5 kPa on an element of 2 x 2 mm",
         lambda: ArraySensor().noise * ArraySensor().pitch ** 2 / GRAM_FORCE,
         0.204,
         6e-4,
         "gf",
-        "recomputed A5-9",
+        "section 3.2, recomputed",
         printed=1.2,
         erratum="The quoted 1.2 g fits neither the area of an element nor that of its Gaussian.",
         reason=DIGITS,
     )
     yield Case(
         "thesis",
-        "A5-9: samples per second of 64 elements at 200 Hz",
+        "3.2: samples per second of 64 elements at 200 Hz",
         lambda: ArraySensor().elements ** 2 * ArraySensor().rate / 1e3,
         12.8,
         0.05,
         "kHz",
-        "recomputed A5-9",
+        "section 3.2, recomputed",
         erratum="The text has both 13 and 13.5 kHz; 12.8 is 13 in two digits.",
         reason=DIGITS,
     )
@@ -120,14 +120,14 @@ def _coupling() -> Iterator[Case]:
     ):
         yield Case(
             "thesis",
-            f"A5-9: coupling of the elements, {name}",
+            f"3.2: coupling of the elements, {name}",
             lambda i=rows, j=columns, c=over_center: (
                 neighbor(i, j) / (neighbor(0, 0) if c else 1.0)
             ),
             expected,
             6e-4 if expected == 0.662 else 6e-5,
             "1",
-            "recomputed A5-9",
+            "section 3.2, recomputed",
             printed=printed if over_center else None,
             erratum="Chapter 3 has less than 11 %; appendix A divides the same by the total."
             if over_center

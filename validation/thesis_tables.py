@@ -53,13 +53,13 @@ CREEP = {
     "Table 2.1 a.h.": (1.6070, 0.7743, 0.6188),
     "Table 2.1 means": (1.4496, 0.7527, 0.6438),
 }
-"""Weights k of the creep function, slowest first (recomputed B5)."""
+"""Weights k of the creep function, slowest first (recomputed)."""
 
 GROWTH = {
     "Table 3.1 means": ((0.005, 1.112), (0.05, 1.262), (0.5, 1.374), (5.0, 1.463)),
     "Table 2.1 means": ((0.005, 1.109), (0.05, 1.255), (0.5, 1.388), (5.0, 1.544)),
 }
-"""Contact radius after a step of force over that at once, by time in s (recomputed B5)."""
+"""Contact radius after a step of force over that at once, by time in s (recomputed)."""
 
 
 @cache
@@ -173,10 +173,10 @@ def _correlations() -> Iterator[Case]:
             r,
             0.0015,
             "1",
-            "recomputed A2; section 2.4.1",
+            "section 2.4.1, recomputed",
             printed=printed,
             erratum="The table gives -0.798, which rounds to -0.80." if column == "w" else "",
-            reason="three digits of the reference",
+            reason="three digits of the recomputation",
         )
         yield Case(
             "thesis",
@@ -185,13 +185,13 @@ def _correlations() -> Iterator[Case]:
             p,
             0.002,
             "1",
-            "recomputed A2: two-sided, n = 4",
+            "recomputed: two-sided, n = 4",
             printed=0.05,
             erratum=(
                 "The text calls the correlations significant (p < 0.05). Four subjects are too few "
                 "for that: r would have to be beyond 0.95."
             ),
-            reason="three digits of the reference",
+            reason="three digits of the recomputation",
         )
 
 
@@ -205,8 +205,8 @@ def _creep() -> Iterator[Case]:
                 expected,
                 1e-4,
                 "1",
-                "recomputed B5: residues of 1 / (s G(s))",
-                reason="four digits of the reference",
+                "recomputed: residues of 1 / (s G(s))",
+                reason="four digits of the recomputation",
             )
     for source, points in GROWTH.items():
         for time, expected in points:
@@ -217,8 +217,8 @@ def _creep() -> Iterator[Case]:
                 expected,
                 6e-4,
                 "1",
-                "recomputed B5: a³ follows J(t)",
-                reason="three digits of the reference",
+                "recomputed: a³ follows J(t)",
+                reason="three digits of the recomputation",
             )
 
 

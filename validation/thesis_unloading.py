@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 UNLOADED = {0.0: 0.08, 2.0: -0.02, 3.7: -0.75, 4.0: -0.69, 4.5: -0.40}
-"""Pressure kPa by Eq. 3.13 after a partial retraction, by distance mm (recomputed A6-11)."""
+"""Pressure kPa by Eq. 3.13 after a partial retraction, by distance mm (section 3.3, recomputed)."""
 
 PLACES = tuple(UNLOADED)  # mm from the center
 
@@ -48,17 +48,17 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for r, expected in UNLOADED.items():
         yield Case(
             "thesis",
-            f"A6-11: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
+            f"3.3: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
             lambda r=r: float(retracted()[0][PLACES.index(r)]),
             printed_by_parts(r),
             1e-3,
             "kPa",
-            f"second method: Eq. 3.13 by parts; recomputed A6-11: {expected:g} kPa",
+            f"second method: Eq. 3.13 by parts; section 3.3, recomputed: {expected:g} kPa",
             reason="steps of 0.5 ms, where a place leaves the contact with the slope of a root",
         )
     yield Case(
         "thesis",
-        "A6-11: lowest of these pressures, contact resolved",
+        "3.3: lowest of these pressures, contact resolved",
         lambda: float(retracted()[1].min()),
         0.0,
         1e-9,

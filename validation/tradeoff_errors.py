@@ -14,12 +14,14 @@ from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.mechanics._tradeoff import STATED
+from fefinger.pressures import peaks
 from fefinger.records import Response
 
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("force", "pressure", "area", "centroid", "strain")
+QUANTITIES = (*STATED, "taxels", "centroid")
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Press:
     """A press: depth (n,) mm, force (n,) N, area (n,) mm², centroid (n, 2) mm on the way down.
 
     strain (n, 4, 3, 3) at the central end organs; at (m,): the depths at which it is judged;
-    taxels (m, k, k) mN about the centroid there.
+    taxels (m, k, k) mN about the centroid there; pressure (n,) kPa, the highest over 1 mm².
     """
 
     depth: Array
@@ -37,10 +39,12 @@ class Press:
     strain: Array
     at: NDArray[np.int64]
     taxels: Array
+    pressure: Array
 
     def scaled(self, factor: float) -> "Press":
         """Return the press of a body that is stiffer by a factor."""
-        return replace(self, force=factor * self.force, taxels=factor * self.taxels)
+        stiffer = {name: factor * getattr(self, name) for name in ("force", "taxels", "pressure")}
+        return replace(self, **stiffer)
 
     @classmethod
     def of(cls, response: Response) -> "Press":
@@ -48,6 +52,8 @@ class Press:
         assert response.contact_area is not None
         assert response.centroid is not None
         assert response.strain is not None
+        assert response.pad is not None
+        assert response.pressure is not None
         wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
         at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
         return cls(
@@ -58,10 +64,11 @@ class Press:
             response.strain[1:],
             at - 1,
             np.array([runs.taxels(response, int(step)) for step in at]),
+            peaks(response.pad, response.pressure)[1:],
         )
 
 
-MEASURED = ("force", "area", "centroid", "strain", "taxels")
+MEASURED = (*STATED, "centroid", "taxels")
 
 
 @cache
@@ -70,9 +77,10 @@ def press(name: str, mechanics: str, resolution: str = "standard") -> Press | No
     arrays = runs.load(Run("press", name, mechanics, resolution))
     if arrays is None:
         return None
-    curves = (arrays[key][1:] for key in ("depth", "force", "area", "centroid", "strain"))
-    depth, force, area, centroid, strain = curves
-    return Press(depth, force, area, centroid, strain, arrays["kept"] - 1, arrays["taxels"])
+    curves = ("depth", "force", "area", "centroid", "strain")
+    values = {key: arrays[key][1:] for key in curves}
+    at, taxels, highest = arrays["kept"] - 1, arrays["taxels"], arrays["highest"][1:]
+    return Press(**values, at=at, taxels=taxels, pressure=highest)
 
 
 def unknowns(name: str, mechanics: str, resolution: str) -> float:
@@ -84,7 +92,7 @@ def unknowns(name: str, mechanics: str, resolution: str) -> float:
 
 @dataclass(frozen=True)
 class Converged:
-    """A press in the limit of fine meshes, and by what it may be wrong: relative, (n,) each."""
+    """A press on the finest meshes, and by what it may be wrong: relative, (n,) each."""
 
     press: Press
     bars: dict[str, Array]
@@ -92,8 +100,7 @@ class Converged:
 
 def limit(coarse: Press, fine: Press, ratio: float) -> Press:
     """Return the limit of two meshes, with `ratio` times the unknowns, of errors of order 2."""
-    gain = 1 / (ratio ** (ORDER / 3) - 1)
-    return moved(fine, coarse, fine, gain)
+    return moved(fine, coarse, fine, left([1.0, ratio]))
 
 
 def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
@@ -107,49 +114,72 @@ def moved(press_: Press, start: Press, stop: Press, gain: float = 1.0) -> Press:
 
 @cache
 def converged(name: str, mechanics: str = "solid") -> Converged:
-    """Return the press of `solid` (or another one) extrapolated over the meshes that it has.
+    """Return the press of `solid` (or another one) on the finest meshes, and its error bars.
 
-    Where the coarse mesh is too coarse for the object, `solid` is taken to change with the mesh as
-    `linear` does from the standard to the fine one.
+    The force is extrapolated over the meshes that the mechanics was run on, with errors of order
+    2; where the coarse one is too coarse for the object, as that of `linear` changes from the
+    standard to the fine mesh. Nothing else comes close to its order on the coarse mesh: for the
+    rest, and for all of `linear`, that change is made and not extrapolated; what it leaves of an
+    error of order 2 is in the bars, so that the truth has no noise of extrapolation.
     """
-    fine = press(name, mechanics, "standard")
-    if fine is None:
-        msg = f"{name}: expected a press of {mechanics} on the standard mesh, it refused"
+    standard, coarse = press(name, mechanics), press(name, mechanics, "coarse")
+    rough, finest = press(name, "linear"), press(name, "linear", "fine")
+    if standard is None or rough is None or finest is None:
+        msg = f"{name}: expected presses of {mechanics} and `linear`, they refused"
         raise InputError(msg)
-    coarse = press(name, mechanics, "coarse")
+    sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
+    best = moved(standard, rough, finest)
+    bars = {key: left(sizes) * values for key, values in errors(standard, best).items()}
     if coarse is not None:
         sizes = [unknowns(name, mechanics, mesh) for mesh in ("coarse", "standard")]
-        best = limit(coarse, fine, sizes[1] / sizes[0])
-        return Converged(best, errors(fine, best))
-    finest, rough = press(name, "linear", "fine"), press(name, "linear", "standard")
-    assert finest is not None
-    assert rough is not None
-    sizes = [unknowns(name, "linear", mesh) for mesh in ("standard", "fine")]
-    small = limit(rough, finest, sizes[1] / sizes[0])
-    best = moved(fine, rough, small)
-    return Converged(best, errors(fine, best))
+        limited = limit(coarse, standard, sizes[1] / sizes[0])
+    else:
+        limited = moved(standard, rough, finest, 1 + left(sizes))
+    best = replace(best, force=limited.force)
+    return Converged(best, bars | {"force": errors(standard, best)["force"]})
+
+
+def left(sizes: list[float]) -> float:
+    """Return the error of a mesh over what it changes of another, given the unknowns of both."""
+    return 1 / ((sizes[1] / sizes[0]) ** (ORDER / 3) - 1)
+
+
+def mesh_errors(pressed: Press | None, limit_: Converged) -> dict[str, Array]:
+    """Return the numerical errors of a press on a mesh; None is the fine one, all but its force.
+
+    They are those against the finest meshes, and what is left there but for the force.
+    """
+    rest = {key: bar for key, bar in limit_.bars.items() if key != "force"}
+    if pressed is None:
+        return rest
+    found = errors(pressed, limit_.press)
+    return found | {key: found[key] + bar for key, bar in rest.items()}
 
 
 def errors(found: Press, true: Press) -> dict[str, Array]:
     """Return the relative errors (n,) of each of QUANTITIES in presses to each depth.
 
-    force: the largest difference on the way to a depth, of the force there; pressure: of the
-    forces on taxels of 1 mm about the centroid, in L2; area: relative; centroid: the distance, of
-    the radius of a circle of that area; strain: Frobenius norm over the four end organs.
+    Of those that are stated, the largest difference on the way to a depth, of the value there:
+    force, highest pressure over 1 mm², contact area, strain (Frobenius norm over the four end
+    organs). taxels: of the forces on taxels of 1 mm about the centroid, in L2; centroid: the
+    distance, of the radius of a circle of that area.
     """
     at = true.at
-    apart = np.maximum.accumulate(np.abs(found.force - true.force))
-    shift, size = (found.centroid - true.centroid)[at], true.strain[at]
-    return {
-        "force": (apart / true.force)[at],
-        "pressure": _norm(found.taxels - true.taxels) / _norm(true.taxels),
-        "area": np.abs(found.area[at] / true.area[at] - 1),
+    stated = {name: _largest(getattr(found, name), getattr(true, name), at) for name in STATED}
+    shift = (found.centroid - true.centroid)[at]
+    return stated | {
+        "taxels": norm(found.taxels - true.taxels) / norm(true.taxels),
         "centroid": np.linalg.norm(shift, axis=1) / np.sqrt(true.area[at] / np.pi),
-        "strain": _norm(found.strain[at] - size) / _norm(size),
     }
 
 
-def _norm(values: Array) -> Array:
+def _largest(found: Array, true: Array, at: NDArray[np.int64]) -> Array:
+    """Return the largest difference so far of values (n, ...), of the value there, (m,) at some."""
+    return np.asarray(np.maximum.accumulate(norm(found - true))[at] / norm(true[at]))
+
+
+def norm(values: Array) -> Array:
+    """Return the norms (n,) of values (n, ...), over all but the first axis."""
     return np.asarray(np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1)))
 
 

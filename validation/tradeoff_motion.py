@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from fefinger.validation import tradeoff_runs as runs
-from fefinger.validation.tradeoff_errors import Press
+from fefinger.validation.tradeoff_errors import Press, norm
 from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
 from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._tradeoff import STATED
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene import Scene
 from fefinger.theory.ting import press_by_depth, radius_nodes
@@ -22,9 +23,9 @@ Array = NDArray[np.float64]
 
 NODES = 96
 
-FORCE, AREA, STRAIN = 1.5, 1.0, 1.0
-"""Powers of the depth that force, area and strain begin with: Hertz's, and between its 3/2 far
-from the contact and 1/2 close to it."""
+FORCE, AREA, STRAIN, PRESSURE = 1.5, 1.0, 1.0, 1.0
+"""Powers of the depth that force, area, strain and highest pressure over 1 mm² begin with: Hertz's,
+and between its 3/2 far from the contact (or where that is small) and 1/2 close to it."""
 
 COST = 1e3
 """Cost per s of moving a spike, of Victor and Purpura: 1 ms off counts as one spike."""
@@ -32,19 +33,24 @@ COST = 1e3
 
 @dataclass(frozen=True)
 class Passage:
-    """An answer through time: time (n_t,) s, force (n_t,) N, area (n_t,) mm², strain at the sites.
+    """An answer through time.
 
-    strain (n_t, 4, 3, 3).
+    time (n_t,) s, force (n_t,) N, pressure (n_t,) kPa, the highest over 1 mm², area (n_t,) mm²,
+    strain (n_t, 4, 3, 3) at the sites.
     """
 
     time: Array
     force: Array
+    pressure: Array
     area: Array
     strain: Array
 
 
 def passage(pressed: Press, scene: Scene, *, fast: bool = False) -> Passage:
-    """Return the motion of a scene, by depth, on the finger of a press of relaxed tissue."""
+    """Return the motion of a scene, by depth, on the finger of a press of relaxed tissue.
+
+    The highest pressure is taken to stay where it is on the pad, as that of a ball does.
+    """
     time = time_grid(scene.motion, fast=fast)
     nodes = radius_nodes(scene.motion.peak * (1 + 1e-9), NODES)
     prony = scene.finger.prony
@@ -52,7 +58,8 @@ def passage(pressed: Press, scene: Scene, *, fast: bool = False) -> Passage:
     force = history.stress(_curve(pressed.depth, pressed.force, nodes, FORCE)) / prony.long_time
     area = _curve(pressed.depth, pressed.area, history.edge, AREA)
     strain = history.strain(_curve(pressed.depth, pressed.strain, nodes, STRAIN))
-    return Passage(time, force, area, strain)
+    highest = history.stress(_curve(pressed.depth, pressed.pressure, nodes, PRESSURE))
+    return Passage(time, force, highest / prony.long_time, area, strain)
 
 
 def direct(name: str, mechanics: str, resolution: str, refine: int = 1) -> Passage | None:
@@ -60,21 +67,30 @@ def direct(name: str, mechanics: str, resolution: str, refine: int = 1) -> Passa
     arrays = runs.load(Run("base", name, mechanics, resolution, refine))
     if arrays is None:
         return None
-    return Passage(arrays["time"], arrays["force"], arrays["area"], arrays["strain"])
+    kept = ("time", "force", "highest", "area", "strain")
+    return Passage(*(arrays[key] for key in kept))
 
 
 def errors(found: Passage, true: Passage) -> dict[str, float]:
-    """Return relative errors: of the force, of the peak, and at the peak of area and strain."""
+    """Return the errors of what is stated.
+
+    Of the force the largest through time, of its peak; of the rest that when the force is largest.
+    """
     at = int(np.argmax(true.force))
     force = np.interp(true.time, found.time, found.force)
-    area = float(np.interp(true.time[at], found.time, found.area))
-    near = int(np.argmin(np.abs(found.time - true.time[at])))
-    apart = np.linalg.norm(found.strain[near] - true.strain[at])
-    return {
-        "force": float(np.abs(force - true.force).max() / true.force.max()),
-        "area": abs(area / float(true.area[at]) - 1),
-        "strain": float(apart / np.linalg.norm(true.strain[at])),
+    apart = {
+        name: norm(_at(found, name, true.time[at]) - value) / norm(value)
+        for name, value in ((name, getattr(true, name)[at : at + 1]) for name in STATED[1:])
     }
+    largest = float(np.abs(force - true.force).max() / true.force.max())
+    return {"force": largest, **{name: float(value[0]) for name, value in apart.items()}}
+
+
+def _at(found: Passage, name: str, time: float) -> Array:
+    """Return the value (1, ...) of a passage at a time."""
+    values = getattr(found, name)
+    rows = [np.interp(time, found.time, row) for row in values.reshape(len(values), -1).T]
+    return np.reshape(rows, (1, *values.shape[1:]))
 
 
 def spikes(

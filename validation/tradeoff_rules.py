@@ -1,7 +1,7 @@
 """The rules that the planner reads, derived from the presses of the trade-off.
 
 Per press and candidate: the numerical error (of the mesh) and the model error (of what is left
-out) in presses to each depth. The stated error is their sum, at the worse neighbor of a scene, with
+out) in presses to each depth. The stated error is their sum, between the neighbors of a scene, with
 a margin for what lies between the presses and one for motions.
 """
 
@@ -24,6 +24,7 @@ from fefinger.validation.tradeoff_errors import (
     errors,
     identify,
     law,
+    mesh_errors,
     press,
     unknowns,
 )
@@ -31,6 +32,7 @@ from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
 from fefinger.mechanics import _evidence, _tradeoff, hertz
+from fefinger.mechanics._tradeoff import STATED
 from fefinger.scene import Finger
 
 
@@ -43,6 +45,9 @@ WITHOUT_MESH = ("hertz", "layered")
 NO_MESH = (*WITHOUT_MESH, "lumped")
 
 WITH_MESH = ("condensed", "linear", "solid")
+
+LIMIT = {"condensed": "linear"}
+"""Whose limit of fine meshes a mechanics has, if not its own."""
 
 FINGERS = ("d.p.", "p.w.")
 """Fingers that tell how much the model error differs; the held-out one is not among them."""
@@ -78,20 +83,19 @@ def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list
             "model": {"force": _short(apart)},
         }
     for mechanics in WITH_MESH:
-        own = converged(name, mechanics)
+        own = converged(name, LIMIT.get(mechanics, mechanics))
         model = errors(own.press, true.press) if mechanics != "solid" else zero
         for mesh in MESHES:
             pressed = press(name, mechanics, mesh)
             if pressed is not None:
-                found[f"{mechanics} {mesh}"] = _listed(errors(pressed, own.press), model)
-        standard = found[f"{mechanics} standard"]["numerical"]
-        shrunk = {key: np.array(values) * _FINE for key, values in standard.items()}
-        found[f"{mechanics} fine"] = _listed(shrunk, model)
+                found[f"{mechanics} {mesh}"] = _listed(mesh_errors(pressed, own), model)
+        force = _FINE * np.array(found[f"{mechanics} standard"]["numerical"]["force"])
+        found[f"{mechanics} fine"] = _listed({**mesh_errors(None, own), "force": force}, model)
     return found
 
 
 _FINE = float((40926 / 99374) ** (ORDER / 3))
-"""Error of the fine mesh over that of the standard one, of order 2 in the cell length."""
+"""Error of the force on the fine mesh over that on the standard one, of order 2 in the cells."""
 
 
 def _listed(numerical: dict[str, Array], model: dict[str, Array]) -> dict[str, Any]:
@@ -124,60 +128,76 @@ def row(name: str) -> dict[str, Any]:
     }
 
 
-def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, float]]:
-    """Return what is added to the error of the force that the neighbors of a scene tell.
+def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return what is added to the error of each quantity that the neighbors of a scene tell.
 
     between: half of the 95th percentile of what the neighbors of a press tell too little of it,
     where it has one on either side; half, because leaving a press out doubles the gap. motion: the
-    largest of what a press tells too little of a base scene.
+    largest share of its error that a press tells too little of a base scene.
     """
-    found = {}
-    for candidate in sorted({name for each in presses.values() for name in each["candidates"]}):
-        missed = [each for name in presses for each in _missed(presses, name, candidate)]
-        alike = candidate.replace("fine", "standard")
-        moving = [
-            each["carried"][alike] - _own(presses[each["press"]], alike, each)
-            for each in motions.values()
-            if alike in each["carried"]
-        ]
-        found[candidate] = {
-            "between": _margin(float(np.quantile(missed, QUANTILE)) / 2 if missed else 0.0),
-            "motion": _margin(max(moving, default=0.0)),
-        }
-    return found
+    names = sorted({name for each in presses.values() for name in each["candidates"]})
+    return {
+        name: {quantity: _margins(presses, motions, name, quantity) for quantity in _of(name)}
+        for name in names
+    }
 
 
-def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, float]:
-    """Return by what the error of a mechanics is larger in direct runs than its press tells.
+def _margins(
+    presses: dict[str, Any], motions: dict[str, Any], candidate: str, quantity: str
+) -> dict[str, float]:
+    missed = [each for name in presses for each in _missed(presses, name, candidate, quantity)]
+    alike = candidate.replace("fine", "standard")
+    moving = [
+        each["carried"][alike][quantity] / _own(presses[each["press"]], alike, each, quantity) - 1
+        for each in motions.values()
+        if alike in each["carried"]
+    ]
+    return {
+        "between": _margin(float(np.quantile(missed, QUANTILE)) / 2 if missed else 0.0),
+        "motion": _margin(max(moving, default=0.0)),
+    }
 
-    The largest over the base scenes; on model errors, which carrying a press leaves too small.
+
+def _of(candidate: str) -> tuple[str, ...]:
+    """Return what is stated of a candidate."""
+    return STATED[:1] if candidate == "lumped" else STATED
+
+
+def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Return by what the errors of a mechanics are larger in direct runs than its press tells.
+
+    The largest over the base scenes; on model errors, which carrying a press leaves too small. Of
+    the contact area it is not told: direct runs are on the coarse mesh, too rough for it.
+    `condensed` has the model of `linear`, and errors of a mesh that does not follow the touch.
     """
-    factors = {"solid": 1.0}
+    factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
     for each in motions.values():
-        for candidate, error in each["direct"].items():
-            mechanics = candidate.split()[0]
-            factor = error / _own(presses[each["press"]], candidate, each)
-            factors[mechanics] = max(factors.get(mechanics, 1.0), float(f"{factor:.3g}"))
-    return factors
+        for candidate, found in each["direct"].items():
+            known = factors[candidate.split()[0]]
+            for quantity in found.keys() - {"area"}:
+                error = found[quantity]
+                factor = error / _own(presses[each["press"]], candidate, each, quantity)
+                known[quantity] = max(known[quantity], float(f"{factor:.3g}"))
+    return factors | {"condensed": factors["linear"]}
 
 
-def _missed(presses: dict[str, Any], name: str, candidate: str) -> Iterator[float]:
+def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -> Iterator[float]:
     """Give the error in a press less that which the other presses tell, at every depth."""
     own = presses[name]
     others = {key: value for key, value in presses.items() if key != name}
     place = _tradeoff.place(own["angle"], own["radius"])
     if candidate not in own["candidates"] or len(_tradeoff.neighbors(others, place)) < 2:
         return
-    actual = _tradeoff.total(own["candidates"][candidate], "force")
+    actual = _tradeoff.total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = _tradeoff.told(others, candidate, place, depth / own["thickness_mm"])
+        told = _tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
         if told is not None:
             yield error - sum(told)
 
 
-def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any]) -> float:
-    """Return the error of the force in a press at the depth of a motion."""
-    errors_ = _tradeoff.total(row["candidates"][candidate], "force")
+def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any], quantity: str) -> float:
+    """Return the error of a quantity in a press at the depth of a motion."""
+    errors_ = _tradeoff.total(row["candidates"][candidate], quantity)
     return float(np.interp(moved["depth_mm"], row["depth_mm"], errors_))
 
 
@@ -194,26 +214,26 @@ def steps() -> dict[str, dict[str, float]]:
         ours = motion.direct(run.name, run.mechanics, run.resolution)
         finer = motion.direct(run.name, run.mechanics, run.resolution, run.refine)
         if ours is not None and finer is not None:
-            errors_ = motion.errors(ours, finer)
-            rows[f"{run.mechanics}, {run.name}, steps / {run.refine}"] = {
-                key: float(f"{value:.4g}") for key, value in errors_.items()
-            }
+            label = f"{run.mechanics}, {run.name}, steps / {run.refine}"
+            rows[label] = _rounded(motion.errors(ours, finer))
     return rows
 
 
-def paced(rows: dict[str, dict[str, float]]) -> dict[str, float]:
-    """Return the error of the force that the time steps of a mechanics make, the largest known."""
-    found = dict.fromkeys((*NO_MESH, *WITH_MESH), 0.0)
+def paced(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    """Return the errors that the time steps of a mechanics make, the largest known."""
+    found = {name: dict.fromkeys(_of(name), 0.0) for name in (*NO_MESH, *WITH_MESH)}
     for label, row in rows.items():
-        mechanics = label.split(",")[0]
-        found[mechanics] = max(found[mechanics], row["force"])
+        known = found[label.split(",")[0]]
+        for quantity, error in row.items():
+            known[quantity] = max(known[quantity], error)
     return found | {"condensed": found["linear"]}
 
 
 def fingers() -> dict[str, float]:
     """Return by what the model error of other fingers is larger, at the same part of the thickness.
 
-    The largest over presses and depths at which it is above LEAST on the measured finger.
+    The largest over presses and depths at which it is above LEAST on the measured finger, of the
+    force; of the rest none is known.
     """
     rows = _evidence.read(_evidence.SOLID_REPORT)["rows"]
     found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
@@ -234,7 +254,7 @@ def _relative(row: dict[str, Any], mechanics: str) -> Array:
 
 
 def motions() -> dict[str, Any]:
-    """Return the errors of the force through the base scenes, by candidate.
+    """Return the errors through the base scenes of what is stated, by candidate.
 
     carried: against the converged press of `solid`, carried to the motion as the candidate's is;
     direct: against `solid` run through the scene on the coarse mesh, for what shares that mesh or
@@ -245,22 +265,28 @@ def motions() -> dict[str, Any]:
         scene, true = scenes.base(name), converged(pressed).press
         reference = motion.passage(true, scene)
         passed = {key: motion.passage(own, scene) for key, own in answers(pressed).items()}
-        carried = {key: _off(each, reference) for key, each in passed.items()}
         run, direct = motion.direct(name, "solid", "coarse"), {}
         if run is not None:
             alike = [key for key in passed if key.split()[-1] in ("coarse", *NO_MESH)]
-            direct = {key: _off(passed[key], run) for key in alike if not key.startswith("solid")}
+            alike = [key for key in alike if not key.startswith("solid")]
+            direct = {key: off(key, passed[key], run) for key in alike}
         found[name] = {
             "press": pressed,
             "depth_mm": moved.peak,
-            "carried": carried,
+            "carried": {key: off(key, each, reference) for key, each in passed.items()},
             "direct": direct,
         }
     return found
 
 
-def _off(found: motion.Passage, true: motion.Passage) -> float:
-    return float(f"{motion.errors(found, true)['force']:.4g}")
+def off(candidate: str, found: motion.Passage, true: motion.Passage) -> dict[str, float]:
+    """Return the errors of what a candidate gives."""
+    apart = _rounded(motion.errors(found, true))
+    return {quantity: apart[quantity] for quantity in _of(candidate)}
+
+
+def _rounded(row: dict[str, float]) -> dict[str, float]:
+    return {key: float(f"{value:.4g}") for key, value in row.items()}
 
 
 def answers(name: str) -> dict[str, Press]:
@@ -306,7 +332,7 @@ def rules() -> dict[str, Any]:
     measured = [finger, *(Finger.subject(name) for name in FINGERS)]
     shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
-        "quantities": {"force": "of the force there", "pressure": "L2 of taxels of 1 mm"},
+        "quantities": _tradeoff.MEANT,
         "tissue": {
             "skin_over_subcutaneous": finger.skin.modulus / finger.subcutaneous.modulus,
             "skin_over_thickness": [min(shares), max(shares)],

@@ -19,6 +19,7 @@ import numpy as np
 from fefinger.validation import tradeoff_scenes as scenes
 from numpy.typing import NDArray
 
+from fefinger import pressures
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.mechanics import get
 from fefinger.records import Response
@@ -27,11 +28,14 @@ from fefinger.scene import Flat, Ramp, Scene
 
 Array = NDArray[np.float64]
 
-FORMAT = 1
-"""Raised when the mechanics change so that kept runs are to be made again."""
+FORMAT = 2
+"""Raised when the mechanics or what is kept change so that kept runs are to be made again."""
 
 PITCH, TAXELS = 1.0, 17
 """Spacing in mm and number per side of the taxels that the pressure is compared on."""
+
+FINE = 0.15
+"""Length in mm of the parts that edges of the pad are cut into to share forces out to taxels."""
 
 DEPTHS = 12
 """Evenly spaced depths of a press at which the taxels are kept."""
@@ -87,8 +91,8 @@ def campaign() -> tuple[Run, ...]:
     rough = [Run("press", name, "solid", "coarse") for name in scenes.PRESSES]
     direct = [Run("base", name, "solid", "coarse") for name in scenes.MOTIONS]
     converged = [Run("press", name, "solid", "standard") for name in scenes.PRESSES]
-    fine = [Run("press", name, "linear", "fine") for name in ("sphere-2",)]
-    return (*cheap, *small, *rough, *direct, *converged, *steps(), *fine)
+    fine = [Run("press", name, "linear", "fine") for name in scenes.PRESSES]
+    return (*cheap, *small, *rough, *converged, *direct, *steps(), *fine)
 
 
 def steps() -> tuple[Run, ...]:
@@ -143,6 +147,8 @@ def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
     assert response.strain is not None
     assert response.sites is not None
     assert response.reference is not None
+    assert response.pad is not None
+    assert response.pressure is not None
     if pressed:
         wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
         kept = np.searchsorted(response.depth, wanted * (1 - 1e-9))
@@ -162,6 +168,7 @@ def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
         "reference_depth": np.array(response.reference.depth),
         "kept": kept,
         "taxels": np.array([taxels(response, int(step)) for step in kept]),
+        "highest": pressures.peaks(response.pad, response.pressure),
         **stages,
     }
 
@@ -169,24 +176,24 @@ def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
 def taxels(response: Response, step: int) -> Array:
     """Return the forces (TAXELS, TAXELS) in mN on an array of taxels about the pressure's center.
 
-    Each point of the pad gives its force to the four taxels around it, linearly. That overstates
-    what a mesh does to the pressure, two to four times (4.8 % for 2.2 % between the standard and
-    the fine mesh under the 30 degree plate, 1 mm deep): `fefinger.pressures` integrates between the
-    points. It is kept for the runs that were made with it.
+    The pressure is linear between the points of the pad, and each small part of its force goes to
+    the four taxels around it, linearly.
     """
     assert response.pad is not None
     assert response.pressure is not None
     assert response.centroid is not None
-    force = response.pressure[step] * response.pad.areas
-    place = (response.pad.points[:, :2] - response.centroid[step]) / PITCH + TAXELS // 2
+    pressure = response.pressure[step]
+    pad = pressures.pressed(response.pad, pressure > 0)
+    fine = pressures.net(pad, pressures.cuts(pad, FINE))
+    force, points = fine.loads @ pressure, fine.between @ pad.points
+    place = (points[:, :2] - response.centroid[step]) / PITCH + TAXELS // 2
+    low = np.clip(np.floor(place).astype(int), 0, TAXELS - 2)
+    part = np.clip(place - low, 0.0, 1.0)
     out = np.zeros((TAXELS, TAXELS))
-    pressed = force > 0
-    low = np.clip(np.floor(place[pressed]).astype(int), 0, TAXELS - 2)
-    part = np.clip(place[pressed] - low, 0.0, 1.0)
     for dx in (0, 1):
         for dy in (0, 1):
             share = np.abs(1 - dx - part[:, 0]) * np.abs(1 - dy - part[:, 1])
-            np.add.at(out, (low[:, 0] + dx, low[:, 1] + dy), share * force[pressed])
+            np.add.at(out, (low[:, 0] + dx, low[:, 1] + dy), share * force)
     return out
 
 

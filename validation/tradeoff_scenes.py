@@ -40,9 +40,11 @@ class Object:
 
 
 BASE = {
-    "flat-30": Object("a.h.", Flat(30), 2.0),
+    "flat-30": Object("a.h.", Flat(30), 1.9),
+    "flat-15": Object("a.h.", Flat(15), 1.5),
     "flat-0": Object("a.h.", Flat(0), 1.0),
     "sphere-10": Object("a.h.", Sphere(10), 2.0),
+    "sphere-5": Object("a.h.", Sphere(5), 1.5),
     "sphere-2": Object("a.h.", Sphere(2), 0.6),
 }
 """Presses that the planner's rules are derived from."""

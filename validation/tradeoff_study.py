@@ -8,8 +8,15 @@ from fefinger.validation import tradeoff_errors as presses
 from fefinger.validation import tradeoff_motion as motion
 from fefinger.validation import tradeoff_runs as runs
 from fefinger.validation import tradeoff_scenes as scenes
-from fefinger.validation.tradeoff_errors import Press, converged, errors, hertzian, press
-from fefinger.validation.tradeoff_rules import answers, identified
+from fefinger.validation.tradeoff_errors import (
+    Press,
+    converged,
+    errors,
+    hertzian,
+    mesh_errors,
+    press,
+)
+from fefinger.validation.tradeoff_rules import LIMIT, answers, identified
 from fefinger.validation.tradeoff_runs import Run
 
 from fefinger import machine
@@ -64,10 +71,10 @@ def split(name: str) -> dict[str, dict[str, Any]]:
         all_, zero = errors(own, true), dict.fromkeys(presses.QUANTITIES, 0.0)
         numerical, model = zero, _last(all_)
         if mechanics in ("condensed", "linear"):
-            limit = converged(name, mechanics).press
-            numerical, model = _last(errors(own, limit)), _last(errors(limit, true))
+            limit = converged(name, LIMIT.get(mechanics, mechanics))
+            numerical, model = _last(mesh_errors(own, limit)), _last(errors(limit.press, true))
         elif mechanics == "solid":
-            numerical, model = _last(all_), zero
+            numerical, model = _last(mesh_errors(own, converged(name))), zero
         kept = ("force",) if mechanics == "lumped" else presses.QUANTITIES
         rows[candidate] = {
             "numerical": {key: numerical[key] for key in kept},

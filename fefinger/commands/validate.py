@@ -41,8 +41,7 @@ def validate(
         from fefinger.validation import index
         from fefinger.validation.provenance import provenance
 
-        names = [suite["suite"] for suite in record["suites"]]
-        pictures, findings = known.figures(names), known.findings(names)
+        pictures, findings = known.figures(record), known.findings(record)
         options = {"--quick": quick, "--all": every}
         words = ["fefinger validate", *suites, *(key for key, given in options.items() if given)]
         made = provenance(" ".join(words))

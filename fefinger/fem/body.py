@@ -32,6 +32,11 @@ class Solid:
     original: Integers
     half: bool
 
+    @property
+    def planes(self) -> tuple[int, ...]:
+        """The axes across whose plane the body goes on as its mirror image."""
+        return (1,) if self.half else ()
+
 
 @dataclass(frozen=True)
 class Body(Solid):

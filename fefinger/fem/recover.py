@@ -3,16 +3,17 @@
 The strain of quadratic elements jumps between cells and is of second order. A cubic polynomial,
 fitted by least squares to the nodal displacements of the cells around a point, has a gradient of
 third order there (Zhang and Naga, SIAM J. Sci. Comput. 26:1192, 2005). Only cells of the tissue
-that the point lies in are used, as strain jumps between tissues.
+that the point lies in are used, as strain jumps between tissues; where they are too few for a
+cubic, a point keeps the gradient of its own cells.
 """
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
 from scipy import sparse
 
-from fefinger.checks import InputError
-from fefinger.fem.probe import VOIGT, locate
+from fefinger.fem.probe import VOIGT, gradient_at, locate
 from fefinger.fem.spaces import Array, Integers, Space
 
 
@@ -29,7 +30,7 @@ RANK = 1e-6  # smallest singular value of a fit, over the largest
 
 
 def recovered_strain_at(
-    space: Space, points: Array, planes: tuple[int, ...] = ()
+    space: Space, points: Array, planes: Sequence[int] = ()
 ) -> sparse.csr_matrix:
     """Return the operator (6 n_points, n_unknowns) from unknowns to the strain at `points`.
 
@@ -38,60 +39,96 @@ def recovered_strain_at(
     Raises
     ------
     InputError
-        If a point (n_points, 3) mm lies outside the body, or too few cells are around it.
+        If a point (n_points, 3) mm lies outside the body.
     """
-    owner, cells, _ = locate(space, points)
-    n_cells, n_local = space.vertices.shape
-    entries = (
-        np.ones(space.vertices.size),
-        (np.arange(n_cells).repeat(n_local), space.vertices.ravel()),
-    )
-    touching = sparse.csr_matrix(entries, shape=(n_cells, len(space.points)))
-    blocks = [
-        _rows(space, point, cells[owner == k], touching, planes) for k, point in enumerate(points)
-    ]
-    return (
-        sparse.vstack(blocks, format="csr") if blocks else sparse.csr_matrix((0, space.n_unknowns))
-    )
+    mean = np.zeros((6, 9))
+    for row, (i, j) in enumerate(VOIGT):
+        mean[row, 3 * i + j] += 0.5
+        mean[row, 3 * j + i] += 0.5
+    strain = sparse.kron(sparse.identity(len(points)), mean, format="csr")
+    return strain @ recovered_gradient_at(space, points, planes)
 
 
-def _rows(
-    space: Space,
-    point: Array,
-    host: Integers,
-    touching: sparse.csr_matrix,
-    planes: tuple[int, ...],
+def recovered_gradient_at(
+    space: Space, points: Array, planes: Sequence[int] = ()
 ) -> sparse.csr_matrix:
-    """Return the rows (6, n_unknowns) of one point, with as many rings of cells as it takes."""
-    own = space.tissue == space.tissue[host[0]]
-    inside = np.zeros(len(space.tissue), dtype=bool)
-    inside[host] = True
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at `points`, i before j.
+
+    `planes` and errors are those of `recovered_strain_at`.
+    """
+    if len(points) == 0:
+        return sparse.csr_matrix((0, space.n_unknowns))
+    owner, cells, _ = locate(space, points)
+    around = _Around(space, planes)
+    blocks = [_rows(around, point, cells[owner == k]) for k, point in enumerate(points)]
+    return sparse.vstack(blocks, format="csr")
+
+
+class _Around:
+    """The cells of a body and of its mirror images, and which of them touch.
+
+    A cell, vertex or node has one number per image; on a mirror plane the images are one.
+    """
+
+    def __init__(self, space: Space, planes: Sequence[int]) -> None:
+        self.space = space
+        self.signs = np.ones((1, 3))
+        for axis in planes:
+            flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+            self.signs = np.concatenate([self.signs, self.signs * flip])
+        self.vertices = self._images(space.vertices, space.points)
+        self.nodes = self._images(space.nodes, space.node_points)
+        self.tissue = np.tile(space.tissue, len(self.signs))
+        order = np.argsort(self.vertices, axis=None, kind="stable")
+        self._cells = order // self.vertices.shape[1]
+        count = len(space.points) * len(self.signs)
+        sizes = np.bincount(self.vertices.ravel(), minlength=count)
+        self._starts = np.concatenate([[0], np.cumsum(sizes)])
+
+    def _images(self, members: Integers, points: Array) -> Integers:
+        """Return the members (n_cells, k) of the cells of all images, numbered image by image."""
+        found = []
+        for image, signs in enumerate(self.signs):
+            own = np.full(len(points), image)
+            for lower in range(image):  # one and the same, if what the signs differ in is 0
+                same = (points[:, signs != self.signs[lower]] == 0).all(axis=1) & (own == image)
+                own[same] = lower
+            found.append(own[members] * len(points) + members)
+        return np.concatenate(found)
+
+    def hosts(self, point: Array, cells: Integers) -> Integers:
+        """Return the cells of one tissue that hold a point; on a mirror plane, their images too."""
+        own = cells[self.tissue[cells] == self.tissue[cells[0]]]
+        images = np.flatnonzero((point * self.signs == point).all(axis=1))
+        return (images[:, None] * len(self.space.vertices) + own).ravel()
+
+    def grown(self, cells: Integers) -> Integers:
+        """Return the cells with all of their tissue that touch them."""
+        vertices = np.unique(self.vertices[cells])
+        runs = [self._cells[self._starts[v] : self._starts[v + 1]] for v in vertices]
+        found = np.unique(np.concatenate(runs))
+        return found[self.tissue[found] == self.tissue[cells[0]]]
+
+    def places(self, cells: Integers) -> tuple[Integers, Array, Array]:
+        """Return the nodes (n,) of cells, where they are or their images, and signs (n, 3)."""
+        images, nodes = np.divmod(np.unique(self.nodes[cells]), len(self.space.node_points))
+        signs = self.signs[images]
+        return nodes, self.space.node_points[nodes] * signs, signs
+
+
+def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
+    """Return the rows (9, n_unknowns) of one point, with as many rings of cells as it takes."""
+    space, cells = around.space, around.hosts(point, host)
     for _ in range(RINGS):
-        inside = (touching @ (touching.T @ inside) > 0) & own
-        nodes, offsets, signs = _mirrored(space, np.unique(space.nodes[inside]), point, planes)
-        slopes = _slopes(offsets)
+        cells = around.grown(cells)
+        nodes, places, signs = around.places(cells)
+        slopes = _slopes(places - point)
         if slopes is not None:
-            return _strain(slopes, nodes, signs, space.n_unknowns)
-    listed = ", ".join(f"{x:.3g}" for x in point)
-    message = (
-        f"site ({listed}) mm: expected {len(POWERS)} nodes of one tissue in all directions around "
-        f"it, received {len(nodes)}; refine the mesh or take the strain of its cell"
-    )
-    raise InputError(message)
-
-
-def _mirrored(
-    space: Space, nodes: Integers, point: Array, planes: tuple[int, ...]
-) -> tuple[Integers, Array, Array]:
-    """Return the nodes (n,) with their images, where they are seen from the point, and signs."""
-    places, signs = space.node_points[nodes], np.ones((len(nodes), 3))
-    for axis in planes:
-        off = places[:, axis] != 0
-        flip = np.where(np.arange(3) == axis, -1.0, 1.0)
-        nodes = np.concatenate([nodes, nodes[off]])
-        places = np.concatenate([places, places[off] * flip])
-        signs = np.concatenate([signs, signs[off] * flip])
-    return nodes, places - point, signs
+            columns = 3 * nodes[:, None] + np.arange(3)
+            values = slopes[None] * signs.T[:, None]  # (i, j, n): du_i / dX_j
+            where = (np.arange(9).repeat(len(nodes)), columns.T.repeat(3, axis=0).ravel())
+            return sparse.coo_matrix((values.ravel(), where), (9, space.n_unknowns)).tocsr()
+    return gradient_at(space, point[None])
 
 
 def _slopes(offsets: Array) -> Array | None:
@@ -109,14 +146,3 @@ def _slopes(offsets: Array) -> Array | None:
     if size[-1] < RANK * size[0]:
         return None
     return np.asarray((right.T[SLOPES] / size) @ left.T * weights / reach)
-
-
-def _strain(slopes: Array, nodes: Integers, signs: Array, count: int) -> sparse.csr_matrix:
-    """Return the rows (6, count) of the strain from what gives gradients (3, n) of nodal values."""
-    block = np.zeros((6, len(nodes), 3))
-    for row, (i, j) in enumerate(VOIGT):
-        block[row, :, i] += slopes[j] / 2
-        block[row, :, j] += slopes[i] / 2
-    columns = 3 * nodes[:, None] + np.arange(3)
-    where = (np.arange(6).repeat(columns.size), np.tile(columns.ravel(), 6))
-    return sparse.coo_matrix(((block * signs).ravel(), where), shape=(6, count)).tocsr()

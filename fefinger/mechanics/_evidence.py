@@ -1,6 +1,7 @@
 """What the reports have measured of each mechanics: the source of its stated cost and error."""
 
 import json
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from fefinger.checks import InputError
 from fefinger.data import report
+from fefinger.finger import RESOLUTIONS
 from fefinger.machine import slowness
 from fefinger.mechanics._kept import at_hand
 from fefinger.mechanics._stride import stride
@@ -148,11 +150,17 @@ def condensed_error(scene: Scene) -> tuple[float, str]:
     Its mesh is that of the 30 degree plate and does not follow the touch.
     """
     measured: dict[str, dict[str, float | None]] = read(CONDENSED_REPORT)["force_error"]["presses"]
-    errors = measured[scene.finger.mesh]
-    press = linear_press(scene.indenter, tuple(errors))
-    error = errors[press]
-    mesh = float("inf") if error is None else error
+    press = linear_press(scene.indenter, tuple(measured[scene.finger.mesh]))
+    mesh = _of_mesh({name: row[press] for name, row in measured.items()}, scene.finger.mesh)
     return _with_small_strain(scene, mesh, f"reports/{CONDENSED_REPORT}, {press}")
+
+
+def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
+    """Return the error of a mesh, at least that of the finer ones: a small one may be by chance."""
+    if errors[resolution] is None:
+        return float("inf")
+    finer = RESOLUTIONS[RESOLUTIONS.index(resolution) :]
+    return max(errors.get(name) or 0.0 for name in finer)
 
 
 def _with_small_strain(scene: Scene, mesh: float, source: str) -> tuple[float, str]:
@@ -170,10 +178,9 @@ def linear_mesh_error(scene: Scene) -> tuple[float, str]:
     The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
     round indenter.
     """
-    errors: dict[str, float | None] = linear()[scene.finger.mesh]["force_error"]
-    press = linear_press(scene.indenter, tuple(errors))
-    error = errors[press]
-    return float("inf") if error is None else error, press
+    press = linear_press(scene.indenter, tuple(linear()[scene.finger.mesh]["force_error"]))
+    errors = {name: row["force_error"][press] for name, row in linear().items()}
+    return _of_mesh(errors, scene.finger.mesh), press
 
 
 def linear_radius(scene: Scene) -> float:
@@ -296,10 +303,10 @@ def small_strain_part(scene: Scene) -> float:
 
 
 def small_strain_error(scene: Scene) -> float:
-    """Return the measured difference of the forces of `linear` and `solid` at the scene's depth.
+    """Return the measured difference of the forces of `linear` and `solid` to the scene's depth.
 
-    It is linear between the measured depths and constant beyond them, and none at first touch; of
-    tissue that relaxes, where that was measured.
+    It is the largest on the way, of the force there; linear between the measured depths, constant
+    beyond them, and none at first touch; of tissue that relaxes, where that was measured.
     """
     press = solid_press(scene)
     row = solid()[press]
@@ -307,7 +314,8 @@ def small_strain_error(scene: Scene) -> float:
     told = (row["relaxing_N"], row["force_N"])
     forces = next(each for each in told if each and None not in each["solid"])
     small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
-    return float(np.interp(_part(scene, press), parts, np.abs([0.0, *(small / finite - 1)])))
+    apart = np.maximum.accumulate(np.abs(small - finite)) / finite
+    return float(np.interp(_part(scene, press), parts, [0.0, *apart]))
 
 
 def _part(scene: Scene, press: str) -> float:
@@ -348,14 +356,16 @@ def solid_seconds(scene: Scene) -> float:
 def solid_error(scene: Scene) -> tuple[float, str]:
     """Return the measured error of the force against the extrapolated mesh, and its source.
 
-    It is that of `linear` under objects that the coarse mesh is too coarse for, and that of the
-    standard mesh on the fine one.
+    It is that of `linear` under the object most like the scene's, or that of `solid` where that is
+    larger: measured under fewer objects and, for the fine mesh, on the standard one.
     """
-    press = linear_press(scene.indenter, tuple(solid()))
-    row, resolution = solid().get(press, {"mesh_error": None}), scene.finger.mesh
-    errors = row["mesh_error"]
-    if errors is None:
-        error, press = linear_mesh_error(scene)
-        return error, f"reports/{LINEAR_REPORT}, {press}: of the mesh, not of the model"
-    error = errors["standard" if resolution == "fine" else resolution]
-    return error, f"reports/{SOLID_REPORT}, {press}: of the mesh, not of the model"
+    error, press = linear_mesh_error(scene)
+    source = f"reports/{LINEAR_REPORT}, {press}"
+    own = linear_press(scene.indenter, tuple(solid()))
+    errors = solid().get(own, {"mesh_error": None})["mesh_error"]
+    resolution = scene.finger.mesh
+    if errors is not None:
+        measured = errors["standard" if resolution == "fine" else resolution]
+        if measured > error:
+            error, source = measured, f"reports/{SOLID_REPORT}, {own}"
+    return error, f"{source}: of the mesh, not of the model"

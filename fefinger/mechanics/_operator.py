@@ -28,6 +28,9 @@ from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
 
 
+STRAIN = "recovered"
+"""How strain at points is read, which what is kept depends on."""
+
 ARRAYS = ("order", "table", "rest", "values", "matrix")
 
 
@@ -108,7 +111,7 @@ def reduced(
     for array in (patch.loads.indptr, patch.loads.indices, patch.loads.data, points):
         digest.update(np.ascontiguousarray(array).tobytes())
     names = ("flexibility", "strain", "approach")
-    digest.update(" ".join(names).encode())
+    digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
     with suppress(OSError, ValueError):

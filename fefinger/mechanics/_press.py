@@ -17,7 +17,8 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
-from fefinger.fem.probe import strain_at, strain_at_vertices, tensors
+from fefinger.fem.probe import strain_at_vertices, tensors
+from fefinger.fem.recover import recovered_strain_at
 from fefinger.mechanics import _placing
 from fefinger.mechanics._hard import elastic, held, with_nail
 from fefinger.mechanics._notes import normalized, relaxing
@@ -159,7 +160,7 @@ def _contact(
     found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
     where = found.points if found else np.empty((0, 3))
     where = folded(where) if finger.half else where
-    probe = strain_at(finger.space, where, medial=finger.half)
+    probe = recovered_strain_at(finger.space, where, finger.planes)
     depth_control = scene.motion.control == "depth"
     value = scene.motion.value(time)
     if not depth_control:
@@ -245,7 +246,7 @@ def reference_press(
         touch = _placing.obstacle(STANDARD, finger)
         reach = 2 * REACH * REFERENCE_DEPTH
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
-        probe = strain_at(finger.space, central.points, medial=finger.half)
+        probe = recovered_strain_at(finger.space, central.points, finger.planes)
         reduced = method.reduce(finger, candidates, probe)
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
     pressure = Complementarity(reduced.flexibility).solve(free)

@@ -15,7 +15,8 @@ from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.laws import Law, law, neo_hookean
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.passage import Path, Series, StressHistory, follow
-from fefinger.fem.probe import gradient_at, gradient_at_vertices
+from fefinger.fem.probe import gradient_at_vertices
+from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
@@ -190,7 +191,7 @@ def _passage(
     found = organs(scene, touch.origin, touch.axis, skin) if _asked(scene) else None
     where = found.points if found else np.empty((0, 3))
     where = folded(where) if finger.half else where
-    probe = gradient_at(finger.space, where, medial=finger.half)
+    probe = recovered_gradient_at(finger.space, where, finger.planes)
     motion, sides = scene.motion, 2 if finger.half else 1
     depth_control = motion.control == "depth"
     unit = 1.0 if depth_control else 1 / NEWTON_PER_MILLINEWTON / sides

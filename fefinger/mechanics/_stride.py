@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Curve = Callable[[Array], Array]
 
-STRIDES = 12  # steps to the peak of the motion, of equal ways
-PACES = 12  # more of them, of equal times: tissue relaxes in slow corners
+STRIDES = 8  # steps to the peak of the motion, of equal ways
+PACES = 16  # more of them, of equal times: tissue relaxes in slow corners and at turns
 REST = 0.5  # a step of a rest, against the time that it has lasted
 STILL = 1e-9  # path against the peak that counts as none
 
@@ -25,9 +25,9 @@ class Stride:
     """The chosen steps among the times of the answer.
 
     time (n_t,) s and path (n_t,) the motion's value at all times; chosen (n,) the numbers of the
-    steps; clock (n_t,) what the answer is smooth in between them: the way gone while the indenter
-    moves, the logarithm of the time while it rests; seams: the numbers among the chosen where one
-    piece ends.
+    steps; clock (n_t,) what the answer is smooth in between them: the steps that are due while the
+    indenter moves, the logarithm of the time while it rests; seams: the numbers among the chosen
+    where one piece ends.
     """
 
     time: Array
@@ -79,7 +79,8 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
     """Choose steps of nearly equal ways, some * `refine` to the peak, and growing ones at rest.
 
     Even ways alone make the last step of a rounded ramp so long that its relaxation is 2 % of the
-    peak force; half of the steps is therefore even in time.
+    peak force; two thirds of the steps are therefore even in time. The clock counts both alike: in
+    the way alone, relaxation in a slow corner is a root, and splines miss it by 1 % of the peak.
     """
     path = np.asarray(motion.value(time), dtype=np.float64)
     rises = np.diff(path)
@@ -99,7 +100,7 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
             gone = way[inside] - way[first]
             passed = time[inside] - time[first]
             due = STRIDES * gone + PACES * gone[-1] * passed / passed[-1]
-            clock[inside] = clock[first] + gone
+            clock[inside] = clock[first] + due
             count = max(int(np.ceil(refine * due[-1] / motion.peak)), 3)
             marks = np.searchsorted(due, np.linspace(0, due[-1], count + 1)[1:])
         chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))

@@ -2,8 +2,9 @@
 
 A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
 its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
-the finger. The stated error is that of the worse neighbor, numerical and model error added, with
-the margins that the report has for what lies between presses, for motions and for other fingers.
+the finger. The stated error lies between those of its neighbors, numerical and model error added,
+with margins for what lies between presses, for motions and for other fingers. So it is for the
+force and for what else is STATED.
 """
 
 from collections.abc import Mapping
@@ -34,6 +35,17 @@ HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
 
 KINDS = ("numerical", "model")
+
+MEANT = {
+    "force": "the force",
+    "pressure": "the highest pressure over 1 mm²",
+    "area": "the contact area",
+    "strain": "the strain at the end organs, as a Frobenius norm",
+}
+"""What errors are stated of, as far as a mechanics gives it: of the force the largest through time,
+of its peak; of the rest that when the force is largest."""
+
+STATED = tuple(MEANT)
 
 NEAR = 2.0
 """Distance in mm of a ball from the middle of the pad within which it counts as measured."""
@@ -81,8 +93,11 @@ def total(candidate: Mapping[str, Any], quantity: str) -> Array:
     return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
 
 
-def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
-    """Return the presses on either side of a place, or the one at it; beyond all, the last."""
+def neighbors(presses: Mapping[str, Any], where: Place) -> dict[str, float]:
+    """Return the presses on either side of a place, or the one at it, with their weights.
+
+    Beyond all, that is the last.
+    """
     known: dict[str, float] = {}
     for name, row in presses.items():
         own = place(row["angle"], row["radius"])
@@ -92,10 +107,13 @@ def neighbors(presses: Mapping[str, Any], where: Place) -> list[str]:
             known[name] = 0.0
     below = [name for name in known if known[name] <= where.value]
     above = [name for name in known if known[name] >= where.value]
-    if below and above:
-        ends = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
-        return list(dict.fromkeys(ends))
-    return sorted(below or above, key=lambda name: abs(known[name] - where.value))[:1]
+    if not below or not above:
+        return {min(known, key=lambda name: abs(known[name] - where.value)): 1.0}
+    low, high = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
+    if low == high:
+        return {low: 1.0}
+    part = (where.value - known[low]) / (known[high] - known[low])
+    return {low: 1 - part, high: part}
 
 
 def reach(row: Mapping[str, Any]) -> float:
@@ -104,22 +122,49 @@ def reach(row: Mapping[str, Any]) -> float:
 
 
 def told(
-    presses: Mapping[str, Any], candidate: str, where: Place, part: float
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str = "force"
 ) -> tuple[float, float] | None:
-    """Return numerical and model error of the force at the worse neighbor of a place.
+    """Return numerical and model error of a quantity at a place, between those of its neighbors.
 
     None where no neighbor was pressed so deep; one that was not tells what it was at its deepest.
     """
-    rows = [presses[name] for name in neighbors(presses, where)]
-    rows = [row for row in rows if candidate in row["candidates"]]
-    if not any(part <= reach(row) * (1 + 1e-9) for row in rows):
+    weights = neighbors(presses, where)
+    names = [name for name in weights if gives(presses[name], candidate, quantity)]
+    if not any(part <= reach(presses[name]) * (1 + 1e-9) for name in names):
         return None
-    found = []
-    for row in rows:
-        own, parts = row["candidates"][candidate], np.array(row["depth_mm"])
-        at = [np.interp(part, parts / row["thickness_mm"], own[kind]["force"]) for kind in KINDS]
-        found.append((float(at[0]), float(at[1])))
-    return max(found, key=sum)
+    whole = sum(weights[name] for name in names)
+    parts = [weights[name] / whole * at(presses[name], candidate, part, quantity) for name in names]
+    numerical, model = np.sum(parts, axis=0).tolist()
+    return numerical, model
+
+
+def worst(
+    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str
+) -> tuple[float, float] | None:
+    """Return the errors that the worst of all plates tells of a plate, or of two balls of a ball.
+
+    So it is on fingers of which no press is known but by its force: which points of their meshes
+    bear the pressure of a rim, and how a flat pad is rounded, is their own.
+    """
+    if told(presses, candidate, where, part, quantity) is None:
+        return None
+    names = [name for name, row in presses.items() if row["radius"] is None]
+    if where.axis == "curvature":
+        names = list(neighbors(presses, where))
+    rows = [presses[name] for name in names if gives(presses[name], candidate, quantity)]
+    numerical, model = max((at(row, candidate, part, quantity) for row in rows), key=sum).tolist()
+    return numerical, model
+
+
+def gives(row: Mapping[str, Any], candidate: str, quantity: str) -> bool:
+    """Return whether a candidate gave a quantity in a press."""
+    return quantity in row["candidates"].get(candidate, {}).get("model", ())
+
+
+def at(row: Mapping[str, Any], candidate: str, part: float, quantity: str) -> Array:
+    """Return numerical and model error (2,) in a press at a depth over thickness, or its last."""
+    own, parts = row["candidates"][candidate], np.array(row["depth_mm"]) / row["thickness_mm"]
+    return np.array([np.interp(part, parts, own[kind][quantity]) for kind in KINDS])
 
 
 def where(scene: Scene) -> Place | None:
@@ -196,22 +241,28 @@ def part(scene: Scene, press: str) -> float:
     return float(np.interp(wanted, [0.0, *row["force_N"]], parts, right=np.inf))
 
 
-def stated(candidate: str, scene: Scene) -> Stated | None:
-    """Return the stated error of the force; None where the scene is not like a measured press."""
+def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | None:
+    """Return the stated error of a quantity.
+
+    None where the scene is not like a measured press, or the candidate does not give it.
+    """
     place_ = where(scene)
     if place_ is None or not like(scene.finger):
         return None
-    presses, mechanics = rules()["presses"], candidate.split()[0]
-    names = neighbors(presses, place_)
-    found = told(presses, candidate, place_, max(part(scene, name) for name in names))
+    known, mechanics = rules(), candidate.split()[0]
+    names = list(neighbors(known["presses"], place_))
+    deepest = max(part(scene, name) for name in names)
+    own = _own(scene.finger, known["presses"][names[0]])
+    tell = told if own or quantity == "force" else worst
+    found = tell(known["presses"], candidate, place_, deepest, quantity)
     if found is None:
         return None
-    own = _own(scene.finger, presses[names[0]])
-    numerical = found[0] + rules()["steps"][mechanics]
-    model = found[1] * rules()["directs"][mechanics]
-    model *= 1.0 if own else rules()["fingers"][mechanics]
-    margins = rules()["margins"][candidate]
-    margin = margins["motion"] + (0.0 if own and len(names) == 1 else margins["between"])
+    numerical = found[0] + known["steps"][mechanics][quantity]
+    model = found[1] * known["directs"][mechanics][quantity]
+    model *= known["fingers"][mechanics] if quantity == "force" and not own else 1.0
+    margins = known["margins"][candidate][quantity]
+    margin = margins["motion"] * sum(found)
+    margin += 0.0 if own and len(names) == 1 else margins["between"]
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
         f"{model:.2g} of the model, {margin:.2g} of margin"
@@ -219,10 +270,23 @@ def stated(candidate: str, scene: Scene) -> Stated | None:
     return Stated(numerical + model + margin, numerical, model, source)
 
 
+def others(candidate: str, scene: Scene) -> dict[str, float]:
+    """Return the stated errors of what is STATED beside the force, as far as they are known."""
+    found = {quantity: stated(candidate, scene, quantity) for quantity in STATED[1:]}
+    return {quantity: each.error for quantity, each in found.items() if each is not None}
+
+
 def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[float, str]:
-    """Return an error that another report tells, with that of time steps; and why it is taken."""
-    paced = error + rules()["steps"][candidate.split()[0]]
-    return paced, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
+    """Return an error that another report tells, with those of steps and motions; and the reason.
+
+    That was measured under another object, or of another finger: no margin is known for that.
+    """
+    mechanics, margins = candidate.split()[0], rules()["margins"]
+    shares = [
+        each["force"]["motion"] for name, each in margins.items() if mechanics in name.split()
+    ]
+    error = error * (1 + max(shares)) + rules()["steps"][mechanics]["force"]
+    return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
 def _own(finger: Finger, row: Mapping[str, Any]) -> bool:

@@ -9,7 +9,7 @@ Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for 
 C = 2 (1 - nu²) / E of the surface, g = depth - x²/R for a paraboloid, with phi(a) = 0, and
 g = depth for a flat punch. phi is kept in even Legendre polynomials, whose pressures are known in
 closed form. Lengths in mm, moduli in kPa, forces in mN. Source: Lebedev and Ufliand, J. Appl. Math.
-Mech. 22, 1958, 442; recomputed B6.
+Mech. 22, 1958, 442.
 """
 
 import math

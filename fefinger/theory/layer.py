@@ -3,7 +3,7 @@
 `theory/indentation.py` solves the contact on a `Sheet` exactly; the polynomials give the ratio of
 the force to that of Hertz at equal depth as functions of chi = sqrt(R depth) / h. Lengths in mm,
 moduli in kPa. Sources: Lebedev and Ufliand 1958 (kernels); Dimitriadis et al., Biophys. J. 82,
-2002, 2798; Garcia and Garcia, Biophys. J. 114, 2018, 2923; recomputed B6.
+2002, 2798; Garcia and Garcia, Biophys. J. 114, 2018, 2923.
 """
 
 import math

@@ -7,7 +7,7 @@ reflections), so no exponential grows and thick or thin layers of any contrast a
 one. Contact: `theory/indentation.py`; field below it: `theory/below.py`.
 
 Lengths in mm, moduli and stresses in kPa; z points into the body, wavenumbers xi in 1/mm. Source:
-the equations in recomputed B7; Thomson 1950, Haskell 1953 for layers in series.
+Thomson 1950, Haskell 1953 for layers in series.
 """
 
 import math

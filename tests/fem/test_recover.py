@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.fem.grids import box
 from fefinger.fem.probe import strain_at
-from fefinger.fem.recover import POWERS, recovered_strain_at
+from fefinger.fem.recover import POWERS, recovered_gradient_at, recovered_strain_at
 from fefinger.fem.spaces import Space
 
 
@@ -91,9 +90,34 @@ def test_it_does_not_look_into_the_next_tissue():
     assert two.node_points[used, 2].max() < 0.62
 
 
-def test_a_point_with_too_little_around_it_is_refused():
+def test_a_point_with_too_little_around_it_takes_the_strain_of_its_cell():
     space = grid(2)
     alone = np.arange(len(space.cells), dtype=np.int64) % 100 + 1
     lonely = Space(space.points, space.cells, alone.astype(np.int8))
-    with pytest.raises(InputError, match="of one tissue"):
-        recovered_strain_at(lonely, np.array([[0.3, 0.3, 0.3]]))
+    point = np.array([[0.3, 0.3, 0.3]])
+    values = unknowns(lonely, waves)
+    assert recovered_strain_at(lonely, point) @ values == pytest.approx(
+        strain_at(lonely, point) @ values, rel=1e-12
+    )
+
+
+def test_half_a_body_and_its_mirror_images_give_what_the_whole_gives():
+    half = grid(4)
+    beyond = half.points[:, 0] > 0
+    number = np.arange(len(half.points))
+    number[beyond] = len(half.points) + np.arange(beyond.sum())
+    mirrored = number[half.cells][:, [0, 2, 1, 3]]
+    space = Space(
+        np.concatenate([half.points, half.points[beyond] * [-1, 1, 1]]),
+        np.concatenate([half.cells, mirrored]),
+        np.concatenate([half.tissue, half.tissue]),
+    )
+    points = np.array([[0.0, 0.5, 0.5], [0.07, 0.31, 0.42], [0.4, 0.9, 0.1]])
+
+    def even(x: np.ndarray) -> np.ndarray:
+        a, b, c = x.T
+        return np.stack([np.sin(a) * np.cos(b), np.cos(a) * c**4, np.cosh(a) * b**4], axis=1)
+
+    found = recovered_gradient_at(half, points, planes=(0,)) @ unknowns(half, even)
+    expected = recovered_gradient_at(space, points) @ unknowns(space, even)
+    assert found == pytest.approx(expected, abs=1e-12)

@@ -130,7 +130,7 @@ def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
     [
         ((14, 10, 30), "pad_radius: expected a pad that rises at most 9.0 mm"),
         ((20, 8, 6), "pad_radius: expected at least 11.0 mm"),
-        ((3, 10, 14), "width: expected a finite number mm at least 5"),
+        ((3, 10, 14), "width: expected a finite number in mm at least 5"),
         ((14, float("nan"), 14), "thickness: expected a finite number"),
     ],
 )

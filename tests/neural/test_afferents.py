@@ -168,7 +168,7 @@ def test_unusable_signals_are_refused(time, drive, options, message):
         ({"reference_strain": np.array([-FLAT] * 4), "drives": {"SAI": "tangent"}}, "above zero"),
         ({"drives": {"SAI": "stretch"}}, "drives.SAI: expected one of"),
         ({"drives": {"SA": "tensile"}}, "drives: expected one of"),
-        ({"reference_depth": 0.0}, "reference_depth: expected a finite number mm above 0"),
+        ({"reference_depth": 0.0}, "reference_depth: expected a finite number in mm above 0"),
         ({"reference_strain": FLAT}, "reference_strain, reference_normals: expected"),
         (
             {

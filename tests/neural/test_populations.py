@@ -172,7 +172,7 @@ def test_branches_stay_on_the_skin_at_its_edge():
             lambda: populate(
                 FLAT, ("SAI",), [[0, 0, 0]], depths=DEPTHS, organs={"SAI": (2, 3)}, seed=1
             ),
-            "fields.SAI: expected a finite number mm above 0, received None",
+            "fields.SAI: expected a finite number in mm above 0, received None",
         ),
         (
             lambda: populate(

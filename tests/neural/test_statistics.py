@@ -42,7 +42,7 @@ def test_rates_count_the_spikes_of_a_window():
         stimulus_driven=np.zeros(2, np.int64),
     )
     np.testing.assert_allclose(mean_rates(trains, 0.5, 1.0), [4.0, 0.0])
-    with pytest.raises(InputError, match="stop: expected a finite number s above 1"):
+    with pytest.raises(InputError, match="stop: expected a finite number in s above 1"):
         mean_rates(trains, 1.0, 1.0)
 
 

@@ -19,7 +19,7 @@ FORCES = {1.5: (0.492, 0.820, 0.945, 0.48, 0.93), 3.0: (11.95, 19.14, 22.15, 11.
 
 @pytest.mark.parametrize(("offset", "expected"), FORCES.items())
 def test_mean_and_peak_to_peak_force_at_16_hz(offset, expected):
-    """Section 2.4.3 prints .48, .93, 11.2 and 21 N: the model gives the others (A5-1)."""
+    """Section 2.4.3 prints .48, .93, 11.2 and 21 N: the model gives the others."""
     mean, swing, first, printed_mean, printed_swing = expected
     got = vibration(*AH, offset=offset, peak_to_peak=0.28, frequency=16)
     assert got.mean == pytest.approx(mean, rel=1.2e-3)  # three digits are given
@@ -42,7 +42,7 @@ POWERS = {(1.5, 0.28): 0.738, (3.0, 0.28): 17.2, (1.5, 0.14): 0.183, (3.0, 0.14)
 
 @pytest.mark.parametrize("case", CASES)
 def test_dissipation_of_the_steady_state(case):
-    """A5-2. Its 30 Hz column cuts the last cycle at whole 0.1 ms, .2 to .25 below a whole one."""
+    """Its 30 Hz column cuts the last cycle at whole 0.1 ms, .2 to .25 below a whole one."""
     offset, swing = case
     for frequency, expected in zip(FREQUENCIES, FRACTIONS[case], strict=True):
         got = vibration(*AH, offset=offset, peak_to_peak=swing, frequency=frequency)
@@ -66,7 +66,7 @@ def test_the_cut_cycle_explains_the_30_hz_column():
 
 @pytest.mark.parametrize(("swing", "first", "last"), [(0.28, 3.0, 2.05), (0.14, 5.2, 3.3)])
 def test_transient_power_against_steady_power(swing, first, last):
-    """The thesis says 1.5 to 3 times; A5-2, whose digits are of the 0.1 ms windows."""
+    """The thesis says 1.5 to 3 times; recomputed, whose digits are of the 0.1 ms windows."""
     for frequency, expected in ((1, first), (30, last)):
         got = vibration(*AH, offset=1.5, peak_to_peak=swing, frequency=frequency)
         assert got.transient.power / got.steady.power == pytest.approx(expected, rel=0.03)
@@ -74,7 +74,7 @@ def test_transient_power_against_steady_power(swing, first, last):
 
 @pytest.mark.parametrize("case", CASES[::3])
 def test_the_swing_doubles_with_frequency_as_long_as_the_skin_is_glued(case, monkeypatch):
-    """A5-1: 2.16 from 1 to 128 Hz; with real contact .28 mm lifts off at 128 Hz."""
+    """Recomputed: 2.16 from 1 to 128 Hz; with real contact .28 mm lifts off at 128 Hz."""
     offset, swing = case
 
     def ratio():
@@ -96,7 +96,7 @@ TAPS = {1: 0.41, 10: 0.44, 50: 0.46, 100: 0.45, 300: 0.33}
 
 @pytest.mark.parametrize(("speed", "fraction"), TAPS.items())
 def test_a_tap_loses_a_third_to_a_half(speed, fraction):
-    """A5-9, two digits. Measured taps lose 81 +- 3 % (Jindrich et al. 2003): not this model."""
+    """Two digits. Measured taps lose 81 +- 3 % (Jindrich et al. 2003): not this model."""
     got = tap(*AH, depth=2.0, speed=speed)
     assert got.fraction == pytest.approx(fraction, abs=0.0055)
     assert got.fraction < 0.78
@@ -121,7 +121,7 @@ def test_an_indenter_that_leaves_at_once_gets_nothing_back():
 
 
 def test_the_fraction_does_depend_on_the_offset_a_little():
-    """A5-2: the "-1" of Eq. 2.1 stays in the work of loading, so 3 to 4 %, not 0."""
+    """The "-1" of Eq. 2.1 stays in the work of loading, so 3 to 4 %, not 0."""
     shallow, deep = (
         vibration(*AH, offset=x, peak_to_peak=0.28, frequency=16).steady for x in (1.5, 3.0)
     )

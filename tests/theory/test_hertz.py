@@ -52,7 +52,7 @@ def test_pressure_integrates_to_the_force_and_vanishes_outside():
     ],
 )
 def test_printed_maxima_on_the_axis(poisson, shear, at_shear, axial, at_axial):
-    """Recomputed B1; tolerance: half a digit of the last printed place."""
+    """Recomputed; tolerance: half a digit of the last printed place."""
     h, p0 = unit(poisson)
 
     def largest(value):
@@ -130,7 +130,7 @@ def test_surface_limits(poisson):
 
 
 def test_an_incompressible_surface_is_not_sheared():
-    """A receptor just under a flat contact sees pressure only (recomputed B1)."""
+    """A receptor just under a flat contact sees pressure only."""
     h, p0 = unit(0.5)
     np.testing.assert_allclose(h.strain(np.linspace(0, 0.95, 20), 0.0), 0, atol=1e-12 * p0)
 

@@ -27,7 +27,7 @@ def truth(name="a.h."):
 
 @pytest.mark.parametrize(("name", "b"), BIASED_B.items())
 def test_the_procedure_of_the_thesis_is_biased(name, b):
-    """A5-3: b 33 to 43 % low, m within 1.5 %, c0 of .30 to .42 for .22 to .29; without noise."""
+    """Found: b 33 to 43 % low, m within 1.5 %, c0 of .30 to .42 for .22 to .29; without noise."""
     found = identify.thesis(*trial(name, seed=None))
     spring, prony = SUBJECTS[name]
     assert found.spring.b == pytest.approx(b, rel=0.01)

@@ -36,7 +36,7 @@ def test_magnitude_with_the_printed_and_the_relaxed_preload(case, expected):
 
 @EVERY
 def test_slope_is_less_than_20_db_per_decade_until_the_spring_limit(spring, prony):
-    """A5-4: -17.0 to -18.2 from 30 to 200 Hz; -20 is the limit of any G with G(0) = 1."""
+    """Recomputed: -17.0 to -18.2 from 30 to 200 Hz; -20 is the limit of any G with G(0) = 1."""
     frequency = np.geomspace(30, 200, 50)
     level = impedance.decibel(impedance.relaxation_spectrum(prony, frequency))
     slope = np.polyfit(np.log10(frequency), level, 1)[0]
@@ -63,7 +63,7 @@ def test_the_spectrum_is_the_laplace_transform_by_quadrature(spring, prony):
 
 @EVERY
 def test_the_printed_stiffness_is_low_by_the_relaxation(spring, prony):
-    """A6-4: 10.7 to 13.2 dB where the preload term rules; equal at no preload."""
+    """Recomputed: 10.7 to 13.2 dB where the preload term rules; equal at no preload."""
     right, printed = (
         impedance.operating_stiffness(spring, prony, [0.0, 1e6], printed=p) for p in (False, True)
     )

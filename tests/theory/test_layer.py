@@ -1,4 +1,4 @@
-"""The exact layer against the tables of recomputed B6, its limits and the published short cuts."""
+"""The exact layer against recomputed tables, its limits and the published short cuts."""
 
 import math
 
@@ -69,7 +69,7 @@ def test_printed_slope_of_a_small_contact(poisson, base, integral):
     assert (ratio - 1) / chi == pytest.approx(layer.small_contact(sheet), rel=5e-3)
 
 
-B6 = [
+RECOMPUTED = [
     (0.5, "bonded", 0.2, (0.1851, 1.2698, 1.081)),
     (0.49, "bonded", 0.2, (0.1854, 1.2638, 1.079)),
     (0.45, "bonded", 0.2, (0.1863, 1.2436, 1.073)),
@@ -81,7 +81,7 @@ B6 = [
 ]
 
 
-@pytest.mark.parametrize(("poisson", "base", "wide", "printed"), B6)
+@pytest.mark.parametrize(("poisson", "base", "wide", "printed"), RECOMPUTED)
 def test_printed_sphere_on_a_layer(poisson, base, wide, printed):
     """Tolerance: half a digit of the last printed place."""
     chi, ratio, contact = against_hertz(Sheet(2.0, 30.0, poisson, base=base), wide)
@@ -94,7 +94,7 @@ def test_printed_sphere_on_a_layer(poisson, base, wide, printed):
     [(0.2, 0.5, 1.281), (1.0, 0.5, 3.619), (0.2, 0.3, 1.207), (1.0, 0.3, 2.484)],
 )
 def test_hayes_factor_of_a_flat_punch(wide, poisson, kappa):
-    """P = 2 E a w kappa / (1 - nu²), Hayes et al. 1972 as recomputed B6 has it."""
+    """P = 2 E a w kappa / (1 - nu²), Hayes et al. 1972 recomputed."""
     sheet = Sheet(2.0, modulus=30.0, poisson=poisson)
     found = flat_punch(sheet, 2.0 * wide, depth=0.01)
     half_space = 2 * 30.0 / (1 - poisson**2) * 2.0 * wide * 0.01

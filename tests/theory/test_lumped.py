@@ -94,7 +94,7 @@ def test_where_a_step_is_held_the_force_is_the_relaxation_function():
 
 
 def test_a_small_sinusoid_gives_the_spectrum_of_the_relaxation():
-    """B8: P = K i w G(i w) X for a small amplitude; K is that of the relaxed preload."""
+    """P = K i w G(i w) X for a small amplitude; K is that of the relaxed preload."""
     from fefinger.theory import impedance
 
     spring, prony = AH
@@ -125,7 +125,7 @@ def test_changes_of_force_scale_with_the_offset():
 
 
 def test_figure_2_4_the_peaks_of_a_sinusoid_relax_and_its_troughs_pull():
-    """A4: a.h., 20 mm/s to 1.5 mm, then 4 Hz of 0.4 mm: 2.32 ... 2.07 N and -0.12 N."""
+    """Figure 2-4: a.h., 20 mm/s to 1.5 mm, then 4 Hz of 0.4 mm: 2.32 ... 2.07 N and -0.12 N."""
     time, position = figure_2_4()
     glued = lumped.force(*AH, time, position)
     peaks = glued[1:].reshape(5, -1).max(axis=1)

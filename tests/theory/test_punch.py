@@ -65,7 +65,7 @@ def test_the_tip_and_the_edge_are_infinite_and_the_punch_is_flat():
 
 
 def test_a_cylinder_carries_its_force_and_is_sheared_most_at_the_printed_place():
-    """Recomputed B3: .30 p0 at z = .78 b."""
+    """Recomputed: .30 p0 at z = .78 b."""
     b, p0 = CYLINDER.half_width, CYLINDER.peak_pressure
     assert p0 * math.pi * b / 2 == pytest.approx(CYLINDER.line_force, rel=1e-14)
     assert float(CYLINDER.pressure(0.0)) == p0

@@ -27,7 +27,7 @@ def press(ratio):
     ],
 )
 def test_printed_departure_from_hertz(ratio, force, contact):
-    """Recomputed B1; tolerance: half a digit of the last printed place."""
+    """Recomputed; tolerance: half a digit of the last printed place."""
     s = press(ratio)
     h = Hertz(5.0, s.depth, modulus=34.0, poisson=0.45)
     assert s.force / h.force == pytest.approx(force, abs=6e-5)

@@ -58,7 +58,7 @@ def test_the_compliance_is_positive_and_ends_at_the_top_layer(stack):
 
 
 def rate(layer, xi):
-    """Return the matrix of recomputed B7 for (u_r, u_z, sigma_z, tau), in Lame constants."""
+    """Return the matrix, as derived apart, for (u_r, u_z, sigma_z, tau), in Lame constants."""
     shear = layer.modulus / (2 * (1 + layer.poisson))
     ratio = layer.poisson / (1 - layer.poisson)
     inverse = (1 - 2 * layer.poisson) / (2 * shear * (1 - layer.poisson))
@@ -109,7 +109,7 @@ def test_a_state_at_the_base_obeys_it():
     ],
 )
 def test_printed_loads_on_a_finger_over_bone(a, depth, force):
-    """Recomputed B7; the printed row drifts from ours by up to 7e-4 of the depth at a = 6.
+    """By those matrices; the printed row drifts from ours by up to 7e-4 of the depth at a = 6.
 
     Ours puts the surface on the indenter to 1e-10 (test_indentation.py), whatever the nodes.
     """
@@ -131,11 +131,11 @@ LINE = np.array([0.5, 1, 1.5, 2, 3, 4])
     ],
 )
 def test_printed_profile_beside_a_bar(moduli, poisson, printed):
-    """Recomputed B7: a bar 0.1 mm wide in plane strain has the same kernel under a cosine.
+    """Recomputed: a bar 0.1 mm wide in plane strain has the same kernel under a cosine.
 
     The printed u(0) is up to 1.8 % above that of a uniform bar (the next test proves ours), so the
     profile is compared with its value at 0.5 mm. The homogeneous row is met to the rounding of its
-    digits; the layered ones, printed without Poisson's ratios, are met with those of B7's stack
+    digits; the layered ones, printed without Poisson's ratios, are met with the recomputed
     (0.49, 0.48; not with 0.5, which is 0.1 off) to 3e-3, not to their digits.
     """
     stack = Stack(tuple(Layer(*row) for row in zip((1.0, 4.0), moduli, poisson, strict=True)))

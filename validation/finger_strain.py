@@ -1,0 +1,70 @@
+"""Strain at the end organs of a finger on two meshes: recovered, and as it stands in the cells."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+from fefinger.validation.case import Case, Told
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fefinger import scenes
+from fefinger.fem.body import body, reduce
+from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.probe import strain_at
+from fefinger.fem.recover import recovered_strain_at
+from fefinger.mechanics import _placing
+from fefinger.mechanics._press import held, tissues
+from fefinger.mechanics._touch import meshed_at, sites
+from fefinger.mesh.ready import ready
+from fefinger.scene import Flat, Indenter, Sphere
+
+
+Array = NDArray[np.float64]
+
+DEPTH = 1.0  # mm
+INDENTERS: dict[str, Indenter] = {"plate at 30 degrees": Flat(30), "ball of 5 mm": Sphere(5.0)}
+
+
+@cache
+def strains(resolution: str, name: str) -> Array:
+    """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
+    scene = replace(scenes.load("flat-press"), indenter=INDENTERS[name])
+    finger = replace(scene.finger, resolution=resolution)
+    mesh = ready(finger, half=True, touch=meshed_at(scene.indenter))
+    whole = body(mesh, tissues(finger), held(finger))
+    touch = _placing.obstacle(scene.indenter, whole)
+    points = sites(scene, touch.origin, touch.axis).points
+    probes = (
+        recovered_strain_at(whole.space, points, whole.planes),
+        strain_at(whole.space, points, medial=True),
+    )
+    on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * DEPTH)
+    small = reduce(whole, on_pad, sparse.vstack(probes).tocsr())
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.travel)
+    return np.asarray(small.strain @ pressure).reshape(2, len(points), 6)
+
+
+def apart(name: str) -> Told:
+    """Return by how much the two meshes differ in %, RMS over the organs, recovered."""
+    coarse, standard = (strains(resolution, name) for resolution in ("coarse", "standard"))
+    size = np.linalg.norm(standard, axis=2)
+    each = 100 * np.linalg.norm(coarse - standard, axis=2) / size
+    recovered, cells = np.sqrt(np.mean(each**2, axis=1))
+    return Told(float(recovered), f"As it stands in the cells: {cells:.2g} %.")
+
+
+def cases() -> Iterator[Case]:
+    """Yield how far strain at the end organs depends on the mesh."""
+    for name, limit in zip(INDENTERS, (1.5, 3.0), strict=True):
+        yield Case(
+            "finger",
+            f"{name}: strain at the end organs, coarse against standard mesh, RMS",
+            partial(apart, name),
+            0.0,
+            limit,
+            "%",
+            "the mesh of half the cell length",
+            reason="less than what the strain as it stands in the cells differs by",
+        )
