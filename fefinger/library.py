@@ -174,10 +174,10 @@ CALIBRATED = "calibrated.json"
 """Report of the calibrations that the sets below are from."""
 
 _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
-    "d.p.": (10.14, 7.135, 14.8, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6657)),
-    "d.s.": (10.46, 2.45, 14.37, (0.2907, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7958)),
-    "a.h.": (4.258, 3.057, 17.08, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6824)),
-    "p.w.": (5.087, 2.589, 21.06, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7525)),
+    "d.p.": (8.131, 7.54, 14.85, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6657)),
+    "d.s.": (7.942, 2.369, 15.48, (0.2908, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7965)),
+    "a.h.": (4.538, 3.053, 16.97, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823)),
+    "p.w.": (4.768, 2.382, 21.58, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7526)),
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
 
@@ -211,8 +211,8 @@ def calibrated_dp() -> TissueSet:
     Modulus and exponent of Demiray's law with which `solid` shows the stiffness against force of
     Table 2.1 (confidence low: they trade against each other and against the ratio of the layers,
     which is a prior; see `reports/calibrated.json` for the uncertainties). The relaxation is that
-    of the same table. With the finger of the subject; at small strain the exponent says nothing,
-    and the set is too soft.
+    of the same table. With the finger of the subject, on the coarse mesh; at small strain the
+    exponent says nothing, and the set is too soft.
     """
     return _calibrated("d.p.")
 
@@ -220,7 +220,7 @@ def calibrated_dp() -> TissueSet:
 def calibrated_ds() -> TissueSet:
     """Return a fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
 
-    (confidence low)
+    Fitted on the coarse mesh (confidence low).
     """
     return _calibrated("d.s.")
 
@@ -228,7 +228,7 @@ def calibrated_ds() -> TissueSet:
 def calibrated_ah() -> TissueSet:
     """Return a fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
 
-    (confidence low)
+    Fitted on the standard mesh (confidence low).
     """
     return _calibrated("a.h.")
 
@@ -236,7 +236,7 @@ def calibrated_ah() -> TissueSet:
 def calibrated_pw() -> TissueSet:
     """Return a fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
 
-    (confidence low)
+    Fitted on the coarse mesh (confidence low).
     """
     return _calibrated("p.w.")
 

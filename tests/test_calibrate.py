@@ -10,8 +10,7 @@ import pytest
 import fefinger as ff
 from fefinger import cache, library
 from fefinger.__main__ import main
-from fefinger.calibration import calibrate as module
-from fefinger.calibration import inverse, jobs, pad, target
+from fefinger.calibration import inverse, jobs, pad, target, work
 from fefinger.calibration import press as presses
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces, predicted, prony_of, stiffness
@@ -119,6 +118,14 @@ def test_a_family_learns_radius_ratio_and_a_better_press(law):
         1.1 * curve(formula(2.0))[0].force(x),
         rtol=1e-4,
     )
+    short = formula(2.0)
+    part = {name: getattr(short, name)[:18] for name in ("depth", "force", "felt", "area")}
+    ended = law.corrected(replace(short, **part), 2.0, 14.0).at(2.0, 14.0)
+    assert ended.deepest == part["depth"][-1] < law.deepest
+    x = np.linspace(0.2, 1.0, 5) * ended.deepest
+    whole = law.at(2.0, 14.0)
+    np.testing.assert_allclose(ended.force(x), whole.force(x), rtol=1e-4)
+    np.testing.assert_allclose(ended.felt(x), whole.felt(x), rtol=2e-2, atol=0.1)
     with pytest.raises(InputError, match=r"family\.shapes: expected numbers that rise"):
         family((3.0, 1.0), 14.0, formula)
 
@@ -331,12 +338,20 @@ def test_the_thesis_finds_its_own_half_space():
 
 
 def test_a_radius_is_found_where_the_fit_has_the_wanted_one():
-    radius, slope = pad.radius_for(13.0, (10.0, 14.0), (12.0, 15.0))
-    power = np.log(15 / 12) / np.log(1.4)
+    radius, power = pad.radius_for(13.0, (10.0, 14.0), (12.0, 15.0))
+    assert power == pytest.approx(np.log(15 / 12) / np.log(1.4))
     assert 12 * (radius / 10) ** power == pytest.approx(13.0)
-    assert slope == pytest.approx(power * 13 / radius)
     with pytest.raises(InputError, match="expected the fitted R to grow"):
         pad.radius_for(13.0, (10.0, 14.0), (15.0, 12.0))
+
+
+def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_nearest():
+    """Fitted R that grow with the square of the pad radius are found at once."""
+    between = pad.nearer(12.0, (14.0, 10.0, 30.0), (14.0**2 / 10, 10.0, 90.0))
+    assert between == pytest.approx(np.sqrt(120.0))
+    assert pad.nearer(11.0, (12.0, 10.0), (8.0, 10.0), 2.0) == pytest.approx(10 * 1.1**0.5)
+    assert pad.nearer(9.0, (12.0, 10.0), (14.0, 10.0), 0.3) == pytest.approx(9.0)
+    assert pad.nearer(20.0, (12.0, 10.0), (14.0, 10.0)) == pytest.approx(12.0 * pad.WITHIN)
 
 
 def test_the_array_feels_the_whole_force_and_hertz():
@@ -427,15 +442,15 @@ def solved(monkeypatch):
     """Let every press be the formula; return the list of what was asked."""
     asked = []
 
-    def answer(finger, mechanics, progress=None):
+    def answer(finger, mechanics, part=None):
         small = mechanics == "condensed"
         exponent = 0.0 if small else finger.skin.exponent
         ratio = finger.skin.modulus / finger.subcutaneous.modulus / (102.4 / 34)
         asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
         return formula(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
 
-    monkeypatch.setattr(module, "press", answer)
-    monkeypatch.setattr(module, "small", lambda finger: answer(finger, "condensed"))
+    monkeypatch.setattr(work, "press", answer)
+    monkeypatch.setattr(work, "small", lambda finger: answer(finger, "condensed"))
     monkeypatch.setattr(pad, "thesis_fit", by_width)
     return asked
 

@@ -3,11 +3,15 @@
 The twins are measured by `fefinger validate calibration`, which takes longer than a test may.
 """
 
+from dataclasses import asdict, replace
+
 import numpy as np
 import pytest
 from fefinger.validation import (
     calibration,
+    calibration_lever_figures,
     calibration_levers,
+    calibration_report,
     calibration_split,
     calibration_subjects,
     calibration_twin,
@@ -40,6 +44,10 @@ def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
     assert finger.pad_radius == kept.pad_radius
     assert finger.skin.law == finger.subcutaneous.law == "demiray"
     assert finger.skin.thickness == 1.0
+    own = library.TISSUE_SETS[library.calibrated_name(subject)]
+    assert f"on the {calibrated(subject).finger['resolution']} mesh" in " ".join(
+        own.__doc__.split()
+    )
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -90,3 +98,20 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     lines = [line(wanted.force, wanted.stiffness + each) for each in noise]
     found = calibration_subjects.line_sd(wanted)
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
+
+
+def test_levers_in_the_finger_are_drawn_as_a_table_of_what_each_would_change(monkeypatch):
+    plain = calibration_levers.Fitted(
+        *("the finger as it is", 10.0, 1.0, 11.0, 0.06, 7.0, 3.6, 2.1, 0.2, 0.01, 1.1, 1.7, 3.0)
+    )
+    other = replace(plain, lever="nail free (held)", radius=11.0, stiffness_b=0.25)
+    unable = replace(plain, lever="skin alone stiffens", misfit=5.0, stiffness_b=1.2)
+    rows = [asdict(each) for each in (plain, other, unable)]
+    tried = calibration_report.levers() | {"finger": rows}
+    monkeypatch.setattr(calibration_lever_figures, "levers", lambda: tried)
+    drawn = list(calibration_lever_figures.figures())
+    assert len(drawn) == 3
+    caption, table = drawn[1]
+    assert "b from 0.2 to 0.25 N/mm and R from 10 to 11 mm" in caption
+    assert "11 (+10 %)" in figures.svg(table)
+    assert all("<svg" in figures.svg(each) for _, each in drawn)

@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from fefinger import library
 from fefinger.calibration import inverse, target
-from fefinger.calibration.calibrate import EXPONENTS, Work
+from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.press import Press, press
+from fefinger.calibration.work import Work
 from fefinger.mechanics import solid
 from fefinger.scene import Ask, Finger, RampHold, Scene
 
@@ -32,7 +33,7 @@ from fefinger.scene import Ask, Finger, RampHold, Scene
 Array = NDArray[np.float64]
 
 
-SEEDS, FEW = 10, 2
+SEEDS, HALF, FEW = 10, 5, 2
 DEPTH = 1.4  # mm
 
 
@@ -93,6 +94,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         "Taylor's theorem",
     )
     if not quick:
+        yield from _other_mesh(HALF)
         yield Case(
             "calibration",
             "a.h.: force between exponents, one press of four left out",
@@ -139,6 +141,33 @@ def _twins(seeds: int) -> Iterator[Case]:
             "1",
             "the twin itself, without noise",
             reason="what the thesis reached on its subjects: to be better than that",
+        )
+
+
+def _other_mesh(seeds: int) -> Iterator[Case]:
+    """Yield the twin of the standard mesh, which is calibrated on the coarse one: no crime."""
+    mesh, other = calibration_twin.STANDARD, "twin of the standard mesh, calibrated on the coarse"
+    for name in calibration_twin.TRUTH:
+        yield Case(
+            "calibration",
+            f"{other}: seeds of {seeds} in which {name} is within its stated uncertainty",
+            partial(calibration_twin.recovered, name, seeds, mesh),
+            seeds,
+            1.0,
+            "seeds",
+            "the parameters of the twin",
+            reason="two standard deviations hold 95 %, so one of ten may be outside",
+        )
+    for name in ("pad_radius", "t_b", "t_m"):
+        yield Case(
+            "calibration",
+            f"{other}: {name} over the true one less 1, mean of {seeds} seeds",
+            partial(calibration_twin.missed, name, seeds, mesh),
+            0.0,
+            calibration_twin.SPREAD * calibration_twin.STATED[name],
+            "1",
+            "the parameters of the twin",
+            reason="two of the standard deviations that the calibration states",
         )
 
 

@@ -101,7 +101,7 @@ def _table() -> Any:
     made = figure(WIDE, 0.6 + 0.45 * len(rows()))
     axes = made.subplots()
     axes.axis("off")
-    heads = ["", "E kPa", "exponent", "m (2.1)", "b (2.1)", *PARTS, "R (3.2)", "c0 b (3.2)"]
+    heads = ["", "mesh", "E kPa", "exponent", "m (2.1)", "b (2.1)", *PARTS, "R (3.2)", "c0 b (3.2)"]
     cells = [_cells(name) for name in rows()]
     drawn = axes.table(cells, colLabels=heads, loc="center", edges="horizontal")
     drawn.auto_set_font_size(False)
@@ -116,6 +116,7 @@ def _cells(name: str) -> list[str]:
     pair = "{:.3g} ({:.3g})"
     return [
         name,
+        found.finger["resolution"],
         f"{found['modulus'].value:.1f} ± {found['modulus'].sd:.1f}",
         f"{found['exponent'].value:.2f} ± {found['exponent'].sd:.2f}",
         pair.format(values["m"], values["m, wanted"]),

@@ -12,6 +12,7 @@ from fefinger.figures import INK, STEEL, WIDE, figure, style
 BLUE, ORANGE = "#0072B2", "#D55E00"
 NAMES = ("radius", "m", "c0_b")
 HEADS = ("R in mm", "m in 1/mm", "c0 b in kPa/mm")
+OF_FORCE = ("stiffness_m", "stiffness_b", "radius")
 MISSES = 0.1
 """Misfit from which a finger no longer has the force of its subject: ten times that of the best."""
 
@@ -20,6 +21,8 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the levers, and the two tables."""
     with style():
         yield _caption(), _levers()
+        if levers()["finger"]:
+            yield _assumptions_caption(), _assumptions()
         yield _tables_caption(), _tables()
 
 
@@ -81,6 +84,48 @@ def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
             fontsize=6,
             color=INK,
         )
+
+
+def _assumptions_caption() -> str:
+    rows = levers()["finger"]
+    met = [row for row in rows if row["misfit"] < MISSES]
+    ends = [f"{min(r[k] for r in met):.2g} to {max(r[k] for r in met):.2g}" for k in OF_FORCE[1:]]
+    return (
+        f"What each assumption would change, subject {levers()['subject']}: fingers of the coarse "
+        "mesh whose modulus and exponent were fitted to the force of Table 2.1 again, with the "
+        "change beside the first row. m and b are those of the line through stiffness against "
+        "force, R what the thesis's fit finds in frames to 1.1 N. Those that have the force of "
+        f"their subject show b from {ends[0]} N/mm and R from {ends[1]} mm; a misfit of "
+        f"{MISSES:g} or more says that the finger cannot have that force."
+    )
+
+
+def _assumptions() -> Any:
+    rows = levers()["finger"]
+    made = figure(WIDE, 0.5 + 0.22 * (len(rows) + 1))
+    axes = made.subplots()
+    axes.axis("off")
+    heads = ("", "E in kPa", "exponent", "m in 1/mm", "b in N/mm", "R in mm", "misfit")
+    cells = [
+        [
+            row["lever"],
+            f"{row['modulus']:.3g}",
+            f"{row['exponent']:.2f}",
+            *(_changed(row[name], rows[0][name], first=not place) for name in OF_FORCE),
+            f"{row['misfit']:.2g}",
+        ]
+        for place, row in enumerate(rows)
+    ]
+    drawn = axes.table(cells, colLabels=heads, loc="center", edges="horizontal")
+    drawn.auto_set_font_size(False)
+    drawn.set_fontsize(7.5)
+    drawn.auto_set_column_width(range(len(heads)))
+    drawn.scale(1, 1.15)
+    return made
+
+
+def _changed(value: float, plain: float, *, first: bool) -> str:
+    return f"{value:.3g}" if first else f"{value:.3g} ({100 * (value / plain - 1):+.0f} %)"
 
 
 def _tables_caption() -> str:

@@ -13,7 +13,7 @@ from fefinger.validation.chain import Array
 
 from fefinger import library
 from fefinger.calibration import pad, target
-from fefinger.calibration.calibrate import WIDER, Work
+from fefinger.calibration.calibrate import WIDER
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
@@ -21,10 +21,12 @@ from fefinger.calibration.outcome import layer, line
 from fefinger.calibration.press import Press, press
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, aligned
+from fefinger.calibration.work import Work
 from fefinger.checks import ConvergenceError
 from fefinger.scene import Finger, Prony
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.tissue import Hard
 
 
 FORCE = 1.1
@@ -32,6 +34,9 @@ FORCE = 1.1
 
 EXPONENTS = (1.5, 3.0, 4.5)
 """Exponents at which a finger is pressed, and joined by a parabola."""
+
+SOLVED = 0.16
+"""Depth over the thickness at which a press that ends early still counts."""
 
 LOW = 0.02
 """Exponent of a layer that is not to stiffen."""
@@ -87,6 +92,9 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
         one, other = (replace(each, poisson=poisson) for each in (skin, pulp))
         loose = replace(start, skin=one, subcutaneous=other)
         yield f"Poisson's ratio {poisson:g} (0.48)", loose, both
+    yield "nail free (held)", replace(start, nail="free"), both
+    yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), both
+    yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), both
     yield "skin alone stiffens", start, skin_alone
     yield "pulp alone stiffens", start, pulp_alone
 
@@ -125,7 +133,7 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
     modulus = finger.subcutaneous.modulus
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
-    free = [replace(each, prior=None) for each in forces.unknowns]
+    free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
     found = solve(forces.residual, free, forces.starts())
     curve, factor = forces.curve(found.values)
     prony = prony_of(found.values)
@@ -145,13 +153,13 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
 
 
 def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
-    """Yield exponents and presses that are solved to 0.8 of the depth at least."""
+    """Yield exponents and presses that are solved to SOLVED at least."""
     for exponent in EXPONENTS:
         try:
             found = press(law(finger, exponent), "solid")
         except ConvergenceError:
             continue
-        if found.depth[-1] > 0.16 * finger.thickness:
+        if found.depth[-1] > SOLVED * finger.thickness:
             yield exponent, found
 
 

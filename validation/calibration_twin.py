@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 PRONY = Prony((0.27, 0.45, 0.16, 0.12), (200.0, 9.0, 0.6))
 TOUCH = 0.6  # mm
-COARSE = "coarse"
+COARSE, STANDARD = "coarse", "standard"
 LAW = Stiffening(0.25, 0.9)  # 2.2 N at the depth below
 SPEED, DEPTH, HOLD = 60.0, 1.5, 6.0
 SLOW, PRESS = 0.2, 1.8  # mm/s, mm
@@ -40,6 +40,9 @@ TRUTH = {
 }
 SPREAD = 2.0
 """Standard deviations within which a parameter counts as recovered."""
+
+STATED = {"pad_radius": 0.016, "t_b": 0.025, "t_m": 0.018}
+"""Standard deviations that the calibrations state, over the true values."""
 
 
 @dataclass(frozen=True)
@@ -122,20 +125,24 @@ def _write(path: Path, head: str, *columns: Array) -> None:
     np.savetxt(path, np.column_stack(columns), "%.8g", ",", header=head, comments="")
 
 
-def deviations(seed: int) -> dict[str, float]:
+def deviations(seed: int, mesh: str = COARSE) -> dict[str, float]:
     """Return by how many of its standard deviations each parameter misses the truth."""
-    found = calibrated(seed)
+    found = calibrated(seed, mesh)
     return {name: (found[name].value - true) / found[name].sd for name, true in TRUTH.items()}
 
 
-def recovered(name: str, seeds: int) -> int:
-    """Return in how many of the seeds a parameter is within SPREAD deviations of the truth."""
-    return sum(abs(deviations(seed)[name]) <= SPREAD for seed in range(seeds))
+def recovered(name: str, seeds: int, mesh: str = COARSE) -> int:
+    """Return in how many of the seeds a parameter is within SPREAD deviations of the truth.
+
+    Data from another `mesh` than the coarse one, which all are calibrated on, have its error too.
+    """
+    return sum(abs(deviations(seed, mesh)[name]) <= SPREAD for seed in range(seeds))
 
 
-def sharpness(name: str) -> float:
-    """Return the stated standard deviation over the true value, of the first seed."""
-    return calibrated(0)[name].sd / TRUTH[name]
+def missed(name: str, seeds: int, mesh: str) -> float:
+    """Return the mean over seeds of what a parameter is found to be, over the truth, less 1."""
+    found = [calibrated(seed, mesh)[name].value for seed in range(seeds)]
+    return float(np.mean(found)) / TRUTH[name] - 1
 
 
 def sinusoid(frequency: int) -> dict[str, float]:

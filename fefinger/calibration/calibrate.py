@@ -7,10 +7,7 @@ what the thesis's fit finds in the frames of its array: both are settled togethe
 """
 
 import math
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +18,11 @@ from fefinger.calibration import pad, target
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
-from fefinger.calibration.outcome import Found, checked, layer, outcome
-from fefinger.calibration.press import Press, press, shapable, small
-from fefinger.calibration.record import Calibration, Stage
+from fefinger.calibration.outcome import AGREES, Found, checked, outcome, reach
+from fefinger.calibration.press import PART
+from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, Record
+from fefinger.calibration.work import Work
 from fefinger.checks import InputError, choice
 from fefinger.finger import Finger
 from fefinger.records import Progress
@@ -50,80 +48,30 @@ AGAINST = 2.0
 MIDDLE = 3.0
 """Exponent of that press, and of the one at the other pad radius."""
 
-CORRECTIONS = 2
+CORRECTIONS = 6
 """Presses on the finer mesh, at most."""
 
-WITHIN = 1.15
-"""Factor beyond the pad radii of the presses up to which their effect is taken to first order.
-Frames that ask for more get no more."""
+DEEPER = 1.05
+"""Depth of these presses over the one that the fit so far reaches in the frames or the ramp."""
 
 SCATTER = 0.13
 """Standard deviation of the logarithm of a pad radius that the frames do not reach: R of the five
 subjects."""
 
-HALVINGS = 6
-"""Steps, each half of the one before, from a pad that is too flat for the finger's size."""
+MESH = 0.015
+"""Standard deviation of the logarithm of a pad radius that the mesh makes: twins of the standard
+mesh and subjects miss by 0.5 to 1.6 % on the coarse one (suite `calibration`)."""
 
-REACHED = 0.02
+NONE = 5e-3
 """Relative difference of two pad radii that counts as none."""
 
-SETTLED = 0.05
-"""Change of the exponent between two corrections that counts as none."""
+SETTLED = 0.1
+"""Change of the exponent between two corrections that counts as none: less than the data leave
+open, and over it the force between presses is right within 1e-3."""
 
-
-class Work:
-    """Presses of one finger, with their progress and their cost by stage."""
-
-    def __init__(self, finger: Finger, progress: Progress | None) -> None:
-        self.finger, self.progress = finger, progress
-        self.stages: list[Stage] = []
-        self._presses: dict[tuple[Finger, str], Press] = {}
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[Callable[[float], None]]:
-        """Measure a stage; yields a function that takes its misfit."""
-        started, misfits = time.process_time(), list[float]()
-        self._presses = {}
-        if self.progress is not None:
-            self.progress(name, 0.0)
-        yield misfits.append
-        spent = time.process_time() - started
-        kept = sum(each.seconds for each in self._presses.values())
-        misfit = misfits[-1] if misfits else None
-        self.stages.append(Stage(name, spent, len(self._presses), kept, misfit))
-        if self.progress is not None:
-            self.progress(name, 1.0)
-
-    def press(
-        self,
-        mechanics: str,
-        resolution: str,
-        radius: float,
-        exponent: float | None = None,
-        ratio: float = 1.0,
-    ) -> Press:
-        """Return a press of the finger with another radius, exponent and skin."""
-        finger = replace(
-            self.finger,
-            resolution=resolution,
-            pad_radius=radius,
-            skin=layer(self.finger.skin, exponent, ratio),
-            subcutaneous=layer(self.finger.subcutaneous, exponent),
-        )
-        wanted = finger, mechanics
-        if wanted not in self._presses:
-            finite = mechanics == "solid"
-            self._presses[wanted] = press(finger, mechanics) if finite else small(finger)
-        return self._presses[wanted]
-
-    def reachable(self, radius: float) -> float:
-        """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""
-        start = self.finger.pad_radius
-        for _ in range(HALVINGS):
-            if shapable(replace(self.finger, pad_radius=radius)):
-                return radius
-            radius = math.sqrt(radius * start)
-        return start
+CLOSE = 0.02
+"""Relative distance of a fitted R from the wanted one that counts as none: the rounding of those
+that are printed to the mm."""
 
 
 def calibrate(
@@ -183,7 +131,7 @@ def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calib
 
     The printed R of a subject is left alone: it is for a finger that itself stiffens.
     """
-    start, spread = work.finger, None
+    start = work.finger
     radius, mesh = start.pad_radius, start.resolution
     with work.stage("condensed") as misfit:
         linear = family((1.0,), radius, lambda _: work.press("condensed", mesh, radius))
@@ -193,7 +141,9 @@ def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calib
         with work.stage("array") as misfit:
             other = SMALLER * radius
             linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
-            radius, spread = _radius(work, wanted, frames, linear, (other, radius), found)
+            radius, power = _radius(work, wanted, frames, linear, (other, radius), found)
+            found = _solved(_forces(work, wanted, linear, radius), found)
+            spread = _spread(wanted, frames, found, radius, power)
             found = _solved(_forces(work, wanted, linear, radius, spread), found)
             misfit(found.solution.misfit)
     adapted = replace(start, pad_radius=radius)
@@ -203,12 +153,13 @@ def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calib
 
 def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
     """Return the fit of tissue that stiffens, at the pad radius that the frames ask for."""
-    start, spread = work.finger, None
+    start, power = work.finger, None
     first = radius = start.pad_radius
     seen = frames is not None or isinstance(wanted, Bulk)
     with work.stage("solid, coarse") as misfit:
         coarse = _wide_enough(work, wanted, first)
-        stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST)
+        part = coarse.deepest / start.thickness
+        stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST, part)
         coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
         found = _solved(_forces(work, wanted, coarse, first))
         misfit(found.solution.misfit)
@@ -216,14 +167,14 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
         with work.stage("array, coarse"):
             wider = WIDER * first
             other = wider if work.reachable(wider) == wider else SMALLER * first
-            flatter = work.press("solid", "coarse", other, MIDDLE)
+            flatter = work.press("solid", "coarse", other, MIDDLE, part=part)
             coarse = coarse.with_radius(flatter, MIDDLE, other)
-            radius, spread = _radius(work, wanted, frames, coarse, (first, other), found)
-            found = _solved(_forces(work, wanted, coarse, radius, spread), found)
+            radius, power = _radius(work, wanted, frames, coarse, (first, other), found)
+            found = _solved(_forces(work, wanted, coarse, radius), found)
     again = "solid, coarse, again" if start.resolution == "coarse" else f"solid, {start.resolution}"
     with work.stage(again) as misfit:
-        start_at = radius, spread
-        found, coarse, radius = _finished(work, wanted, frames, coarse, start_at, found)
+        trial = _finished(work, wanted, frames, coarse, radius, power, found)
+        found, coarse, radius = trial.found, trial.curves, trial.radius
         misfit(found.solution.misfit)
     with work.stage("array"):
         shape = _array(wanted, frames, found)
@@ -233,15 +184,24 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
 
 def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
     """Return the coarse family, with more exponents where the best one is beyond it."""
-
-    def pressed(exponent: float) -> Press:
-        return work.press("solid", "coarse", radius, exponent)
-
-    found = family(EXPONENTS, radius, pressed)
+    found = _row(work, radius, EXPONENTS)
     at_bounds = _solved(_forces(work, wanted, found, radius)).solution.at_bounds
     if SHAPE not in at_bounds:
         return found
-    return family((*EXPONENTS, *STIFFER), radius, pressed)
+    return _row(work, radius, (*EXPONENTS, *STIFFER))
+
+
+def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
+    """Return the coarse family of some exponents.
+
+    A family is as deep as its shallowest press, so none goes deeper than those before: what costs
+    most are the attempts at steps that no press reaches.
+    """
+    found, part = {}, PART["solid"]
+    for each in exponents:
+        found[each] = work.press("solid", "coarse", radius, each, part=part)
+        part = min(part, float(found[each].depth[-1]) / work.finger.thickness)
+    return family(exponents, radius, found.__getitem__)
 
 
 def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
@@ -284,22 +244,56 @@ def _radius(
     radii: tuple[float, float],
     last: Found,
 ) -> tuple[float, float]:
-    """Return the pad radius that the frames ask for, and its standard deviation, in mm.
+    """Return the pad radius in mm that the frames ask for, or the nearest one within reach.
 
-    The fitted R of two pad radii gives its slope; its scatter is the rounding of a printed R, or
-    what the noise of the array makes. Where the radius is beyond reach it is the nearest one.
+    And the power of it that the fitted R grows with, from the curves at two pad radii.
     """
-    goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
     tried = [_solved(_forces(work, wanted, curves, each), last) for each in radii]
-    presses = [(each.curve, each.factor, prony_of(each.solution.values)) for each in tried]
-    fits = [pad.thesis_fit(pad.simulated(*each)).radius for each in presses]
-    radius, slope = pad.radius_for(goal.radius, radii, fits)
-    near = float(np.clip(radius, min(radii) / WITHIN, max(radii) * WITHIN))
-    near = round(work.reachable(near), 2)
-    if abs(near / radius - 1) > REACHED:
-        return near, SCATTER * near
-    noise = pad.ROUNDING if frames is None else pad.scatter(*presses[0])
-    return near, noise / slope
+    fits = [_fitted(each) for each in tried]
+    radius, power = pad.radius_for(_goal(wanted, frames), radii, fits)
+    radius = float(np.clip(radius, min(radii) / pad.WITHIN, max(radii) * pad.WITHIN))
+    return round(work.reachable(radius), 2), power
+
+
+def _goal(wanted: Bulk | Record, frames: Frames | None) -> float:
+    """Return the R in mm that the thesis's fit is to find."""
+    return (pad.printed(wanted.name) if frames is None else pad.thesis_fit(frames)).radius
+
+
+def _fitted(found: Found) -> float:
+    """Return the R in mm that the thesis's fit finds in the frames of a finger."""
+    prony = prony_of(found.solution.values)
+    return pad.thesis_fit(pad.simulated(found.curve, found.factor, prony)).radius
+
+
+def _spread(
+    wanted: Bulk | Record, frames: Frames | None, found: Found, radius: float, power: float
+) -> float:
+    """Return the standard deviation in mm of a pad radius that frames gave.
+
+    From the mesh, and the rounding of a printed R or what the noise of the array makes.
+    """
+    fitted = _fitted(found)
+    if abs(fitted / _goal(wanted, frames) - 1) > AGREES:
+        return SCATTER * radius
+    prony = prony_of(found.solution.values)
+    noise = pad.ROUNDING
+    if frames is not None:
+        noise = pad.scatter(found.curve, found.factor, prony)
+    return radius * math.hypot(noise / fitted / max(power, pad.LEAST), MESH)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A press on the final mesh at a pad radius in mm, and the fit of the curves that hold it.
+
+    fitted: R in mm that the thesis's fit then finds, nan where there are no frames.
+    """
+
+    radius: float
+    found: Found
+    curves: Family
+    fitted: float
 
 
 def _finished(
@@ -307,29 +301,50 @@ def _finished(
     wanted: Bulk | Record,
     frames: Frames | None,
     curves: Family,
-    pad_radius: tuple[float, float | None],
+    radius: float,
+    power: float | None,
     found: Found,
-) -> tuple[Found, Family, float]:
-    """Return the fit on the finer mesh, its curves and its pad radius in mm.
+) -> Trial:
+    """Return the best of the trials on the final mesh, until exponent and fitted R settle.
 
-    The coarse family is shifted until exponent and radius settle.
+    Each shifts the coarse family to a press of its own. Without a power the pad radius is kept.
     """
-    radius, spread = pad_radius
-    for last in (False,) * (CORRECTIONS - 1) + (True,):
+    goal = math.nan if power is None else _goal(wanted, frames)
+    trials: list[Trial] = []
+    while len(trials) < CORRECTIONS:
         exponent = round(found.solution.values[SHAPE], 2)
-        better = work.press("solid", work.finger.resolution, radius, exponent)
-        curves = curves.corrected(better, exponent, radius)
-        found = _solved(_forces(work, wanted, curves, radius, spread), found)
-        asked = radius
-        if spread is not None and not last:
-            radii = radius, curves.radius if radius != curves.radius else curves.other
-            asked, spread = _radius(work, wanted, frames, curves, radii, found)
+        part = _deep_enough(work, wanted, curves, radius, found) / work.finger.thickness
+        own = work.press("solid", work.finger.resolution, radius, exponent, part=part)
+        curves = curves.corrected(own, exponent, radius)
+        found = _solved(_forces(work, wanted, curves, radius), found)
+        fitted = math.nan if power is None else _fitted(found)
+        trials.append(Trial(radius, found, curves, fitted))
         steady = abs(found.solution.values[SHAPE] - exponent) < SETTLED
-        if last or (steady and abs(asked / radius - 1) < REACHED):
+        asked = radius
+        if power is not None and abs(fitted / goal - 1) > CLOSE:
+            tried = [each.radius for each in trials], [each.fitted for each in trials]
+            asked = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
+        if steady and abs(asked / radius - 1) < NONE:
             break
         radius = asked
-        found = _solved(_forces(work, wanted, curves, radius, spread), found)
-    return found, curves, radius
+        found = _solved(_forces(work, wanted, curves, radius), found)
+    if power is None:
+        return trials[-1]
+    best = min(trials, key=lambda each: abs(math.log(each.fitted / goal)))
+    spread = _spread(wanted, frames, best.found, best.radius, power)
+    forces = _forces(work, wanted, best.curves, best.radius, spread)
+    return replace(best, found=_solved(forces, best.found))
+
+
+def _deep_enough(
+    work: Work, wanted: Bulk | Record, curves: Family, radius: float, found: Found
+) -> float:
+    """Return the depth in mm of a press that holds what is fitted, at most that of the family."""
+    whole = _forces(work, wanted, replace(curves, reached=math.inf), radius)
+    own = Found(found.solution, *whole.curve(found.solution.values))
+    prony = prony_of(found.solution.values)
+    frames = float(pad.slow_press(own.curve, own.factor, prony)[-1])
+    return min(round(DEEPER * max(frames, reach(wanted, own)), 2), curves.deepest)
 
 
 def _array(wanted: Bulk | Record, frames: Frames | None, found: Found) -> dict[str, float]:

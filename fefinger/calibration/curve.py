@@ -88,8 +88,22 @@ class Curve:
     def felt(self, depth: ArrayLike) -> Array:
         """Return what the array feels (n, 64) kPa at depths (n,) mm."""
         depth = np.asarray(depth, float)
-        even = np.linspace(0.0, self.deepest, len(self.shares))
-        return np.asarray(1e3 * self.force(depth)[:, None] * _columns(depth, even, self.shares))
+        return np.asarray(
+            1e3 * self.force(depth)[:, None] * _columns(depth, self._few, self.shares)
+        )
+
+    def until(self, depth: float) -> "Curve":
+        """Return the curve up to a depth in mm, or itself where it ends before."""
+        if depth >= self.deepest:
+            return self
+        even, few = (np.linspace(0.0, depth, count) for count in (NODES, SHARES))
+        return replace(
+            self, q=self.power(even), deepest=depth, shares=_columns(few, self._few, self.shares)
+        )
+
+    @property
+    def _few(self) -> Array:
+        return np.linspace(0.0, self.deepest, SHARES)
 
     def _logarithm(self, depth: Array) -> Array:
         value = 1.5 * np.log(depth) + self.power(depth)
@@ -136,9 +150,9 @@ class Family:
     `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
     by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
     first order; shares_by_radius (SHARES, 64) likewise, both from a press at the radius `other`;
-    correction (NODES,) and shares_correction (SHARES, 64) are added to every q and all shares;
-    ripple: the largest relative distance of a
-    solved step from its curve.
+    correction (NODES,) and shares_correction (SHARES, 64) are added to every q and all shares, and
+    reached mm is the depth of the press that they are from; ripple: the largest relative distance
+    of a solved step from its curve.
     """
 
     shapes: tuple[float, ...]
@@ -151,6 +165,7 @@ class Family:
     shares_by_radius: Array
     shares_correction: Array
     other: float = math.nan
+    reached: float = math.inf
 
     @property
     def deepest(self) -> float:
@@ -169,17 +184,18 @@ class Family:
         even, few = (np.linspace(0.0, self.deepest, count) for count in (NODES, SHARES))
         for weight, each in zip(weights.tolist(), self.curves, strict=True):
             q = q + weight * each.power(even)
-            own = np.linspace(0.0, each.deepest, SHARES)
-            shares = shares + weight * _columns(few, own, each.shares)
+            shares = shares + weight * _columns(few, each._few, each.shares)
         growth = None if len(self.shapes) > 1 else shape
-        return Curve(q, self.deepest, shares, growth)
+        return Curve(q, self.deepest, shares, growth).until(self.reached)
 
     def corrected(self, press: Press, shape: float, radius: float) -> "Family":
         """Return the family shifted so that it meets a better press at a shape and radius."""
-        mine, (better, ripple) = self.at(shape, radius), curve(press)
+        whole = replace(self, reached=math.inf)
+        mine, (better, ripple) = whole.at(shape, radius), curve(press)
         return replace(
             self,
             ripple=ripple,
+            reached=better.deepest,
             correction=self.correction + self._apart(mine, better),
             shares_correction=self.shares_correction + self._shares_apart(mine, better),
         )
@@ -212,8 +228,8 @@ class Family:
     def _shares_apart(self, one: Curve, other: Curve) -> Array:
         """Return by how much the shares of `other` are above those of `one`, (SHARES, 64)."""
         even = np.linspace(0.0, self.deepest, SHARES)
-        theirs = _columns(even, np.linspace(0.0, other.deepest, SHARES), other.shares)
-        return np.asarray(theirs - one.shares)
+        mine, theirs = (_columns(even, each._few, each.shares) for each in (one, other))
+        return theirs - mine
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:

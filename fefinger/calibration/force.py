@@ -38,7 +38,7 @@ RATIO_SD = 0.6
 RADII = (5.0, 40.0)
 """Pad radii in mm that a finger may have."""
 
-FRAMES = "the frames of the array, by the thesis's own fit; its scatter is the prior here"
+FRAMES = "the frames of the array, by the thesis's fit; its scatter and the mesh are the prior"
 
 
 def relaxation_unknowns(name: str) -> tuple[Unknown, ...]:

@@ -5,6 +5,7 @@ finger with a bone has no such numbers; the same fit of its simulated frames has
 pad radius is the one with which that fit returns the R of the measured frames.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -38,6 +39,15 @@ SEEDS = 5
 
 ROUNDING = 0.5 / np.sqrt(3.0)
 """Standard deviation in mm of an R that is printed to the mm."""
+
+
+WITHIN = 1.15
+"""Factor beyond the pad radii that were pressed up to which the next one may be."""
+
+LEAST = 1.0
+"""Least power of the pad radius that a fitted R is taken to grow with: that of Hertz's contact. On
+a finger it is more (1.5 to 2.6); less is what a mesh makes of two radii that are near each other.
+"""
 
 
 @dataclass(frozen=True)
@@ -103,10 +113,10 @@ def thesis_fit(frames: Frames) -> PadFit:
 def radius_for(
     wanted: float, radii: Sequence[float], found: Sequence[float]
 ) -> tuple[float, float]:
-    """Return the pad radius in mm at which the thesis's fit gives `wanted`, and its slope there.
+    """Return the pad radius in mm at which the thesis's fit gives `wanted`, and the power of it.
 
     The logarithm of the fitted R is a straight line in that of the pad radius, by least squares
-    through the `radii` that were tried.
+    through the `radii` that were tried; its slope is the power.
 
     Raises
     ------
@@ -122,7 +132,27 @@ def radius_for(
         )
         raise InputError(msg)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
-    return radius, float(slope * wanted / radius)
+    return radius, float(slope)
+
+
+def nearer(
+    wanted: float, radii: Sequence[float], found: Sequence[float], power: float = LEAST
+) -> float:
+    """Return the pad radius in mm to be pressed next, for the thesis's fit to give `wanted`.
+
+    Between the nearest two of `radii` whose fitted R hold it between them; else on from the nearest
+    one, by the `power` or LEAST, and no farther than WITHIN beyond all.
+    """
+    tried = sorted(zip(found, radii, strict=True))
+    below = [each for each in tried if each[0] <= wanted]
+    above = [each for each in tried if each[0] > wanted]
+    if below and above:
+        (low, start), (high, end) = below[-1], above[0]
+        part = math.log(wanted / low) / math.log(high / low)
+        return start * (end / start) ** part
+    fitted, nearest = below[-1] if below else above[0]
+    radius = nearest * (wanted / fitted) ** (1 / max(power, LEAST))
+    return float(np.clip(radius, min(radii) / WITHIN, max(radii) * WITHIN))
 
 
 def scatter(curve: Curve, factor: float, prony: Prony) -> float:

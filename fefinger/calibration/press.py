@@ -22,14 +22,14 @@ from numpy.typing import NDArray
 from fefinger import cache
 from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.finger import Finger
-from fefinger.records import Progress, Response
+from fefinger.records import Response
 from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
 from fefinger.theory.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]
 
-FORMAT = 4
+FORMAT = 5
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
 PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
@@ -59,8 +59,10 @@ class Press:
     halt: str = ""
 
 
-def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> Press:
+def press(finger: Finger, mechanics: str, part: float | None = None) -> Press:
     """Return the press of a finger by "condensed" or "solid", from the cache or solved now.
+
+    `part` is its depth over the thickness of the finger, by default that of PART.
 
     Raises
     ------
@@ -69,12 +71,12 @@ def press(finger: Finger, mechanics: str, progress: Progress | None = None) -> P
     ConvergenceError
         If hardly a step is solved.
     """
-    scene = pressed(finger, PART[mechanics])
+    scene = pressed(finger, part or PART[mechanics])
     place = root() / f"{key(scene, mechanics)}.npz"
     with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
         depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
         return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
-    found = _solved(scene, mechanics, progress)
+    found = _solved(scene, mechanics)
     with suppress(OSError):  # without room for it, it is solved again the next time
         _keep(found, place)
     return found
@@ -133,12 +135,12 @@ def key(scene: Scene, mechanics: str) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def _solved(scene: Scene, mechanics: str, progress: Progress | None) -> Press:
+def _solved(scene: Scene, mechanics: str) -> Press:
     from fefinger.mechanics import get
 
     started, halt = time.process_time(), ""
     try:
-        response = get(mechanics).respond(scene, progress)
+        response = get(mechanics).respond(scene)
     except Stopped as stop:
         response, halt = stop.reached, str(stop)
     steps = _steps(scene, response, mechanics)
@@ -178,28 +180,16 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
 
 def felt(scene: Scene, response: Response) -> Array:
-    """Return what the array feels (n_t, 64) kPa, its middle under the center of the last pressure.
-
-    The pressure is linear in every triangle of the pad and summed over the middles of its sides,
-    because the vertices of a coarse mesh alone are too far apart for the elements of the array.
-    """
-    from fefinger.sensing import plane
+    """Return what the array feels (n_t, 64) kPa, centered on the last pressure."""
+    from fefinger import sensing
 
     assert response.pad is not None
     assert response.pressure is not None
     pad, pressure = response.pad, response.pressure
-    points = plane(scene.indenter, pad.points)
+    points = sensing.plane(scene.indenter, pad.points)
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()
-    used = pad.triangles[(pressure.max(axis=0)[pad.triangles] > 0).any(axis=1)]
-    one, two = (pad.points[used[:, i]] - pad.points[used[:, 0]] for i in (1, 2))
-    areas = np.linalg.norm(np.cross(one, two), axis=1) / 2
-    read = np.zeros((len(pressure), ArraySensor().elements ** 2))
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        middle = (points[used[:, i]] + points[used[:, j]]) / 2
-        weights = ArraySensor().weights(middle, areas / 3)
-        read += (pressure[:, used[:, i]] + pressure[:, used[:, j]]) / 2 @ weights.T
-    return read
+    return np.asarray(pressure @ sensing.response(ArraySensor(), pad, points).T)
 
 
 def _keep(found: Press, place: Path) -> None:

@@ -26,6 +26,7 @@ from fefinger.tolerances import EQUILIBRIUM
 
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
+STUCK = 2 * PATIENCE  # of them without a smaller error, before it is given up
 FEW = 6  # iterations of a step that a good factor takes
 RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
 SOON = 3  # iterations that a factor is given at least
@@ -100,6 +101,7 @@ class Equilibrium:
         if asked.control == "depth":
             state = replace(state, depth=asked.target)
         mixing, retreats, error, renewed = _Anderson(MEMORY), 0, np.inf, -SOON
+        best, found = np.inf, 0
         for count in range(ITERATIONS):
             self.iterations += 1
             inner, least = self.body.residual(state.values, asked.memory)
@@ -118,6 +120,10 @@ class Equilibrium:
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
                 return replace(state, pressure=state.pressure + hold.pressure)
+            if error < best:
+                best, found = error, count
+            elif count - found > STUCK:
+                break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
             if worn or (count - renewed >= SOON and self._outgrown(hold, asked)):
                 self._renew(state, asked)

@@ -36,6 +36,7 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 Array = NDArray[np.float64]
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
+SPREAD = _press.GROW  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
@@ -135,8 +136,12 @@ class _Passage:
     numbers: dict[str, float]
 
 
+class _Rim(Exception):
+    """The contact has met the rim of its candidates: what follows would be solved in vain."""
+
+
 class _Recorder:
-    """Keeps what a response needs of every step, and whole states at some."""
+    """Keeps what a response needs of every step, and whole states at some; stops at the rim."""
 
     def __init__(self, contact: Sliding, places: Array, probe: Any, frames: set[int]) -> None:
         self.contact, self.places, self.probe, self.wanted = contact, places, probe, frames
@@ -161,6 +166,8 @@ class _Recorder:
         self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
         if number in self.wanted:
             self.frames[number] = state.values
+        if (state.pressure[self.contact.on.edge] > 0).any():
+            raise _Rim
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) N mm of the pressure about the origin."""
@@ -192,7 +199,7 @@ def _passage(
     path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
     frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     deviatoric = scene.finger.relaxation == "deviatoric"
-    reach, known = _press.REACH * deepest, 0
+    reach, known = SPREAD * _press.REACH * deepest, 0
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
         if len(contact) == known:
@@ -205,6 +212,8 @@ def _passage(
         with stages.stage("steps") as report:
             try:
                 follow(equilibrium, history, path, recorder.keep, report)
+            except _Rim:
+                pass  # seen again below
             except ConvergenceError as error:
                 halt = told(error, elements, recorder.last)
                 if len(recorder.depth) < WORTH:

@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.equilibrium import Asked, State, _Anderson
+from fefinger.fem.equilibrium import STUCK, Asked, Equilibrium, State, _Anderson
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Path, Series, StressHistory, follow
@@ -177,3 +177,9 @@ def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_halved()
     mixing.next(np.zeros(2), np.array([1.0, 1e200]))
     with np.errstate(over="ignore"), pytest.raises(ConvergenceError, match="ran away"):
         mixing.next(np.ones(2), np.array([2.0, -1e200]))
+
+
+def test_an_iteration_that_comes_no_nearer_is_given_up(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
+    with pytest.raises(ConvergenceError, match=f"after {STUCK + 2} iterations"):
+        squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])

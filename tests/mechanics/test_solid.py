@@ -14,7 +14,7 @@ from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.equilibrium import Asked, Equilibrium, State
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import neo_hookean
-from fefinger.mechanics import linear, solid
+from fefinger.mechanics import _squeeze, linear, solid
 from fefinger.mechanics._limit import most_pressed
 from fefinger.motion import Motion
 from fefinger.records import Response
@@ -176,6 +176,15 @@ def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
     assert stretch == pytest.approx(0.8, rel=1e-6)
     assert tissue == "skin"
     assert ((place > 0) & (place < 1)).all()
+
+
+def test_a_contact_that_meets_the_rim_is_solved_again_with_more_candidates(monkeypatch):
+    scene = press(ff.Ramp(60, 0.3, corner=0))
+    plain = solid.respond(scene)
+    monkeypatch.setattr(_squeeze, "SPREAD", 0.3)
+    again = solid.respond(scene)
+    assert again.numbers["candidates"] != plain.numbers["candidates"]
+    assert again.force == pytest.approx(plain.force, rel=1e-5, abs=1e-9)
 
 
 def test_a_press_through_the_bone_is_refused():

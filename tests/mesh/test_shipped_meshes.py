@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.calibration_report import rows
 
 from fefinger.mesh import files
 from fefinger.mesh.parametric import parametric, radii
@@ -40,6 +41,14 @@ def test_subjects_have_coarse_and_standard_meshes_and_one_has_a_fine_one() -> No
     subjects = ("ah", "dp", "ds", "pw")
     wanted = {f"{subject}-{mesh}" for subject in subjects for mesh in ("coarse", "standard")}
     assert wanted | {"ah-fine"} <= set(NAMES)
+
+
+@pytest.mark.parametrize("subject", ["ah", "dp", "ds", "pw"])
+def test_calibrated_fingers_have_the_meshes_they_were_fitted_on(subject: str) -> None:
+    report = rows()[f"{subject[0]}.{subject[1]}."]["calibration"]["finger"]
+    for mesh in ("coarse", "standard"):
+        recipe = files.read(data_folder() / f"{subject}-calibrated-{mesh}.vtu").recipe
+        assert recipe["pad_radius"] == report["pad_radius"]
 
 
 def test_cells_are_positive_and_angles_above_the_limit(mesh: FingerMesh) -> None:

@@ -1,0 +1,73 @@
+"""Presses of one finger for a calibration, by stage, with what they cost."""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from fefinger.calibration.outcome import layer
+from fefinger.calibration.press import Press, press, shapable, small
+from fefinger.calibration.record import Stage
+from fefinger.finger import Finger
+from fefinger.records import Progress
+
+
+HALVINGS = 6
+"""Steps, each half of the one before, from a pad that is too flat for the finger's size."""
+
+
+class Work:
+    """Presses of one finger, with their progress and their cost by stage."""
+
+    def __init__(self, finger: Finger, progress: Progress | None) -> None:
+        self.finger, self.progress = finger, progress
+        self.stages: list[Stage] = []
+        self._presses: dict[tuple[Finger, str], Press] = {}
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[Callable[[float], None]]:
+        """Measure a stage; yields a function that takes its misfit."""
+        started, misfits = time.process_time(), list[float]()
+        self._presses = {}
+        if self.progress is not None:
+            self.progress(name, 0.0)
+        yield misfits.append
+        spent = time.process_time() - started
+        kept = sum(each.seconds for each in self._presses.values())
+        misfit = misfits[-1] if misfits else None
+        self.stages.append(Stage(name, spent, len(self._presses), kept, misfit))
+        if self.progress is not None:
+            self.progress(name, 1.0)
+
+    def press(
+        self,
+        mechanics: str,
+        resolution: str,
+        radius: float,
+        exponent: float | None = None,
+        ratio: float = 1.0,
+        part: float | None = None,
+    ) -> Press:
+        """Return a press of the finger with another radius, exponent and skin; `part` as there."""
+        finger = replace(
+            self.finger,
+            resolution=resolution,
+            pad_radius=radius,
+            skin=layer(self.finger.skin, exponent, ratio),
+            subcutaneous=layer(self.finger.subcutaneous, exponent),
+        )
+        wanted = finger, mechanics
+        if wanted not in self._presses:
+            finite = mechanics == "solid"
+            self._presses[wanted] = press(finger, mechanics, part) if finite else small(finger)
+        return self._presses[wanted]
+
+    def reachable(self, radius: float) -> float:
+        """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""
+        start = self.finger.pad_radius
+        for _ in range(HALVINGS):
+            if shapable(replace(self.finger, pad_radius=radius)):
+                return radius
+            radius = math.sqrt(radius * start)
+        return start
