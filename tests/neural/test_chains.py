@@ -187,7 +187,7 @@ def test_poles_that_coincide_are_refused():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: SpringDamper(1.0, 0.0), "damping: expected a finite number mN s/mm above 0"),
+        (lambda: SpringDamper(1.0, 0.0), "damping: expected a finite number in mN s/mm above 0"),
         (lambda: SpringDamper(-1.0, 1.0), "stiffness: expected"),
         (lambda: slow_chain(0.0, SpringDamper(1.0, 1.0), 1.0), "skin: expected"),
         (lambda: SLOW.force_filter(-1.0), "parallel: expected"),
