@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation import calibration_levers
 from fefinger.validation.calibration_report import calibrated, rows
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Told
 from fefinger.validation.chain import Array
 
 from fefinger import library
@@ -153,7 +153,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     )
 
 
-def first_stiffness(subject: str) -> float:
+def first_stiffness(subject: str) -> Told:
     """Return b in N/mm of the line through stiffness against force, moved by a new press.
 
     Over the forces that the new press reaches.
@@ -162,10 +162,11 @@ def first_stiffness(subject: str) -> float:
     last = float(one.force(one.deepest)) / found.prony.long_time
     force = wanted.force[wanted.force <= last]
     new, old = (line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve))
-    return found.residuals["b"] + new[1] - old[1]
+    said = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
+    return Told(found.residuals["b"] + new[1] - old[1], said)
 
 
-def radius_again(subject: str) -> float:
+def radius_again(subject: str) -> Told:
     """Return the R in mm of the report, times what a new press makes of it.
 
     Over the depth that both reach: the deeper the frames, the smaller R.
@@ -174,7 +175,8 @@ def radius_again(subject: str) -> float:
     deep = min(one.deepest, found.deepest)
     frames = [pad.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
     new, old = (pad.thesis_fit(each).radius for each in frames)
-    return found.residuals["array radius"] * new / old
+    said = f"Compared to {deep:.2f} mm, where the shorter press ends, of {found.deepest:.2f} mm."
+    return Told(found.residuals["array radius"] * new / old, said)
 
 
 def line_sd(wanted: Bulk) -> tuple[float, float]:
