@@ -44,7 +44,7 @@ RULES = (
     "margins for motions are shares, two presses were added, and errors are those between presses "
     "instead of those of the worse neighbor, but of pressure, area and strain on other fingers, "
     "where the worst of all plates or of two balls counts. Then another draw of scenes on the same "
-    "presses was judged."
+    "presses was judged; after it margins for motions were taken by press, and the 6 % added."
 )
 
 SHARED = (

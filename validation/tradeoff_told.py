@@ -23,16 +23,9 @@ CANDIDATES = (
 )
 
 
-EARLIER = (
-    "Of strain these are presses from before end organs read it recovered from the displacements "
-    "around them. Its error of the mesh is a half to a fourth of that now, so that what is stated "
-    "of strain is too large by more than is told here."
-)
-
-
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
-    said = [*texts(data["summary"]), again(data["drawn_again"]), EARLIER]
+    said = [*texts(data["summary"]), again(data["drawn_again"])]
     return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
@@ -66,10 +59,10 @@ def texts(found: dict[str, Any]) -> list[str]:
 
 
 def again(found: dict[str, Any]) -> str:
-    """Return what became of scenes that were drawn after the rules were made."""
+    """Return what became of scenes that were drawn anew."""
     return (
         "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
-        "that were drawn on the same presses when the rules were done, the picks meet the "
+        "drawn anew on the same presses, looked at once before the last change, the picks meet the "
         f"tolerance in {100 * found['tolerance_met']:.0f} %, keep what they state of the force in "
         f"{100 * found['stated_kept']['force']:.0f} %, and are within {ENOUGH:g} times in "
         f"{100 * found['within_1.2']:.0f} %."
