@@ -102,7 +102,8 @@ def stride(motion: Motion, time: Array, refine: int = 1) -> Stride:
             due = STRIDES * gone + PACES * gone[-1] * passed / passed[-1]
             clock[inside] = clock[first] + due
             count = max(int(np.ceil(refine * due[-1] / motion.peak)), 3)
-            marks = np.searchsorted(due, np.linspace(0, due[-1], count + 1)[1:])
+            even = np.linspace(0, due[-1], count + 1)[1:]
+            marks = np.searchsorted(due, even * (1 - STILL))  # rounding makes no step late
         chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))
     picked = np.unique(np.concatenate(chosen))
     return Stride(time, path, picked, clock, np.searchsorted(picked, seams))

@@ -41,6 +41,14 @@ def test_what_follows_the_motion_is_interpolated_exactly_enough(motion: Motion):
         assert np.abs(found - follows).max() < limit * follows.max()
 
 
+@pytest.mark.parametrize("depth", [1.9, 2.0, 2.3, 2.6])
+def test_a_plain_ramp_is_solved_at_every_twelfth_of_its_depth(depth: float):
+    motion = Ramp(60, depth, corner=0.0)
+    steps = stride(motion, time_grid(motion, fast=False))
+    twelfths = depth * np.arange(1, 13) / 12
+    assert np.abs(steps.value[:, None] - twelfths).min(axis=0).max() < 1e-9
+
+
 def test_nothing_below_zero_comes_of_forces_that_push():
     motion = Trapezoid(20, 1.0, hold=0.2)
     steps = stride(motion, time_grid(motion, fast=True))
