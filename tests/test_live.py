@@ -76,8 +76,8 @@ def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
 
 def test_a_window_shows_what_is_recorded() -> None:
     lacking = renderer_lacking()
-    if lacking:  # a library of the system, which no installation of Python packages brings
-        pytest.skip(lacking)  # no renderer: a library of the system
+    if lacking:
+        pytest.skip(lacking)  # a library of the system, which no Python package brings
     show = live.Show(FINGER)
     window = Window(show, off_screen=True)
     pictures = []
