@@ -1,7 +1,7 @@
 """The outcome of the validation suites as files: `validation.json` and a self-contained page.
 
 The page says what passed, what is documented (fefinger is right and the print is known to be
-elsewhere) and what failed, case by case.
+elsewhere), what is short (as known, and not what is wanted) and what failed, case by case.
 """
 
 import json
@@ -13,13 +13,23 @@ from typing import Any
 from fefinger import page
 
 
-VERDICTS = ("pass", "documented", "fail")
+VERDICTS = ("pass", "documented", "short", "fail")
 
 Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
 Findings = Mapping[str, Mapping[str, Any]]
 """What a suite is `about` and finds, by its name: `texts`; `tables` of caption, heading, rows."""
+
+SHORT = ("What falls short", "short", "shortfall")
+ELSEWHERE = ("Where the published number is elsewhere", "documented", "erratum")
+"""Title, verdict and key of the sentence that a case has for it."""
+
+BESIDE = ("printed", "wanted")
+"""Numbers that a case may have beside the expected one."""
+
+NOTES = ("failure", "told", "erratum", "shortfall", "reason")
+"""Sentences that a case may have."""
 
 NEAREST = 3
 """Cases that are named because they are closest to their tolerance."""
@@ -88,6 +98,9 @@ def _answer(total: dict[str, int]) -> str:
             f" In {total['documented']} more fefinger is within its tolerance and the published "
             "number is not."
         )
+    if total["short"]:
+        fall = "falls" if total["short"] == 1 else "fall"
+        said += f" {total['short']} {fall} short of what is wanted."
     return f"{said} {total['fail'] or 'None'} failed."
 
 
@@ -100,20 +113,23 @@ def _suite(
         "name": suite["suite"],
         "counts": {key: verdicts.count(key) for key in VERDICTS},
         "finding": finding,
-        "errata": list(_errata(cases).items()),
+        "why": [
+            (title, list(_texts(cases, verdict, key).items()))
+            for title, verdict, key in (SHORT, ELSEWHERE)
+        ],
         "nearest": _nearest(cases),
-        "printed": any(case.get("printed") is not None for case in cases),
+        "beside": [key for key in BESIDE if any(case.get(key) is not None for case in cases)],
         "rows": list(_rows(cases)),
         "figures": [_figure(text, drawn) for text, drawn in figures],
     }
 
 
-def _errata(cases: Sequence[dict[str, Any]]) -> dict[str, list[str]]:
-    """Return why published numbers are elsewhere, with the names of the cases."""
+def _texts(cases: Sequence[dict[str, Any]], verdict: str, key: str) -> dict[str, list[str]]:
+    """Return why cases have a verdict other than pass, with their names."""
     found: dict[str, list[str]] = {}
     for case in cases:
-        if case["verdict"] == "documented":
-            found.setdefault(case["erratum"], []).append(case["name"])
+        if case["verdict"] == verdict:
+            found.setdefault(case.get(key, ""), []).append(case["name"])
     return found
 
 
@@ -136,14 +152,14 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Give one row per case; a note that holds for several in a row follows the last of them."""
     for case, following in zip(cases, [*cases[1:], {}], strict=True):
         limit = case["tolerance"]
-        notes = {key: case.get(key, "") for key in ("failure", "told", "erratum", "reason")}
-        printed = case.get("printed")
+        notes = {key: case.get(key, "") for key in NOTES}
+        beside = {key: case.get(key) for key in BESIDE}
         yield {
             "name": case["name"],
             "value": _number(case["value"], limit),
             "expected": _number(case["expected"], limit),
             "tolerance": f"{limit:.3g}",
-            "printed": "" if printed is None else f"{printed:g}",
+            "beside": {k: "" if value is None else f"{value:g}" for k, value in beside.items()},
             "unit": "" if case["unit"] == "1" else case["unit"],
             "source": case["source"],
             "verdict": case["verdict"],

@@ -190,7 +190,7 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
     monkeypatch.setattr(suites, "run", lambda suites, **options: suites)
     monkeypatch.setattr(suites, "figures", lambda record: {})
     monkeypatch.setattr(suites, "findings", lambda record: {})
-    for verdict, status in (("pass", 0), ("documented", 0), ("fail", 1)):
+    for verdict, status in (("pass", 0), ("documented", 0), ("short", 0), ("fail", 1)):
         monkeypatch.setattr(suites, "as_json", lambda _, verdict=verdict: outcome(verdict))
         assert main(["validate", "--quick", "--json", "-o", str(tmp_path)]) == status
         assert json.loads(capsys.readouterr().out) == outcome(verdict)

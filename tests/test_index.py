@@ -67,7 +67,7 @@ def test_suites_have_date_commit_and_verdicts(folder: Path) -> None:
     assert "3 comparisons in 1 suite:" in html
     (row,) = re.findall(r"<tr><td><a href=\"fem.html\">fem</a>.*?</tr>", html)
     cells = re.findall(r"<td[^>]*>(.*?)</td>", row)[2:]
-    assert cells[:6] == ["2", "1", "0", "3", "2026-01-02", "abc123"]
+    assert cells[:7] == ["2", "1", "0", "0", "3", "2026-01-02", "abc123"]
     assert html.index('id="benchmarks"') < html.index("bench-x.json") < html.index('id="evidence"')
     assert "Something &lt;new&gt;." in html
 

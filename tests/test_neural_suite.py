@@ -31,6 +31,12 @@ def test_claims_that_are_not_reproduced_are_explained(outcomes):
     assert [case.name for case in documented if not case.erratum] == []
 
 
+def test_what_falls_short_is_explained(outcomes):
+    short = [o.case for o in outcomes if o.verdict == "short"]
+    assert len(short) == 2
+    assert [case.name for case in short if not case.shortfall] == []
+
+
 def test_every_case_has_its_own_name_a_source_and_a_reason(outcomes):
     names = [o.case.name for o in outcomes]
     assert len(set(names)) == len(names)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from fefinger.validation import suites
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Outcome
 
 from fefinger import console, figures, validation_report
 from fefinger.checks import InputError
@@ -15,7 +15,14 @@ from fefinger.checks import InputError
 
 def case(name: str, verdict: str, **changes: Any) -> dict[str, Any]:
     numbers = {"value": 1.234567, "expected": 1.2, "tolerance": 0.05, "printed": None}
-    words = {"unit": "N", "source": "Eq. 2.1", "erratum": "", "reason": "", "failure": ""}
+    words = {
+        "unit": "N",
+        "source": "Eq. 2.1",
+        "erratum": "",
+        "shortfall": "",
+        "reason": "",
+        "failure": "",
+    }
     return {"name": name, "verdict": verdict} | numbers | words | changes
 
 
@@ -29,7 +36,13 @@ RECORD = {
                 case("third", "documented", printed=1.6, erratum="The print is wrong."),
             ],
         },
-        {"suite": "two", "cases": [case("fourth", "fail", value=9.0, reason="Two digits.")]},
+        {
+            "suite": "two",
+            "cases": [
+                case("fourth", "fail", value=9.0, reason="Two digits."),
+                case("fifth", "short", wanted=2.0, shortfall="Nobody reaches it."),
+            ],
+        },
     ]
 }
 MADE = {"command": "fefinger validate", "versions": {"fefinger": "1.2"}}
@@ -42,20 +55,30 @@ def cells(html: str) -> list[list[str]]:
 
 def test_counts_stand_per_suite_and_in_all():
     html = validation_report.html(RECORD, {}, {})
-    counts = [row[1:] for row in cells(html) if len(row) == 5]
-    assert counts == [["1", "2", "0", "3"], ["0", "0", "1", "1"], ["1", "2", "1", "4"]]
-    assert "Of 4 comparisons 1 pass." in html
+    counts = [row[1:] for row in cells(html)[1:4]]
+    assert counts == [
+        ["1", "2", "0", "0", "3"],
+        ["0", "0", "1", "1", "2"],
+        ["1", "2", "1", "1", "5"],
+    ]
+    assert "Of 5 comparisons 1 pass." in html
+    assert "1 falls short of what is wanted." in html
     assert "In 2 more fefinger is within its tolerance" in html
     assert "1 failed." in html
 
 
 def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
     found = cells(validation_report.html(RECORD, {}, {}))
-    rows = [row for row in found if len(row) == 7]  # suite "one"; "two" has nothing printed
+    rows = [row for row in found if len(row) == 7]
     assert rows[0] == ["pass", "first &lt;a&gt;", "1.235", "1.200 ± 0.05", "", "N", "Eq. 2.1"]
-    assert [row[4] for row in rows] == ["", "1.5", "1.6"]
-    verdicts = [row[0] for row in found if len(row) in (6, 7)]
-    assert verdicts == ["pass", "documented", "documented", "fail"]
+    assert [row[4] for row in rows] == ["", "1.5", "1.6", "", "2"]
+    assert [row[0] for row in rows] == ["pass", "documented", "documented", "fail", "short"]
+    html = validation_report.html(RECORD, {}, {})
+    one, two = html.split("The comparisons")[1:]
+    assert "<th>printed</th>" in one
+    assert "<th>wanted</th>" not in one
+    assert "<th>wanted</th>" in two
+    assert "<th>printed</th>" not in two
 
 
 def test_a_shared_erratum_is_told_once_up_front_and_after_the_last_it_holds_for():
@@ -86,6 +109,22 @@ def test_values_show_what_the_tolerance_can_tell_apart(value, tolerance, text):
     assert row[2] == text
 
 
+def test_what_falls_short_is_told_up_front_and_below_its_case():
+    html = validation_report.html(RECORD, {}, {})
+    title, front = html.index("What falls short"), html.index("Nobody reaches it.")
+    assert html.index('id="two"') < title < front < html.index("fifth</td>")
+    assert html.count("Nobody reaches it.") == 2
+    assert html.rindex("Where the published number is elsewhere") < html.index('id="two"')
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [(1.0, "short"), (1.4, "fail"), (1.19, "pass"), (0.7, "fail")]
+)
+def test_what_is_wanted_is_reached_within_the_tolerance_or_short(value, verdict):
+    one = Case("s", "c", lambda: value, 1.0, 0.2, "1", "the report", wanted=1.3)
+    assert Outcome(one, value).verdict == verdict
+
+
 def test_a_finding_stands_before_the_comparisons():
     table = {"caption": "Forces.", "heading": ["", "a.h."], "rows": [["ball"], ["bone", "1.50"]]}
     found = {"texts": ["Hertz is too soft."], "tables": [table]}
@@ -98,7 +137,7 @@ def test_a_finding_stands_before_the_comparisons():
 
 def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not():
     near = case("near", "pass", value=1.24)
-    record = {"suites": [{"suite": "s", "cases": [*RECORD["suites"][1]["cases"], near]}]}
+    record = {"suites": [{"suite": "s", "cases": [*RECORD["suites"][1]["cases"][:1], near]}]}
     html = validation_report.html(record, {}, {}, findings={"s": {"about": "What it is about."}})
     assert "near: 80 % of it." in html
     assert "fourth: " not in html

@@ -119,9 +119,9 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         found.residuals["b"],
         3 * line_sd(target.subject(subject))[1],
         "N/mm",
-        f"{kept_curve}; printed is Table 2.1",
-        printed=library.pawluk_bulk()[subject].b,
-        erratum=STIFFER,
+        f"{kept_curve}; wanted is Table 2.1",
+        wanted=library.pawluk_bulk()[subject].b,
+        shortfall=STIFFER,
         reason="three standard deviations that VAF_k leaves over these forces",
     )
     yield Case(
@@ -131,9 +131,9 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         found.residuals["array radius"],
         0.06 * row.radius,
         "mm",
-        f"{kept_curve}; printed is Table 3.2",
-        printed=row.radius,
-        erratum=FLATTER,
+        f"{kept_curve}; wanted is Table 3.2",
+        wanted=row.radius,
+        shortfall=FLATTER,
         reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
     )
     kept = rows()[subject]["profiles"][MIDDLE]
@@ -146,9 +146,9 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         / width(*(np.array(kept[key]) for key in ("distance_mm", "thesis_kPa"))),
         0.05,
         "1",
-        f"{kept_curve}; printed is the half-space of Table 3.2, felt by the array",
-        printed=1.0,
-        erratum=FLATTER,
+        f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
+        wanted=1.0,
+        shortfall=FLATTER,
         reason="the pressure of a coarse mesh",
     )
 

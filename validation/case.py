@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 
-Verdict = Literal["pass", "documented", "fail"]
+Verdict = Literal["pass", "documented", "short", "fail"]
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,9 @@ class Case:
 
     measure: gives fefinger's value, or what is Told of it; expected and tolerance (absolute) in
     `unit`; source: the equation, table, program or second method behind `expected`; printed: a
-    published value, kept beside the right one; erratum: a sentence on why the two differ; reason:
-    why this tolerance.
+    published value, kept beside the right one; erratum: a sentence on why the two differ; wanted:
+    what fefinger aims at where `expected` is only what is known of it; shortfall: a sentence on why
+    it is missed; reason: why this tolerance.
     """
 
     suite: str
@@ -38,6 +39,8 @@ class Case:
     source: str
     printed: float | None = None
     erratum: str = ""
+    wanted: float | None = None
+    shortfall: str = ""
     reason: str = ""
 
 
@@ -55,10 +58,15 @@ class Outcome:
 
     @property
     def verdict(self) -> Verdict:
-        """Pass, fail, or documented: ours is right and the printed value is known to be outside."""
+        """Pass, fail, documented (ours is right, the print is known to be outside), or short.
+
+        Short is what is as known, and misses what is wanted.
+        """
         case = self.case
         if not abs(self.value - case.expected) <= case.tolerance:
             return "fail"
+        if case.wanted is not None and abs(self.value - case.wanted) > case.tolerance:
+            return "short"
         if case.printed is not None and abs(case.printed - case.expected) > case.tolerance:
             return "documented"
         return "pass"

@@ -118,8 +118,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
             0.05,
             "Hz",
             "order 8, rtol 1e-10",
-            printed=edge,
-            erratum=(
+            wanted=edge,
+            shortfall=(
                 f"The published band ends at {edge:g} Hz: {SOURCES['TouchSim']}. The slowed "
                 "membrane jumps to 10 Hz at its onset and reaches 27 Hz at most, so that its "
                 "rates span less than those of the units."

@@ -135,6 +135,8 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "source": case.source,
         "printed": case.printed,
         "erratum": case.erratum,
+        "wanted": case.wanted,
+        "shortfall": case.shortfall,
         "reason": case.reason,
         "failure": outcome.failure,
         "told": outcome.told,

@@ -181,10 +181,10 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Case:
         "1",
         f"an oracle that states every actual error {over:.2g} times too large, as the planner does "
         "in the median with that of the cheapest that will do",
-        printed=held_out.KEPT,
-        erratum=(
-            f"{100 * held_out.KEPT:.0f} % are wanted. That asks for errors known almost exactly: "
-            f"of the oracle's picks there are within it, by the factor of its statements, {curve}."
+        wanted=held_out.KEPT,
+        shortfall=(
+            f"{100 * held_out.KEPT:.0f} % asks for errors known almost exactly: of the oracle's "
+            f"picks there are within it, by the factor of its statements, {curve}."
         ),
         reason="what the planner states is too large by a factor that varies",
     )
