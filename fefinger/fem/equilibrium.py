@@ -4,9 +4,12 @@ One iteration linearizes the body with a factored tangent K0 and leaves the comp
 the contact exact: with r the residual force, the displacements change by K0^-1 r + Z dlambda, Z =
 K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted gaps that this change
 leaves. Residual and gaps are always those of the true body, so an old factor costs iterations and
-never accuracy; it is replaced when the residual shrinks too slowly.
+never accuracy; it is replaced when the residual shrinks too slowly. Where that fails, as when a
+facet snaps through and the tangent is indefinite on the way, tangents made positive definite lead
+downhill, without acceleration until the residual shrinks again.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,6 +38,11 @@ NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for 
 BED = 4.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
+DESCENT = 150  # iterations downhill
+KEPT = 3  # of them on one factor
+CALM = 4  # of them with ever smaller errors, before they are accelerated
+SURE = 1e-3  # error below which they may be
+SURER = 0.1  # by how much smaller the error has to be before that is tried again
 
 
 @dataclass(frozen=True)
@@ -70,7 +78,7 @@ class Equilibrium:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors = 0, 0
-        self._excess, self._whole = 0, True
+        self._excess = 0
         at_rest = np.zeros(body.space.n_unknowns)
         first = rough(body.space, system.matrix, system)
         _, loads = contact.gaps(at_rest, 0.0)
@@ -85,55 +93,80 @@ class Equilibrium:
         ConvergenceError
             If it is not reached; the step was too large for the body or the contact.
         """
+        if asked.control == "depth":
+            start = replace(start, depth=asked.target)
         try:
             return self._search(start, asked)
         except ConvergenceError:
-            self._whole = False  # slower, but it converges from farther away
-        try:
-            self._renew(start, asked)
-            return self._search(start, asked)
-        finally:
-            self._whole = True
+            return self._descend(start, asked)
 
-    def _search(self, start: State, asked: Asked) -> State:
-        """Iterate from `start` with the tangent of the present kind."""
+    def _search(self, start: State, asked: Asked, *, whole: bool = True) -> State:
+        """Iterate from `start`, accelerated; with true tangents if `whole`, or a few times."""
         state, sound = start, start
-        if asked.control == "depth":
-            state = replace(state, depth=asked.target)
         mixing, retreats, error, renewed = _Anderson(MEMORY), 0, np.inf, -SOON
         best, found = np.inf, 0
-        for count in range(ITERATIONS):
-            self.iterations += 1
-            inner, least = self.body.residual(state.values, asked.memory)
-            if least <= 0 or not np.isfinite(inner).all():
+        for count in range(ITERATIONS if whole else PATIENCE):
+            look = self._look(state, asked)
+            if look is None:
                 retreats += 1
                 if retreats > RETREATS or sound is start:
                     break
                 state = replace(state, values=(state.values + sound.values) / 2)
                 mixing = _Anderson(MEMORY)
                 continue
-            sound = state
-            gaps, loads = self.contact.gaps(state.values, state.depth)
-            hold = self._hold(state, asked, gaps)
-            inner, rest = inner - hold.force, self._rest(asked, hold)
-            error = self._error(state, rest, inner, gaps, loads @ state.pressure)
+            sound, error = state, look.error
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
-                return replace(state, pressure=state.pressure + hold.pressure)
+                return look.found
             if error < best:
                 best, found = error, count
             elif count - found > STUCK:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn or (count - renewed >= SOON and self._outgrown(hold, asked)):
-                self._renew(state, asked)
+            if worn or (count - renewed >= SOON and self._outgrown(look.hold, asked)):
+                self._renew(state, asked, whole=whole)
                 mixing, renewed = _Anderson(MEMORY), count
-            state = self._step(state, rest, inner, gaps, loads, mixing)
-        message = (
-            f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
-            f"after {count + 1} iterations; take shorter steps"
-        )
-        raise ConvergenceError(message)
+            state = self._step(look, mixing)
+        raise _missed(error, count + 1)
+
+    def _descend(self, start: State, asked: Asked) -> State:
+        """Go downhill from `start` with tangents made positive definite, accelerated at the end."""
+        state, sound, plain = start, start, _Anderson(1)
+        last, calm, sure = np.inf, 0, SURE
+        self._renew(start, asked, whole=False)
+        for count in range(DESCENT):
+            look = self._look(state, asked)
+            if look is None:
+                if state is sound:
+                    break
+                state, calm = replace(state, values=(state.values + sound.values) / 2), 0
+                continue
+            calm = calm + 1 if look.error < last else 0
+            sound, last = state, look.error
+            if last <= EQUILIBRIUM:
+                return look.found
+            if calm >= CALM and last < sure:
+                self._renew(state, asked, whole=False)
+                with suppress(ConvergenceError):
+                    return self._search(state, asked, whole=False)
+                sure = SURER * last
+                self._renew(state, asked, whole=False)
+            elif count % KEPT == KEPT - 1:
+                self._renew(state, asked, whole=False)
+            state = self._step(look, plain)
+        raise _missed(last, count + 1)
+
+    def _look(self, state: State, asked: Asked) -> "_Look | None":
+        """Return what an iterate is like; None if a cell is inside out."""
+        self.iterations += 1
+        inner, least = self.body.residual(state.values, asked.memory)
+        if least <= 0 or not np.isfinite(inner).all():
+            return None
+        gaps, loads = self.contact.gaps(state.values, state.depth)
+        hold = self._hold(state, asked, gaps)
+        inner, rest = inner - hold.force, self._rest(asked, hold)
+        error = self._error(state, rest, inner, gaps, loads @ state.pressure)
+        return _Look(state, rest, inner, gaps, loads, hold, error)
 
     def _hold(self, state: State, asked: Asked, gaps: Array) -> Hold:
         """Return what keeps facets from folding through the obstacle."""
@@ -178,12 +211,13 @@ class Equilibrium:
         worst = max(errors)
         return worst if np.isfinite(worst) else np.inf
 
-    def _renew(self, state: State, asked: Asked) -> None:
+    def _renew(self, state: State, asked: Asked, *, whole: bool = True) -> None:
         """Factor the tangent of the state, on a bed where it touches.
 
         Without what it leans on, a body under pressure may be about to buckle. Under depth control
         the true tangent is therefore factored with a stiffness of its own against what the contact
-        forbids anyhow; `_step` takes its force off again.
+        forbids anyhow; `_step` takes its force off again. Unless `whole`, it is made positive
+        definite instead.
 
         Raises
         ------
@@ -191,13 +225,13 @@ class Equilibrium:
             If it is singular.
         """
         body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
-        matrix = body.tangent(state.values, asked.memory, whole=self._whole)
+        matrix = body.tangent(state.values, asked.memory, whole=whole)
         gaps, loads = contact.gaps(state.values, state.depth)
         hold = self._hold(state, asked, gaps)
         if hold.stiffness.nnz:
             matrix = matrix + hold.stiffness
         touched, bed = state.pressure > 0, 0.0
-        if self._whole and asked.control == "depth":
+        if whole and asked.control == "depth":
             bed = BED * gain * body.scale / float(np.sqrt(contact.travel.sum()))
             matrix = matrix + bed * contact.bed(state.values, state.depth, touched)
         try:
@@ -211,23 +245,16 @@ class Equilibrium:
         )
         self.factors, self._excess = self.factors + 1, 0
 
-    def _step(
-        self,
-        state: State,
-        asked: Asked,
-        inner: Array,
-        gaps: Array,
-        loads: sparse.csc_matrix,
-        mixing: "_Anderson",
-    ) -> State:
+    def _step(self, look: "_Look", mixing: "_Anderson") -> State:
         """Return the state after one iteration."""
+        state, asked, gaps, loads = look.state, look.asked, look.gaps, look.loads
         held, travel = self._factored, self.contact.travel
         size = abs(state.depth)
         apart = gaps / travel
         near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
         softer = held.gain / float(asked.memory.gains.mean())
         bed = held.bed * (state.pressure > 0) / softer
-        force = loads @ (state.pressure - bed * apart) - inner
+        force = loads @ (state.pressure - bed * apart) - look.inner
         alone = softer * held.solve(force)
         free = gaps + state.depth * travel + loads.T @ alone
         while True:
@@ -247,6 +274,36 @@ class Equilibrium:
                 break
             near = near | missed
         return State(mixing.next(state.values, change), pressure, depth)
+
+
+@dataclass(frozen=True)
+class _Look:
+    """An iterate with the forces it is out of balance by.
+
+    asked: what is left to the contact; inner (n_unknowns,) mN the force of the body less that of
+    `hold`; gaps (n,) mm³ and their derivatives, the loads; error, the largest relative one.
+    """
+
+    state: State
+    asked: Asked
+    inner: Array
+    gaps: Array
+    loads: sparse.csc_matrix
+    hold: Hold
+    error: float
+
+    @property
+    def found(self) -> State:
+        """The state with all that presses on it."""
+        return replace(self.state, pressure=self.state.pressure + self.hold.pressure)
+
+
+def _missed(error: float, count: int) -> ConvergenceError:
+    message = (
+        f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
+        f"after {count} iterations; take shorter steps"
+    )
+    return ConvergenceError(message)
 
 
 class _Factored:

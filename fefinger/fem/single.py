@@ -22,6 +22,8 @@ from fefinger.fem.spaces import Array, Integers
 
 Floats = NDArray[np.float32]
 
+LARGE = "solve: expected numbers that single precision holds, received larger ones"
+
 STRIP = 512  # columns of a symmetric product that are formed at once
 
 
@@ -58,11 +60,14 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
     Raises
     ------
     InputError
-        If a pivot block is singular.
+        If a pivot block is singular, or a number beyond single precision.
     """
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()
-    arranged.data = arranged.data.astype(np.float32)
+    with np.errstate(over="ignore"):  # told below
+        arranged.data = arranged.data.astype(np.float32)
+    if not np.isfinite(arranged.data).all():
+        raise InputError(LARGE)
     single, places = _empty(order, dissection.fronts)
     place = np.full(len(order), -1, dtype=np.int64)
     updates: dict[int, Floats] = {}
