@@ -132,7 +132,7 @@ class Equilibrium:
     def _descend(self, start: State, asked: Asked) -> State:
         """Go downhill from `start` with tangents made positive definite, accelerated at the end."""
         state, sound, plain = start, start, _Anderson(1)
-        last, calm, sure = np.inf, 0, SURE
+        last, calm, sure, best, found = np.inf, 0, SURE, np.inf, 0
         self._renew(start, asked, whole=False)
         for count in range(DESCENT):
             look = self._look(state, asked)
@@ -145,6 +145,10 @@ class Equilibrium:
             sound, last = state, look.error
             if last <= EQUILIBRIUM:
                 return look.found
+            if last < best:
+                best, found = last, count
+            elif count - found > STUCK:
+                break
             if calm >= CALM and last < sure:
                 self._renew(state, asked, whole=False)
                 with suppress(ConvergenceError):

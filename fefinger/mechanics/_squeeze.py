@@ -20,6 +20,7 @@ from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
+from fefinger.mechanics._finite_reference import reference
 from fefinger.mechanics._limit import told
 from fefinger.mechanics._stride import Stride, stride
 from fefinger.mechanics._symmetry import symmetric
@@ -75,7 +76,7 @@ def squeeze(
         steps = steps.until(len(passage.depth))
     with stages.stage("reference"):
         asked = passage.sites is not None
-        reference = _press.reference(scene, finger) if asked else None
+        pressed = reference(scene, finger, elements) if asked else None
     with stages.stage("fields"):
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
     response = Response(
@@ -83,7 +84,7 @@ def squeeze(
         time=steps.time,
         **_answer(scene, finger, passage, steps),
         sites=passage.sites,
-        reference=reference,
+        reference=pressed,
         fields=fields,
         seconds=stages.seconds,
         notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),

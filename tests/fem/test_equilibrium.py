@@ -183,3 +183,21 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(monkeypatch: pytest.Monke
     monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
     with pytest.raises(ConvergenceError, match=f"after {STUCK + 2} iterations"):
         squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("poisson", [0.3, 0.5])
+def test_the_way_downhill_ends_in_the_closed_form(
+    monkeypatch: pytest.MonkeyPatch, name: str, poisson: float
+):
+    search = Equilibrium._search
+
+    def fails(self: Equilibrium, start: State, asked: Asked, *, whole: bool = True) -> State:
+        if whole:
+            raise ConvergenceError
+        return search(self, start, asked, whole=whole)
+
+    monkeypatch.setattr(Equilibrium, "_search", fails)
+    material = LAWS[name](Elastic(40.0, poisson))
+    force, _, _ = squeezed(material, [0.2, 0.4])
+    assert force == pytest.approx(nominal(material, 0.6), rel=1e-5)

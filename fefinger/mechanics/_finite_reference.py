@@ -1,0 +1,44 @@
+"""The reference press of the end organs at finite strain, with the measure of `solid`."""
+
+import numpy as np
+
+from fefinger.checks import ConvergenceError
+from fefinger.fem.body import Body
+from fefinger.fem.equilibrium import Equilibrium, State
+from fefinger.fem.finite import Continuum
+from fefinger.fem.passage import Path, StressHistory, follow
+from fefinger.fem.recover import recovered_gradient_at
+from fefinger.fem.sliding import sliding
+from fefinger.fem.strain import logarithmic
+from fefinger.mechanics import _placing, _press
+from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
+from fefinger.records import Reference
+from fefinger.scene import Scene
+
+
+STEPS = 2
+"""In which the reference depth is reached; its equilibrium does not depend on them."""
+
+
+def reference(scene: Scene, finger: Body, elements: Continuum) -> Reference:
+    """Return the logarithmic strain under the standard plate on the relaxed finger.
+
+    Raises
+    ------
+    ConvergenceError
+        If the plate finds no equilibrium, or its contact leaves the candidates.
+    """
+    touch = _placing.obstacle(STANDARD, finger)
+    reach = 2 * _press.REACH * REFERENCE_DEPTH
+    contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
+    equilibrium = Equilibrium(elements, contact, finger.system)
+    states: list[State] = []
+    path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
+    follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
+    if (states[-1].pressure[contact.on.edge] > 0).any():
+        message = "reference press: contact left its patch; the pad is much flatter than expected"
+        raise ConvergenceError(message)
+    central = sites(scene, touch.origin, touch.axis)
+    probe = recovered_gradient_at(finger.space, central.points, finger.planes)
+    strain = logarithmic((probe @ states[-1].values).reshape(-1, 3, 3))
+    return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
