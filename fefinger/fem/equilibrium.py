@@ -101,11 +101,11 @@ class Equilibrium:
             return self._descend(start, asked)
 
     def _search(self, start: State, asked: Asked, *, whole: bool = True) -> State:
-        """Iterate from `start`, accelerated; with true tangents if `whole`, or a few times."""
+        """Iterate from `start`, accelerated; with true tangents if `whole`."""
         state, sound = start, start
         mixing, retreats, error, renewed = _Anderson(MEMORY), 0, np.inf, -SOON
-        best, found = np.inf, 0
-        for count in range(ITERATIONS if whole else PATIENCE):
+        best, found, stuck = np.inf, 0, STUCK if whole else PATIENCE
+        for count in range(ITERATIONS):
             look = self._look(state, asked)
             if look is None:
                 retreats += 1
@@ -120,7 +120,7 @@ class Equilibrium:
                 return look.found
             if error < best:
                 best, found = error, count
-            elif count - found > STUCK:
+            elif count - found > stuck:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
             if worn or (count - renewed >= SOON and self._outgrown(look.hold, asked)):
