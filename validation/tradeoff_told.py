@@ -127,7 +127,7 @@ def _settings(data: dict[str, Any]) -> dict[str, Any]:
             for name, row in data["strain_measures"].items()
         ],
         "membrane: worst error of a spike time against Runge-Kutta at 5 us": [
-            [f"{scene}: {name}", f"{row['worst_ms']:.2g} ms", f"{1e3 * row['cpu_s']:.2g} ms CPU"]
+            [f"{scene}: {name}", f"{row['worst_ms']:.2g} ms", f"{1e3 * row['cpu_s']:.3g} ms CPU"]
             for scene, settings in data["integrators"].items()
             for name, row in settings.items()
         ],
