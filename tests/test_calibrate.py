@@ -473,13 +473,18 @@ def record_of(one, factor, x0):
     return np.column_stack([even, np.minimum(60 * even, 1.98) + noise[0], force + noise[1]])
 
 
+def wave_on(one, factor, x0):
+    """Return a table of time s, position mm and force N of a sinusoid about a depth."""
+    time = np.arange(0, 1, 5e-4)
+    position = x0 + np.minimum(20 * time, 1.0) + 0.2 * np.sin(25 * time)
+    force = predicted(one, factor, PRONY, time, position - x0)
+    return np.column_stack([time, position, force])
+
+
 def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear):
     one, x0 = linear.at(0.9, 14.0), 0.4
     table = record_of(one, 1.3, x0)
-    wave_time = np.arange(0, 1, 5e-4)
-    wave = x0 + np.minimum(20 * wave_time, 1.0) + 0.2 * np.sin(25 * wave_time)
-    measured = predicted(one, 1.3, PRONY, wave_time, wave - x0)
-    check = write(tmp_path / "wave.csv", np.column_stack([wave_time, wave, measured]))
+    check = write(tmp_path / "wave.csv", wave_on(one, 1.3, x0))
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
         finger=ff.Finger.subject("a.h."),
@@ -495,6 +500,15 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     assert "pad_radius: there are no frames, so it is kept" in found.unidentified
     assert "squared error" in found.status
     assert len(found.correlations) == len(found.correlations[0]) == 9
+    with pytest.raises(KeyError, match="'depth': expected one of the parameters t_b, t_m, x0"):
+        found["depth"]
+
+
+def test_a_subject_takes_no_check_and_nothing_is_solved(tmp_path, solved, linear):
+    check = write(tmp_path / "wave.csv", wave_on(linear.at(0.9, 14.0), 1.3, 0.4))
+    with pytest.raises(InputError, match="check: expected the record of a user"):
+        ff.calibrate("a.h.", mechanics="condensed", check=check)
+    assert solved == []
 
 
 def test_a_record_is_calibrated_through_solid(tmp_path, solved, law):
@@ -565,7 +579,7 @@ REFUSED = {
     "two": (["none.csv", "--subject", "a.h.", "--subject", "d.s."], "expected one beside DATA.csv"),
     "mechanics": (["--subject", "a.h.", "--mechanics", "hertz"], "mechanics: expected one of"),
     "resolution": (["--subject", "a.h.", "--resolution", "best"], "finger.resolution"),
-    "check": (["--subject", "a.h.", "--check", "x.csv"], "--check: expected DATA.csv"),
+    "check": (["--subject", "a.h.", "--check", "x.csv"], "check: expected the record of a user"),
     "frames": (["--subject", "a.h.", "--frames", "x.csv"], "cannot be read"),
     "unmeasured": (["--subject", "f.c."], "width"),
 }
