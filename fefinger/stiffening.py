@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import ConvergenceError, InputError, number
-from fefinger.mechanics._touch import STANDARD
+from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Indenter
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, exprel
 
 
 Array = NDArray[np.float64]
@@ -41,7 +41,8 @@ class Stiffening:
 
     def __call__(self, depth: float) -> float:
         """Return t at a depth in mm; 0 out of contact."""
-        return self.b * float(_growth(self.m, max(depth, 0.0)))
+        into = max(depth, 0.0)
+        return self.b * into * float(exprel(self.m * into))
 
     @classmethod
     def fitted(
@@ -68,7 +69,7 @@ class Stiffening:
         unit = largest / float((into * linear).max())
 
         def missed(numbers: Array) -> Array:
-            t = unit * np.exp(numbers[0]) * _growth(numbers[1], into)
+            t = unit * np.exp(numbers[0]) * into * exprel(numbers[1] * into)
             return np.asarray((t * linear - force) / largest)
 
         found = least_squares(
@@ -100,9 +101,3 @@ def _check(depth: Array, force: Array) -> None:
             f"0 N, received depths up to {depth.max():g} mm and forces up to {force.max():g} N"
         )
         raise InputError(message)
-
-
-def _growth(m: float, depth: ArrayLike) -> Array:
-    """Return [exp(m u) - 1] / m, and u for m = 0."""
-    depth = np.asarray(depth, float)
-    return np.asarray(np.expm1(m * depth) / m if m > 0 else depth)
