@@ -8,13 +8,12 @@ between lies between the two. Relaxation lowers neither: both are functions of t
 import numpy as np
 
 from fefinger.finger import Finger
+from fefinger.laws import SHARES
 from fefinger.records import Array, Fields
 from fefinger.tissue import Tissue
 
 
 SKIN, SUBCUTANEOUS = 1, 2
-SHARES = {"neo-hookean": 1.0, "mooney-rivlin": 0.5, "demiray": 1.0, "veronda-westmann": 2.0}
-"""Part of the shear modulus that the first invariant carries."""
 
 
 def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite: bool) -> Array:

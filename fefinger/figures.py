@@ -298,16 +298,7 @@ def pressure_map(result: Result) -> Any:
         )
         axis.triplot(x, y, pad.triangles[palmar], color=STEEL, linewidth=0.25, alpha=0.5)
         if result.centroid is not None:
-            for width, color in ((4.5, "white"), (2.0, "#0072B2")):
-                axis.plot(*result.centroid[step], marker="+", ms=13, mew=width, color=color)
-            axis.annotate(
-                "centroid",
-                result.centroid[step],
-                (8, 8),
-                textcoords="offset points",
-                color="#0072B2",
-                bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
-            )
+            _mark_centroid(axis, result.centroid[step])
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
         axis.set_title(
@@ -316,6 +307,20 @@ def pressure_map(result: Result) -> Any:
         )
         drawn.colorbar(drawn_map, label="contact pressure / kPa", shrink=0.85)
         return drawn
+
+
+def _mark_centroid(axis: Any, place: Array) -> None:
+    """Draw a named cross at a place (2,) mm."""
+    for width, color in ((4.5, "white"), (2.0, "#0072B2")):
+        axis.plot(*place, marker="+", ms=13, mew=width, color=color)
+    axis.annotate(
+        "centroid",
+        place,
+        (8, 8),
+        textcoords="offset points",
+        color="#0072B2",
+        bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
+    )
 
 
 def stages(result: Result) -> Any:

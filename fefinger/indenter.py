@@ -290,6 +290,17 @@ class Relief(Indenter):
         return cls(x, y, heights, **placing)
 
 
+STANDARD = Flat(angle=30.0)
+"""The plate whose first touch is the origin, and whose small press is the reference of strain."""
+
+
+def direction(flat: Flat | Grating | Relief) -> profiles.Array:
+    """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
+    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
+    up = np.cos(angle)
+    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+
+
 INDENTERS: dict[str, type[Indenter]] = {
     indenter.kind: indenter
     for indenter in (Flat, Sphere, Ellipsoid, Cylinder, Bar, Grating, Relief)

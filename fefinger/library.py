@@ -309,7 +309,6 @@ def _stretched_together(*layers: Tissue) -> Tissue:
 class Receptor:
     """Where the end organs of one type lie: depth under the skin's surface in mm."""
 
-    end_organ: str
     depth: float
     published: tuple[float, float]
     source: str
@@ -323,13 +322,20 @@ def receptors() -> dict[str, Receptor]:
     user's parameter (`ask.depths`) with confidence medium at best. The effective depths of
     TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
     """
-    ridge = "under the epidermis (0.3 to 0.5 mm thick), at the base of the intermediate ridges"
-    papilla = "in the dermal papillae just below the epidermis"
+    merkel = (
+        "Merkel cells under the epidermis (0.3 to 0.5 mm thick), at the base of the intermediate "
+        "ridges"
+    )
+    meissner = "Meissner corpuscles in the dermal papillae just below the epidermis"
+    ruffini, pacini = (
+        "Ruffini corpuscles in the deep dermis",
+        "Pacinian corpuscles under the dermis",
+    )
     return {
-        "SAI": Receptor("Merkel cells", 0.8, (0.7, 1.0), ridge, "medium"),
-        "SAII": Receptor("Ruffini corpuscle", 1.25, (1.0, 1.5), "in the deep dermis", "low"),
-        "FAI": Receptor("Meissner corpuscle", 0.5, (0.5, 0.5), papilla, "medium"),
-        "FAII": Receptor("Pacinian corpuscle", 2.5, (2.0, 3.0), "under the dermis", "medium"),
+        "SAI": Receptor(0.8, (0.7, 1.0), merkel, "medium"),
+        "SAII": Receptor(1.25, (1.0, 1.5), ruffini, "low"),
+        "FAI": Receptor(0.5, (0.5, 0.5), meissner, "medium"),
+        "FAII": Receptor(2.5, (2.0, 3.0), pacini, "medium"),
     }
 
 

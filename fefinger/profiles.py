@@ -146,6 +146,18 @@ class Relief:
         return np.where(ahead, part(0, 0), np.inf), np.stack([part(1, 0), part(0, 1)], -1), bend
 
 
+def frame(axis: Array, roll: float = 0.0) -> Array:
+    """Return the rows u, v and axis (3, 3) of an object that travels along the unit vector axis.
+
+    Without roll u lies in the x-z plane; `roll` degrees turn u and v about the axis.
+    """
+    across = np.cross([0.0, 1.0, 0.0], axis)
+    first = across / np.linalg.norm(across)
+    second = np.cross(axis, first)
+    c, s = np.cos(np.radians(roll)), np.sin(np.radians(roll))
+    return np.array([c * first + s * second, c * second - s * first, axis])
+
+
 def _lifted(h: Array, slope: Array, bend: Array) -> Heights:
     """Return the heights of a profile that changes along u alone."""
     zero = np.zeros_like(h)

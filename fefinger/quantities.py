@@ -80,7 +80,7 @@ def signed(field: str) -> bool:
 
 def measure(result: Result) -> str:
     """Return which strain the fields of a result hold."""
-    return "logarithmic strain" if _finite(result) else "small strain"
+    return "logarithmic strain" if result.response.finite else "small strain"
 
 
 def fields_of(result: Result) -> Fields:
@@ -109,7 +109,7 @@ def values(result: Result, field: str, frame: int) -> Array:
     if field in ENERGIES:
         elastic = field == "elastic strain energy"
         finger = result.scene.finger
-        return energy.density(fields, frame, finger, elastic=elastic, finite=_finite(result))
+        return energy.density(fields, frame, finger, elastic=elastic, finite=result.response.finite)
     strain = 100.0 * fields.strain[frame]
     if field.removeprefix("strain ") in COMPONENTS:
         return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
@@ -173,7 +173,3 @@ def limits(text: str) -> tuple[float, float]:
     number("--limits LOW", pair[0])
     number("--limits HIGH", pair[1], above=pair[0])
     return pair
-
-
-def _finite(result: Result) -> bool:
-    return result.response.mechanics == "solid"

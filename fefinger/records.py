@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.scene import Scene
+from fefinger.strains import green_lagrange
 
 
 if TYPE_CHECKING:
@@ -192,6 +193,11 @@ class Response:
     gap: Array | None = None
     moment: Array | None = None
 
+    @property
+    def finite(self) -> bool:
+        """Whether its strain is finite, that is logarithmic, and not small strain."""
+        return self.mechanics == "solid"
+
 
 class Progress(Protocol):
     """What long work reports to: a stage by name, and the fraction of it that is done."""
@@ -254,8 +260,23 @@ class Result:
 
     @property
     def strain(self) -> Array | None:
-        """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension."""
+        """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension.
+
+        Small strain, or of `solid` the logarithmic one.
+        """
         return self.response.strain
+
+    @property
+    def green_lagrange(self) -> Array | None:
+        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, dimensionless, of `solid` alone.
+
+        E = (F'F - I) / 2 = (exp(2 H) - I) / 2 of the logarithmic strain H = ln(F'F) / 2 that
+        `strain` then holds, both in the directions of the undeformed finger. None where `strain`
+        is small strain, in which the measures are one.
+        """
+        if self.strain is None or not self.response.finite:
+            return None
+        return green_lagrange(self.strain)
 
     @property
     def fields(self) -> Fields | None:

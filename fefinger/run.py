@@ -122,7 +122,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     """Return the spikes with a note on whether their counts survive a coarser mesh."""
     from dataclasses import replace
 
-    from fefinger.checks import InputError
+    from fefinger.checks import ConvergenceError, InputError
     from fefinger.neural.signals import count_changes
 
     coarser = chosen.coarser(scene)
@@ -132,8 +132,8 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     mesh = f"the mesh is {coarser.finger.mesh}"
     try:
         again = fire(asked, chosen.respond(asked))
-    except InputError as error:
-        notes: tuple[str, ...] = (f"Spike counts were not checked when {mesh}: {error}",)
+    except (InputError, ConvergenceError) as error:
+        notes: tuple[str, ...] = (f"Spike counts could not be checked when {mesh}: {error}",)
     else:
         changes = count_changes(spikes.names, spikes, again, mesh)
         notes = changes or (f"All spike counts are the same when {mesh}.",)

@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.profiles import Ellipsoid, Profile
+from fefinger.indenter import STANDARD, Flat, Grating, Relief, direction
+from fefinger.profiles import Ellipsoid, Profile, frame
 from fefinger.records import Array, Fields, Integers, Result
-from fefinger.scene import Flat, Grating, Relief
 
 
 BONE = 3  # the region of rigid bone, which has no field of its own
 SNAP = 1e-3  # of an edge
-STANDARD = (30.0, 0.0)  # angle and tilt of the plate that touches at the origin
 SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
@@ -127,15 +126,8 @@ class Pose(NamedTuple):
 
     @property
     def frame(self) -> Array:
-        """Rows: the two unit vectors across the travel that the shape is given in, then the axis.
-
-        Without roll the first lies in the x-z plane.
-        """
-        first = np.cross([0.0, 1.0, 0.0], self.axis)
-        first /= np.linalg.norm(first)
-        second = np.cross(self.axis, first)
-        c, s = np.cos(np.radians(self.roll)), np.sin(np.radians(self.roll))
-        return np.array([c * first + s * second, c * second - s * first, self.axis])
+        """Rows (3, 3): the shape's two unit vectors across the travel, then the axis."""
+        return frame(self.axis, self.roll)
 
     def places(self, across: Array) -> Array:
         """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
@@ -188,22 +180,15 @@ def pose(result: Result, depth: float) -> Pose:
     indenter = result.scene.indenter
     roll = getattr(indenter, "roll", 0.0)
     if isinstance(indenter, Flat | Grating | Relief):
-        axis, origin = travel(indenter), np.zeros(3)
-        if (indenter.angle, indenter.tilt) != STANDARD and result.fields is not None:
+        axis, origin = direction(indenter), np.zeros(3)
+        if Flat(indenter.angle, indenter.tilt) != STANDARD and result.fields is not None:
             points = whole(result.fields).points
             origin = points[int(np.argmin(points @ axis))]
         return Pose(origin + depth * axis, axis, indenter.profile, roll)
-    origin, axis = np.zeros(3), travel(Flat())
+    origin, axis = np.zeros(3), direction(STANDARD)
     at, pad = getattr(indenter, "at", None), result.pad
     if at is not None and pad is not None:
         palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
         here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))
         origin, axis = pad.points[here], -pad.normals[here]
     return Pose(origin + depth * axis, axis, indenter.profile, roll)
-
-
-def travel(plate: Flat | Grating | Relief) -> Array:
-    """Return the direction of travel (3,) of a plate, which is its normal into the finger."""
-    angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
-    up = np.cos(angle)
-    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])

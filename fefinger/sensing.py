@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.checks import InputError
+from fefinger.indenter import direction
 from fefinger.pressures import cuts, net
 from fefinger.scene import Flat, Indenter
 
@@ -80,8 +81,6 @@ def plane(indenter: Indenter, points: "Array") -> "Array":
     InputError
         For an indenter that is no plate.
     """
-    from fefinger.mechanics._touch import direction
-
     if not isinstance(indenter, Flat):
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
         raise InputError(msg)

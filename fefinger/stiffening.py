@@ -12,11 +12,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, number
-from fefinger.mechanics._touch import STANDARD
+from fefinger.checks import ConvergenceError, InputError, number
+from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Indenter
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, exprel
 
 
 Array = NDArray[np.float64]
@@ -41,7 +41,8 @@ class Stiffening:
 
     def __call__(self, depth: float) -> float:
         """Return t at a depth in mm; 0 out of contact."""
-        return self.b * float(_growth(self.m, max(depth, 0.0)))
+        into = max(depth, 0.0)
+        return self.b * into * float(exprel(self.m * into))
 
     @classmethod
     def fitted(
@@ -53,33 +54,50 @@ class Stiffening:
     ) -> Self:
         """Return the t with which the linear finger has forces nearest to the relaxed ones (n,) N.
 
-        Least squares over the depths (n,) mm. InputError for fewer than two depths above 0.
+        Least squares over the depths (n,) mm. InputError for fewer than two depths above 0 or no
+        force above 0, ConvergenceError for a search that is cut short.
         """
         from scipy.optimize import least_squares
 
         depth, force = np.asarray(depth, float), np.asarray(force, float)
-        if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
-            message = (
-                "stiffening: expected as many forces as depths, two or more of them above 0, "
-                f"received {depth.shape} depths and {force.shape} forces"
-            )
-            raise InputError(message)
+        _check(depth, force)
         elastic = Condensed(
             replace(finger, prony=Prony((1.0,), ())), indenter, deepest=float(depth.max())
         )
         linear = np.array([elastic.step_contact(d, 0.0).force for d in depth.tolist()])
+        into, largest = np.maximum(depth, 0.0), float(force.max())
+        unit = largest / float((into * linear).max())
 
         def missed(numbers: Array) -> Array:
-            return np.exp(numbers[0]) * _growth(numbers[1], np.maximum(depth, 0)) * linear - force
+            t = unit * np.exp(numbers[0]) * into * exprel(numbers[1] * into)
+            return np.asarray((t * linear - force) / largest)
 
         found = least_squares(
             missed, [0.0, 1.0], bounds=([-20.0, 0.0], [20.0, 20.0]), xtol=1e-12, ftol=1e-12
         )
-        misfit = float(np.abs(missed(found.x)).max() / np.abs(force).max())
-        return cls(float(np.exp(found.x[0])), float(found.x[1]), misfit)
+        misfit = float(np.abs(found.fun).max())
+        b, m = unit * float(np.exp(found.x[0])), float(found.x[1])
+        if not found.success:
+            message = (
+                f"stiffening: the search for t had not settled after {found.nfev} evaluations, "
+                f"at b = {b:.3g} 1/mm, m = {m:.3g} 1/mm and a misfit of {misfit:.2g}; "
+                "check the forces"
+            )
+            raise ConvergenceError(message)
+        return cls(b, m, misfit)
 
 
-def _growth(m: float, depth: ArrayLike) -> Array:
-    """Return [exp(m u) - 1] / m, and u for m = 0."""
-    depth = np.asarray(depth, float)
-    return np.asarray(np.expm1(m * depth) / m if m > 0 else depth)
+def _check(depth: Array, force: Array) -> None:
+    """Refuse depths (n,) mm and forces (n,) N that no t can be fitted to."""
+    if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
+        message = (
+            "stiffening: expected as many forces as depths, two or more of them above 0, "
+            f"received {depth.shape} depths and {force.shape} forces"
+        )
+        raise InputError(message)
+    if not (np.isfinite(depth).all() and np.isfinite(force).all() and force.max() > 0):
+        message = (
+            "stiffening: expected finite depths, and finite forces of which the largest is above "
+            f"0 N, received depths up to {depth.max():g} mm and forces up to {force.max():g} N"
+        )
+        raise InputError(message)

@@ -167,7 +167,7 @@ def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
 
     On the finger's mesh it is that on its smooth skin; else the place above the end organs.
     """
-    from fefinger.mechanics._touch import STANDARD, direction
+    from fefinger.indenter import STANDARD, direction
     from fefinger.mesh.local import first_touch
     from fefinger.mesh.recipe import Recipe
 

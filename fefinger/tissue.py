@@ -3,11 +3,8 @@
 from dataclasses import dataclass
 
 from fefinger.checks import InputError, choice, number
+from fefinger.laws import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
-
-
-LAWS = ("neo-hookean", "mooney-rivlin", "demiray", "veronda-westmann")
-"""Hyperelastic laws; the last two stiffen exponentially and need an exponent."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +55,8 @@ class Tissue:
             object.__setattr__(self, name, value)
 
     def _law_numbers(self) -> dict[str, float]:
-        choice("tissue.law", self.law, LAWS)
-        exponential, mixed = self.law in LAWS[2:], self.law == "mooney-rivlin"
+        choice("tissue.law", self.law, SHARES)
+        exponential, mixed = self.law in EXPONENTIAL, self.law == "mooney-rivlin"
         if exponential and self.exponent is None:
             msg = (
                 f"tissue.exponent: missing; expected a number, because {self.law!r} stiffens by it"

@@ -1,5 +1,6 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
+import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -69,6 +70,19 @@ def synthetic() -> Result:
 def synthesize() -> Callable[..., Result]:
     """Return the function that makes the synthetic Result, for other sizes of it."""
     return make_synthetic
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch, synthetic: Result) -> list:
+    """Answer every scene with the synthetic result; return the calls that were made."""
+    calls = []
+
+    def run(scene, **options):
+        calls.append((scene, options))
+        return synthetic
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", run)
+    return calls
 
 
 def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int] = (12, 4, 8)):

@@ -21,7 +21,7 @@ BELOW = {
     "fefinger.fem": (
         *("fefinger.fem", "fefinger.checks", "fefinger.tolerances", "fefinger.stages"),
         *("fefinger.mesh.record", "fefinger.mesh.topology", "fefinger.units"),
-        "fefinger.profiles",
+        *("fefinger.profiles", "fefinger.laws"),
     ),
 }
 """Packages that may import nothing of fefinger but these."""

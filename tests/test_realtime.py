@@ -12,8 +12,8 @@ from numba.core.runtime import _nrt_python, rtsys
 import fefinger as ff
 from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
+from fefinger.indenter import direction
 from fefinger.mechanics import condensed
-from fefinger.mechanics._touch import direction
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.profiles import Ellipsoid
 from fefinger.realtime import Condensed

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import optimize
 
 import fefinger as ff
-from fefinger.checks import InputError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.library import pawluk_bulk
 from fefinger.realtime import Condensed
 from fefinger.stiffening import Stiffening
@@ -32,6 +33,25 @@ def test_it_finds_the_t_that_made_the_forces() -> None:
     assert found(-1.0) == 0.0
 
 
+@pytest.mark.parametrize("factor", [1e-9, 1e9])
+def test_weak_and_strong_forces_are_fitted_as_well(factor: float) -> None:
+    forces = np.expm1(1.3 * DEPTHS)
+    plain, scaled = (Stiffening.fitted(FINGER, DEPTHS, each * forces) for each in (1.0, factor))
+    assert scaled.b == pytest.approx(factor * plain.b, rel=1e-6)
+    assert (scaled.m, scaled.misfit) == pytest.approx((plain.m, plain.misfit), rel=1e-6)
+
+
+def test_a_search_that_is_cut_short_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = optimize.least_squares
+
+    def short(*arguments, **options):
+        return search(*arguments, **options | {"max_nfev": 2})
+
+    monkeypatch.setattr(optimize, "least_squares", short)
+    with pytest.raises(ConvergenceError, match="not settled after 2 evaluations, at b = "):
+        Stiffening.fitted(FINGER, DEPTHS, np.expm1(1.3 * DEPTHS))
+
+
 def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
     lumped = pawluk_bulk()["a.h."]
     forces = lumped.prony.long_time * lumped.b / lumped.m * np.expm1(lumped.m * DEPTHS)
@@ -50,6 +70,8 @@ def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
     [
         ([1.0], [1.0], "two or more"),
         ([0.5, 1.0], [1.0], "as many forces"),
+        ([0.5, 1.0], [0.0, 0.0], "the largest is above 0 N"),
+        ([0.5, 1.0], [0.1, np.nan], "finite forces"),
     ],
 )
 def test_what_cannot_be_fitted_gets_a_sentence(depths: list, forces: list, words: str) -> None:

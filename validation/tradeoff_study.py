@@ -23,6 +23,7 @@ from fefinger import machine
 from fefinger.mechanics import get
 from fefinger.neural.membranes import LARGEST_STEP
 from fefinger.scene import Scene
+from fefinger.strains import green_lagrange
 
 
 FITTED = ("hertz identified", "layered identified")
@@ -159,11 +160,10 @@ def strain_measures() -> dict[str, dict[str, float]]:
         assert own is not None
         assert small is not None
         log = own.strain[-1]
-        values, vectors = np.linalg.eigh(log)
-        green = np.einsum("sij,sj,skj->sik", vectors, np.expm1(2 * values) / 2, vectors)
+        green = green_lagrange(log)
         size = float(np.linalg.norm(log))
         rows[name] = {
-            "largest_log_strain": float(np.abs(values).max()),
+            "largest_log_strain": float(np.abs(np.linalg.eigvalsh(log)).max()),
             "green_lagrange": float(np.linalg.norm(green - log)) / size,
             "small": float(np.linalg.norm(small.strain[-1] - log)) / size,
             "small_against_green_lagrange": float(

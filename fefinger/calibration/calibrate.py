@@ -101,7 +101,7 @@ def calibrate(
     frames
         CSV file of a slow press: time, position (mm from touch), p1 ... p64 (kPa).
     check
-        CSV file of a motion with unloading, which is predicted and not fitted.
+        CSV file of a motion with unloading, which is predicted and not fitted; of a record alone.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -114,6 +114,13 @@ def calibrate(
     """
     choice("mechanics", mechanics, MECHANICS)
     wanted = _target(source, finger)
+    if check is not None and isinstance(wanted, Bulk):
+        msg = (
+            "check: expected the record of a user (DATA.csv) beside it, because it is predicted "
+            f"with the touch of that record, received the subject {wanted.name!r}; subjects are "
+            "checked on sinusoids by themselves"
+        )
+        raise InputError(msg)
     start = finger or Finger.subject(wanted.name)
     measured = None if frames is None else target.frames(frames)
     again = None if check is None else target.unloading(check)

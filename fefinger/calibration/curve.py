@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.calibration.press import Press
 from fefinger.checks import InputError
+from fefinger.theory.relaxation import exprel
 
 
 Array = NDArray[np.float64]
@@ -109,7 +110,7 @@ class Curve:
         value = 1.5 * np.log(depth) + self.power(depth)
         if self.growth is None:
             return np.asarray(value)
-        return np.asarray(value + np.log(grown(self.growth, depth)))
+        return np.asarray(value + np.log(depth * exprel(self.growth * depth)))
 
     def _steepness(self, depth: ArrayLike) -> Array:
         """Return d log P / dx in 1/mm."""
@@ -117,13 +118,7 @@ class Curve:
         slope = 1.5 / depth + self._spline(depth, 1)
         if self.growth is None:
             return np.asarray(slope)
-        return np.asarray(slope + np.exp(self.growth * depth) / grown(self.growth, depth))
-
-
-def grown(m: float, depth: ArrayLike) -> Array:
-    """Return [exp(m u) - 1] / m, and u for m = 0."""
-    depth = np.asarray(depth, float)
-    return np.asarray(np.expm1(m * depth) / m if m > 0 else depth)
+        return np.asarray(slope + 1 / (depth * exprel(-self.growth * depth)))
 
 
 def curve(press: Press) -> tuple[Curve, float]:

@@ -84,8 +84,6 @@ def solve(
     ConvergenceError
         If no start converges.
     """
-    from scipy.optimize import least_squares
-
     free = [each for each in unknowns if not each.held]
     start = {each.name: each.start for each in unknowns}
 
@@ -97,13 +95,38 @@ def solve(
         return np.concatenate([residual(values), _about_priors(free, values)])
 
     low, high = (np.array([each.inside(v) for each, v in _bounds(free, end)]) for end in (0, 1))
+    firsts = [
+        [each.inside((start | first)[each.name]) for each in free] for first in starts or ({},)
+    ]
+    best, count = _best(whole, firsts, low, high)
+    found_values = start | {
+        each.name: each.outside(number) for each, number in zip(free, best.tolist(), strict=True)
+    }
+    at_bounds = [
+        each.name
+        for each, number, lo, hi in zip(free, best, low, high, strict=True)
+        if min(number - lo, hi - number) < 1e-6 * (hi - lo)
+    ]
+    return _judged(residual, tuple(unknowns), found_values, tuple(at_bounds), count)
+
+
+def _best(
+    whole: Callable[[Array], Array], firsts: Sequence[Sequence[float]], low: Array, high: Array
+) -> tuple[Array, int]:
+    """Return the numbers (n,) of the best search of `whole` over its starts, and all evaluations.
+
+    Raises
+    ------
+    ConvergenceError
+        If no start converges.
+    """
+    from scipy.optimize import least_squares
+
     best, count = None, 0
-    for first in starts or ({},):
-        numbers = [each.inside((start | first)[each.name]) for each in free]
-        inner = np.clip(numbers, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+    for first in firsts:
         found = least_squares(
             whole,
-            inner,
+            np.clip(first, low + 1e-9 * (high - low), high - 1e-9 * (high - low)),
             bounds=(low, high),
             x_scale="jac",
             xtol=1e-10,
@@ -116,18 +139,10 @@ def solve(
     if best is None:
         message = (
             f"calibration: the fit did not converge in {EVALUATIONS} evaluations from any of "
-            f"{len(starts or ({},))} starts; check the record, or give a nearer start"
+            f"{len(firsts)} starts; check the record, or give a nearer start"
         )
         raise ConvergenceError(message)
-    found_values = start | {
-        each.name: each.outside(number) for each, number in zip(free, best.x.tolist(), strict=True)
-    }
-    at_bounds = [
-        each.name
-        for each, number, lo, hi in zip(free, best.x, low, high, strict=True)
-        if min(number - lo, hi - number) < 1e-6 * (hi - lo)
-    ]
-    return _judged(residual, tuple(unknowns), found_values, tuple(at_bounds), count)
+    return best.x, count
 
 
 def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:

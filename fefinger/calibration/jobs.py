@@ -34,12 +34,6 @@ def jobs(
         if not subjects:
             msg = 'calibrate: expected DATA.csv or --subject, as --subject "a.h.", received neither'
             raise InputError(msg)
-        if options.get("check") is not None:
-            msg = (
-                "--check: expected DATA.csv beside it, because it is predicted with the touch of "
-                "that record; subjects are checked on sinusoids by themselves"
-            )
-            raise InputError(msg)
         chosen = {name: Finger.subject(name, **size) for name in subjects}
         return tuple(Job(name, options | {"finger": finger}) for name, finger in chosen.items())
     if len(subjects) > 1:

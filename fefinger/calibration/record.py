@@ -85,8 +85,12 @@ class Calibration:
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Parameter:
-        """Return the parameter called `name`."""
-        return next(each for each in self.parameters if each.name == name)
+        """Return the parameter called `name`; KeyError names those that there are."""
+        named = {each.name: each for each in self.parameters}
+        if name not in named:
+            msg = f"{name!r}: expected one of the parameters {', '.join(named)}"
+            raise KeyError(msg)
+        return named[name]
 
     @property
     def curve(self) -> Curve:

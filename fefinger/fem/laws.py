@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from fefinger.checks import InputError, number
 from fefinger.fem.forms import Elastic
+from fefinger.laws import SHARES
 
 
 @dataclass(frozen=True)
@@ -44,28 +45,25 @@ class Law:
 
 def neo_hookean(elastic: Elastic) -> Law:
     """Return W = mu/2 (I1 - 3): the stiffness of Gaussian chains, with no stiffening."""
-    return Law(elastic.shear, elastic.compressibility)
+    return Law(elastic.shear, elastic.compressibility, SHARES["neo-hookean"])
 
 
-def mooney_rivlin(elastic: Elastic, share: float = 0.5) -> Law:
+def mooney_rivlin(elastic: Elastic, share: float = SHARES["mooney-rivlin"]) -> Law:
     """Return W = mu/2 [share (I1 - 3) + (1 - share) (I2 - 3)] (Mooney 1940, Rivlin 1948)."""
     return Law(elastic.shear, elastic.compressibility, share)
 
 
 def demiray(elastic: Elastic, exponent: float) -> Law:
     """Return W = mu/2b (exp(b (I1 - 3)) - 1) (Demiray, J. Biomech. 5:309, 1972)."""
-    return Law(elastic.shear, elastic.compressibility, 1.0, exponent)
+    return Law(elastic.shear, elastic.compressibility, SHARES["demiray"], exponent)
 
 
 def veronda_westmann(elastic: Elastic, exponent: float) -> Law:
     """Return W = mu/b (exp(b (I1 - 3)) - 1) - mu/2 (I2 - 3) (J. Biomech. 3:111, 1970)."""
-    return Law(elastic.shear, elastic.compressibility, 2.0, exponent)
+    return Law(elastic.shear, elastic.compressibility, SHARES["veronda-westmann"], exponent)
 
 
 def law(name: str, elastic: Elastic, exponent: float | None, share: float | None) -> Law:
-    """Return the law called `name` (of tissue.LAWS), with the small-strain behavior `elastic`."""
-    if name == "mooney-rivlin":
-        return mooney_rivlin(elastic, *(() if share is None else (share,)))
-    if name == "neo-hookean" or exponent is None:
-        return neo_hookean(elastic)
-    return {"demiray": demiray, "veronda-westmann": veronda_westmann}[name](elastic, exponent)
+    """Return the law called `name` (of laws.SHARES), with the small-strain behavior `elastic`."""
+    carried = SHARES[name] if share is None else share
+    return Law(elastic.shear, elastic.compressibility, carried, exponent or 0.0)

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from fefinger.fem.spaces import Array
-from fefinger.profiles import Plane, Profile
+from fefinger.profiles import Plane, Profile, frame
 
 
 class Rigid(Protocol):
@@ -42,15 +42,8 @@ class Obstacle:
 
     @property
     def frame(self) -> Array:
-        """Rows: the profile's two unit vectors across the axis, then the axis.
-
-        Without roll the first lies in the x-z plane.
-        """
-        across = np.cross([0.0, 1.0, 0.0], self.axis)
-        first = across / np.linalg.norm(across)
-        second = np.cross(self.axis, first)
-        c, s = np.cos(np.radians(self.roll)), np.sin(np.radians(self.roll))
-        return np.array([c * first + s * second, c * second - s * first, self.axis])
+        """Rows (3, 3): the profile's two unit vectors across the axis, then the axis."""
+        return frame(self.axis, self.roll)
 
     def gap(self, points: Array) -> tuple[Array, Array]:
         """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3).

@@ -118,6 +118,18 @@ def stresses(
 
 
 @njit(cache=True, fastmath=FAST)
+def _right(strain: Array, c: Array) -> tuple[float, float]:
+    """Fill C (3, 3) of the Green-Lagrange strain; return its first two invariants."""
+    square = 0.0
+    for i in range(3):
+        for j in range(3):
+            c[i, j] = 2 * strain[i, j] + (1.0 if i == j else 0.0)
+            square += c[i, j] * c[i, j]
+    trace = c[0, 0] + c[1, 1] + c[2, 2]
+    return trace, (trace * trace - square) / 2
+
+
+@njit(cache=True, fastmath=FAST)
 def moduli_of(
     pressure: float,
     law: Array,
@@ -132,16 +144,7 @@ def moduli_of(
     """
     growth, volume, rise = state
     strain, inverse, first, _, c = work
-    for i in range(3):
-        for j in range(3):
-            c[i, j] = 2 * strain[i, j]
-        c[i, i] += 1.0
-    trace = c[0, 0] + c[1, 1] + c[2, 2]
-    square = 0.0
-    for i in range(3):
-        for j in range(3):
-            square += c[i, j] * c[i, j]
-    minors = (trace * trace - square) / 2
+    trace, minors = _right(strain, c)
     one = 2 * gains[0] * law[0] * law[2] * rise
     two = 2 * gains[0] * law[0] * (1 - law[2])
     p = gains[1] * pressure * (1 + growth)

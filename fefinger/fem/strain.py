@@ -1,4 +1,7 @@
-"""Strain measures of a displacement gradient H: F = I + H, C = F'F."""
+"""Logarithmic strain of a displacement gradient H: F = I + H, C = F'F.
+
+`fefinger/strains.py` has what follows from it.
+"""
 
 import numpy as np
 
@@ -17,12 +20,4 @@ def logarithmic(gradient: Array) -> Array:
     values, vectors = np.linalg.eigh(green)
     return np.asarray(
         (vectors * (np.log1p(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    )
-
-
-def green_lagrange(logs: Array) -> Array:
-    """Return (C - I) / 2 (..., 3, 3) of the logarithmic strain ln(C) / 2."""
-    values, vectors = np.linalg.eigh(logs)
-    return np.asarray(
-        (vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
     )

@@ -97,13 +97,7 @@ def press(
         If the indenter is placed beyond the pad.
     """
     stages = Stages(progress)
-    first = touch(scene)
-    if first is None:
-        msg = (
-            f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
-            f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
-        )
-        raise InputError(msg)
+    first = _touched(scene)
     with stages.stage("contact"):
         history = _march(scene, contact)
         _check_width(scene, contact, float(history.depth.max()), numbers["relative_radius_mm"])
@@ -140,6 +134,18 @@ def press(
         notes=notes,
         numbers=numbers,
     )
+
+
+def _touched(scene: Scene) -> Touch:
+    """Return the first touch, or raise InputError for a place that is not on the pad."""
+    first = touch(scene)
+    if first is None:
+        msg = (
+            f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
+            f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
+        )
+        raise InputError(msg)
+    return first
 
 
 def _check_width(scene: Scene, contact: Contact, deepest: float, radius: float) -> None:

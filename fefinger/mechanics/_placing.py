@@ -10,7 +10,7 @@ from fefinger.fem.body import Solid
 from fefinger.fem.contact import smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
-from fefinger.mechanics._touch import STANDARD, direction
+from fefinger.indenter import STANDARD, direction
 from fefinger.scene import Flat, Grating, Indenter, Relief
 
 

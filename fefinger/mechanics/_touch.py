@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.indenter import STANDARD, direction
 from fefinger.library import receptors
 from fefinger.records import Sites
 from fefinger.scene import Flat, Grating, Indenter, Relief, Scene
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STANDARD = Flat(angle=30.0)
-"""The plate whose first touch is the origin, and whose small press is the reference of strain."""
-
 MESHED_ANGLE = 15.0
 """Degrees between the plates for which meshes differ."""
 
@@ -32,13 +30,6 @@ MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
 
 REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
-
-
-def direction(flat: Flat | Grating | Relief) -> Array:
-    """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
-    angle, tilt = np.radians(flat.angle), np.radians(flat.tilt)
-    up = np.cos(angle)
-    return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
 
 
 def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:

@@ -101,15 +101,8 @@ class HalfSpace:
             # Deeper nodes are those of a force that has crept for longer than it was held.
             if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
-                row[:] = self._hooke(field.stress(r, z)).T
+                row[:] = field.strain(r, z).T
         return strain
-
-    def _hooke(self, stress: Array) -> Array:
-        """Return the strain (4, m) of the stress sigma_r, sigma_t, sigma_z, tau_rz (4, m)."""
-        trace = stress[:3].sum(axis=0)
-        strain = (1 + self.poisson) * stress
-        strain[:3] -= self.poisson * trace
-        return strain / self.modulus
 
 
 def tissue(finger: Finger) -> tuple[float, float]:

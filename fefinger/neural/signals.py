@@ -69,8 +69,13 @@ def unit_delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
-def unit_names(types: tuple[str, ...]) -> tuple[str, ...]:
-    """Return types as names, numbered where a type repeats."""
+def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tuple[str, ...]:
+    """Return one name per unit: those given, or its type, numbered where that repeats."""
+    if names is not None:
+        if len(names) != len(types):
+            msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
+            raise InputError(msg)
+        return tuple(names)
     seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]
     return tuple(
         kind if types.count(kind) == 1 else f"{kind}-{n}"

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,10 +99,22 @@ class _Setup:
     generator: str
     rectifier: str
     organs: Mapping[str, Organ]
-    gains: Array
     membrane: Membrane
     variation: Variation | None
     method: str | None
+
+    def __post_init__(self) -> None:
+        """Check the choices."""
+        choice("generator", self.generator, GENERATORS)
+        choice("rectifier", self.rectifier, RECTIFIERS)
+        choice("rule", self.rule, RULES)
+
+    @cached_property
+    def gains(self) -> Array:
+        """The gains (n_units,) in uA/cm² per mm, unequal where they vary."""
+        vary = self.variation
+        factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.types))]
+        return np.array([GAINS[kind] for kind in self.types]) * factors
 
     def sampled(self, units: Sequence[int], time: Array, x_in: Array, dt: float) -> Array:
         """Return the times at which the currents of units of one type are sampled.
@@ -228,27 +241,12 @@ def simulate_units(
     InputError
         As `simulate`; also a unit without an end organ, or a rule that the membrane cannot follow.
     """
-    types = tuple(choice("types", kind, TYPES) for kind in types)
-    choice("generator", generator, GENERATORS)
-    choice("rectifier", rectifier, RECTIFIERS)
-    choice("rule", rule, RULES)
-    if not types:
-        msg = "types: expected one afferent unit or more, received none"
-        raise InputError(msg)
+    types = _known(types)
     columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
-    names = unit_names(types) if names is None else tuple(names)
-    if len(names) != len(types):
-        msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
-        raise InputError(msg)
+    names = unit_names(types, names)
     membrane = membrane or HodgkinHuxley()
-    method = None
-    if rule == "first":
-        _squid(membrane, "rule: expected for 'first'")
-    if tolerance is not None:
-        squid = _squid(membrane, "tolerance: expected")
-        method, dt = squid.integrator(tolerance, float(time[-1] - time[0]))
-    factors = [1.0 if variation is None else variation.gain(i) for i in range(len(types))]
+    method, dt = _integrator(membrane, rule, tolerance, float(time[-1] - time[0]), dt)
     setup = _Setup(
         types=types,
         columns=columns,
@@ -256,15 +254,11 @@ def simulate_units(
         generator=generator,
         rectifier=rectifier,
         organs=organs or {},
-        gains=np.array([GAINS[kind] for kind in types]) * factors,
         membrane=membrane,
         variation=variation,
         method=method,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
-    by_type = sorted(range(len(types)), key=types.__getitem__)
-    current = np.empty((len(time), len(types)))
-    current[:, by_type] = setup.met(by_type, time, x_in)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
     notes = remarks(time, mean_in, types, names, firing)
     if check:
@@ -278,7 +272,7 @@ def simulate_units(
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=mean_in,
-        current=current,
+        current=_currents(setup, time, x_in),
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
@@ -287,6 +281,33 @@ def simulate_units(
         seed=None if variation is None else variation.seed,
         notes=notes,
     )
+
+
+def _known(types: Sequence[str]) -> tuple[str, ...]:
+    """Return the types, one or more of TYPES, or raise InputError."""
+    if not len(types):
+        msg = "types: expected one afferent unit or more, received none"
+        raise InputError(msg)
+    return tuple(choice("types", kind, TYPES) for kind in types)
+
+
+def _integrator(
+    membrane: Membrane, rule: str, tolerance: float | None, seconds: float, dt: float
+) -> tuple[str | None, float]:
+    """Return the method and the step in s that a tolerance asks for; without one, None and dt."""
+    if rule == "first":
+        _squid(membrane, "rule: expected for 'first'")
+    if tolerance is None:
+        return None, dt
+    return _squid(membrane, "tolerance: expected").integrator(tolerance, seconds)
+
+
+def _currents(setup: _Setup, time: Array, x_in: Array) -> Array:
+    """Return the currents (n_t, n_units) without noise, computed type by type."""
+    by_type = sorted(range(len(setup.types)), key=setup.types.__getitem__)
+    current = np.empty((len(time), len(by_type)))
+    current[:, by_type] = setup.met(by_type, time, x_in)
+    return current
 
 
 def _squid(membrane: object, what: str) -> HodgkinHuxley:

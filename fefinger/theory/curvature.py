@@ -17,11 +17,6 @@ from fefinger.theory.elastic import Array
 GOODWIN_FINGER = 15.0
 """Radius in mm that the thesis assumes for the pad under Goodwin's spheres (section 3.6)."""
 
-GOODWIN_PRINTED = 0.3
-"""Relative pressure at zero curvature as printed in section 3.6. Eq. 3.23 gives 0.196 there; the
-printed one follows at fixed depth instead, or with a radius of 7.4 mm (a diameter of 15 mm), or
-relative to a sphere of 340 1/m."""
-
 
 def relative_radius(*radii: float) -> float:
     """Return R with 1/R = sum of 1/Ri (Eq. 3.9 and 3.19) in mm; a flat surface has an infinite Ri.

@@ -118,9 +118,3 @@ def strain_tensor(stress: Array, modulus: float, poisson: float) -> Array:
     """Return the strain (..., 3, 3) of a `stress` (..., 3, 3) by Hooke's law."""
     trace = np.trace(stress, axis1=-2, axis2=-1)[..., None, None]
     return ((1 + poisson) * stress - poisson * trace * np.eye(3)) / modulus
-
-
-def energy_density(stress: Array, modulus: float, poisson: float) -> Array:
-    """Return the elastic energy per volume in kPa of an axially symmetric `stress` (4, ...)."""
-    weights = np.array([1.0, 1.0, 1.0, 2.0]) / 2
-    return np.einsum("i,i...,i...", weights, stress, strain(stress, modulus, poisson))

@@ -120,20 +120,6 @@ class Fingerpad:
         """Return the same pad under a sphere of a radius in mm (Eq. 3.19); hollow below 0."""
         return replace(self, radius=relative_radius(self.radius, radius))
 
-    def on_compliant(self, deformation: ArrayLike, plane_modulus: float) -> tuple[Array, Array]:
-        """Return depth x in mm and force in mN on an elastic object of E* = `plane_modulus` kPa.
-
-        `deformation` u in mm is the pad's own share of the depth, which sets t (section 3.5 and
-        its note 1). Both bodies share one Hertz contact, so their shares are as 1 / E*, with
-        E* = 2 t(u) for the pad: x = u (1 + 2 t(u) / E*). On a rigid object x = u.
-        """
-        elastic.require_positive("fingerpad", plane_modulus=plane_modulus)
-        u = np.maximum(elastic.numbers("fingerpad", "deformation", deformation), 0.0)
-        pad = 2 * self.stiffness(u)
-        depth = u * (1 + pad / plane_modulus)
-        together = pad / (1 + pad / plane_modulus)
-        return depth, np.asarray(4 / 3 * together * np.sqrt(self.radius) * depth**1.5)
-
     def press(self, time: ArrayLike, depth: ArrayLike, *, count: int = 256) -> ContactHistory:
         """Return the contact history for depths (n_t,) mm, right on unloading (see `ting`).
 

@@ -6,6 +6,7 @@ way, so b comes out 33 to 43 % low and c0 high. `joint` fits Eq. 2.3 to ramp and
 """
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,10 +26,14 @@ from fefinger.theory.ramphold import (
 from fefinger.theory.relaxation import Prony
 
 
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
+
 Array = NDArray[np.float64]
 
 TERMS = 3
 FASTEST = 300.0  # 1/s, where the search for the rates starts
+EVALUATIONS = 500  # of the hold, at most
 LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
 APART = 2.0  # ratio of successive rates below which they cannot be told apart
 STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
@@ -44,7 +49,8 @@ class Identification:
     bias, and a pulse of the blood pressure in the hold moves the rates by more than it says. `mse`
     is that of Eq. 2.5 over ramp and hold, as a fraction; `vaf_stiffness` and `vaf_hold` the
     variance accounted for of the stiffness against the force (None where it was not fitted) and of
-    the hold. `warnings` are sentences.
+    the hold. `warnings` are sentences on what the data do not decide, and on searches of `thesis`
+    that were cut short.
     """
 
     spring: Spring
@@ -80,8 +86,8 @@ def thesis(
     _check_terms(terms)
     record = split(time, position, force)
     m, b, spread, vaf_stiffness = _line(record)
-    x0, x0_spread = _touch(record, m, b)
-    prony, hold_spread, vaf_hold = _relaxation(record, terms)
+    x0, x0_spread, touch_said = _touch(record, m, b)
+    prony, hold_spread, vaf_hold, hold_said = _relaxation(record, terms)
     spring = Spring(b, m, x0)
     return Identification(
         spring=spring,
@@ -90,7 +96,7 @@ def thesis(
         mse=mse(record, spring, prony),
         vaf_hold=vaf_hold,
         vaf_stiffness=vaf_stiffness,
-        warnings=_warnings(record, prony, hold_spread),
+        warnings=touch_said + hold_said + _warnings(record, prony, hold_spread),
     )
 
 
@@ -191,8 +197,11 @@ def _steady(record: RampHold) -> slice:
     return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)
 
 
-def _touch(record: RampHold, m: float, b: float) -> tuple[float, float]:
-    """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation."""
+def _touch(record: RampHold, m: float, b: float) -> tuple[float, float, tuple[str, ...]]:
+    """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation.
+
+    And a sentence where the search was not done.
+    """
     from scipy.optimize import least_squares
 
     x, f = record.position[: record.hold], record.force[: record.hold]
@@ -202,29 +211,21 @@ def _touch(record: RampHold, m: float, b: float) -> tuple[float, float]:
         return Spring(b, m, float(x0[0])).force(x) - f
 
     found = least_squares(residual, [start], x_scale="jac")
-    return float(found.x[0]), float(np.sqrt(_covariance(found.jac, found.fun)[0, 0]))
+    spread = float(np.sqrt(_covariance(found.jac, found.fun)[0, 0]))
+    said = f"x0 = {found.x[0]:.4g} mm had not settled after {found.nfev} evaluations"
+    return float(found.x[0]), spread, () if found.success else (said,)
 
 
-def _relaxation(record: RampHold, terms: int) -> tuple[Prony, dict[str, float], float]:
-    """Return G from the hold alone, its standard deviations and the variance accounted for."""
-    from scipy.optimize import least_squares, nnls
+def _relaxation(
+    record: RampHold, terms: int
+) -> tuple[Prony, dict[str, float], float, tuple[str, ...]]:
+    """Return G from the hold alone, its standard deviations and the variance accounted for.
 
+    And a sentence where the search was not done.
+    """
     t, _, f, size = (values[-_groups(record) :] for values in averages(record))
-    t = t - record.time[record.hold]
     root = np.sqrt(size)
-
-    def basis(log_rates: Array) -> Array:
-        rates = np.exp(np.append(-np.inf, log_rates))
-        return np.exp(-np.multiply.outer(t, rates))
-
-    def residual(values: Array) -> Array:
-        amplitudes = np.exp(np.clip(values[: terms + 1], -40, 40))
-        return root * (basis(np.clip(values[terms + 1 :], -20, 20)) @ amplitudes - f)
-
-    rates = np.log(np.geomspace(FASTEST, 4.0 / record.hold_seconds, terms))
-    amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
-    start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
-    found = least_squares(residual, start, x_scale="jac", max_nfev=500)
+    found = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
     order = np.argsort(found.x[terms + 1 :])[::-1]
     amplitudes = np.exp(np.clip(found.x[: terms + 1], -40, 40))
     prony = _sorted(
@@ -238,7 +239,34 @@ def _relaxation(record: RampHold, terms: int) -> tuple[Prony, dict[str, float], 
     spread = {f"c{i}": value for i, value in enumerate(deviation)}
     for i, row in enumerate(order, start=1):
         spread[f"v{i}"] = prony.v[i - 1] * float(np.sqrt(covariance.diagonal()[terms + 1 + row]))
-    return prony, spread, accounted(f, f + residual(found.x) / root)
+    vaf = accounted(f, f + found.fun / root)
+    said = (
+        f"the {terms} terms had not settled after {found.nfev} evaluations; as they are they "
+        f"leave {100 * (1 - vaf):.2g} % of the variance of the hold; fit fewer terms"
+    )
+    return prony, spread, vaf, () if found.success else (said,)
+
+
+def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -> "OptimizeResult":
+    """Return the least squares of a constant and `terms` exponentials through a hold of `seconds`.
+
+    t s since its start, f N and the root of their weights, (n,) each; the solution holds the
+    logarithms of the amplitudes, that of the constant first, and of the rates.
+    """
+    from scipy.optimize import least_squares, nnls
+
+    def basis(log_rates: Array) -> Array:
+        rates = np.exp(np.append(-np.inf, log_rates))
+        return np.exp(-np.multiply.outer(t, rates))
+
+    def residual(values: Array) -> Array:
+        amplitudes = np.exp(np.clip(values[: terms + 1], -40, 40))
+        return root * (basis(np.clip(values[terms + 1 :], -20, 20)) @ amplitudes - f)
+
+    rates = np.log(np.geomspace(FASTEST, 4.0 / seconds, terms))
+    amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
+    start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
+    return least_squares(residual, start, x_scale="jac", max_nfev=EVALUATIONS)
 
 
 def _groups(record: RampHold) -> int:

@@ -144,24 +144,11 @@ def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
     """Return the contact of a rigid paraboloid at an approach of `depth` mm, by its root in a."""
     elastic.require_positive("paraboloid", radius=radius, depth=depth)
     guess = min(radius, math.sqrt(radius * depth))
-    return _reached(body, radius, "depth", wanted=depth, guess=guess)
-
-
-def paraboloid_under(body: Body, radius: float, *, force: float) -> Contact:
-    """Return the contact of a rigid paraboloid under `force` mN, by its root in a."""
-    elastic.require_positive("paraboloid", radius=radius, force=force)
-    stiff = elastic.plane_modulus(*body.surface)
-    guess = min(radius, float(np.cbrt(0.75 * force * radius / stiff)))
-    return _reached(body, radius, "force", wanted=force, guess=guess)
-
-
-def _reached(body: Body, radius: float, quantity: str, *, wanted: float, guess: float) -> Contact:
-    """Return the contact with the wanted depth or force, which grow with the contact radius."""
     widest = radius * (1 - 1e-12)
 
     def excess(log_a: float) -> float:
         found = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
-        return math.log(getattr(found, quantity) / wanted)
+        return math.log(found.depth / depth)
 
     low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
     # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
@@ -170,8 +157,8 @@ def _reached(body: Body, radius: float, quantity: str, *, wanted: float, guess: 
     while excess(high) < 0:
         if high >= math.log(widest):
             msg = (
-                f"paraboloid: expected a {quantity} whose contact is at most as wide as the radius "
-                f"{radius:g} mm (small strain), received {wanted:g}"
+                "paraboloid: expected a depth whose contact is at most as wide as the radius "
+                f"{radius:g} mm (small strain), received {depth:g}"
             )
             raise ValueError(msg)
         high += 0.7

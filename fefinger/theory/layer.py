@@ -117,13 +117,6 @@ class Faced:
         return 1 / elastic.plane_modulus(*self.sheet.surface)
 
 
-def small_contact(sheet: Sheet) -> float:
-    """Return the slope of P / P_Hertz in chi at chi = 0: 2/pi times the integral of 1 - L(x)."""
-    from fefinger.theory.indentation import spectrum
-
-    return 2 / math.pi * sheet.thickness * float(spectrum(sheet, 0.0)[1].sum())
-
-
 def dimitriadis(chi: ArrayLike, poisson: float, *, bonded: bool = True) -> Array:
     """Return P / P_Hertz of Dimitriadis et al. for chi at most 0.2 (ValueError beyond).
 

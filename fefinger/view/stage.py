@@ -236,8 +236,10 @@ class Stage:
         fields, types, organs = self.shown.fields, shown.types, shown.followed
         radius = RADIUS if len(types) <= FEW else CROWDED
         fires = shown.trains is not None
-        ball = pv.Sphere(radius=radius, theta_resolution=16, phi_resolution=16)
-        rim = pv.Sphere(radius=1.25 * radius, theta_resolution=16, phi_resolution=16)
+        ball, rim = (
+            pv.Sphere(radius=size * radius, theta_resolution=16, phi_resolution=16)
+            for size in (1.0, 1.25)
+        )
         marks = pv.PolyData(organs.moved(fields.displacement[0]))
         color = np.array(
             [pv.Color(figures.COLORS.get(kind, figures.INK)).int_rgb for kind in types]
@@ -263,17 +265,21 @@ class Stage:
         self.props.append(Prop(added[0], needs[:1]))
         self.props.append(Prop(added[1], needs[:1], "rates" if fires else None))
         if fires:
-            rated = self.plotter.add_mesh(
-                balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
-                show_scalar_bar=False, ambient=0.6, diffuse=0.4,
-            )  # fmt: skip
-            added.append(rated)
-            self.props.append(Prop(rated, needs))
-            self._add_bar("rate / Hz", rated, needs, lower=True)
+            added.append(self._add_rates(balls, needs))
         for actor in added:
             _bring_forward(actor.mapper)
         if len(types) <= FEW:
             self._add_labels(marks, shown.labels)
+
+    def _add_rates(self, balls: Any, needs: tuple[str, ...]) -> Any:
+        """Add the balls colored by their rate, with a bar, and return their actor."""
+        rated = self.plotter.add_mesh(
+            balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
+            show_scalar_bar=False, ambient=0.6, diffuse=0.4,
+        )  # fmt: skip
+        self.props.append(Prop(rated, needs))
+        self._add_bar("rate / Hz", rated, needs, lower=True)
+        return rated
 
     def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
         """Add type and depth of a few end organs, in a column beside the tip, joined to them."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics._touch import direction
+from fefinger.indenter import direction
 from fefinger.mesh.local import _shape, directions, first_touch
 from fefinger.mesh.recipe import Recipe
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.maps import rate_profile, receptive_fields
+from fefinger.neural import rate_profile, receptive_fields
 from fefinger.neural.populations import Surface
 from fefinger.neural.trains import SpikeTrains
 

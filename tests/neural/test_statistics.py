@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.statistics import (
+from fefinger.neural import (
     interval_variation,
     intervals,
     locking,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import optimize
 
 from fefinger import library
 from fefinger.theory import identify, lumped, ramphold, synthetic
@@ -144,6 +145,24 @@ def test_more_exponentials_than_there_are_get_a_warning():
     assert two.warnings == ()
     assert two.prony.v == pytest.approx(prony.v, rel=0.1)
     assert any("fit fewer terms" in sentence for sentence in three.warnings)
+
+
+def test_a_search_of_the_thesis_that_is_cut_short_is_told(monkeypatch):
+    """As is that of a.h. with 4 terms or d.p. and p.w. with 5, after 500 evaluations."""
+    whole = identify.thesis(*trial())
+    assert not any("settled" in each for each in whole.warnings)
+    search = optimize.least_squares
+
+    def short(*arguments, **options):
+        return search(*arguments, **options | {"max_nfev": 3})
+
+    monkeypatch.setattr(optimize, "least_squares", short)
+    found = identify.thesis(*trial())
+    touch, hold, *_ = found.warnings
+    assert touch == f"x0 = {found.spring.x0:.4g} mm had not settled after 3 evaluations"
+    assert hold.startswith("the 3 terms had not settled after 3 evaluations; as they are they")
+    assert f"leave {100 * (1 - found.vaf_hold):.2g} % of the variance of the hold" in hold
+    assert found.prony.weights[0] == pytest.approx(whole.prony.weights[0], rel=0.1)
 
 
 def test_a_hold_that_is_too_short_gets_a_warning():

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at, paraboloid_under
+from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at
 from fefinger.theory.layer import Sheet
 from fefinger.theory.loads import circle_displacement
 from fefinger.theory.punch import FlatPunch
@@ -95,11 +95,9 @@ def test_the_force_is_the_derivative_of_the_energy(body):
 
 @BODIES
 @pytest.mark.parametrize("depth", [1e-4, 0.02, 0.5])
-def test_depth_and_force_are_inverted(body, depth):
+def test_the_depth_is_reached(body, depth):
     found = paraboloid_at(body, 10.0, depth=depth)
     assert found.depth == pytest.approx(depth, rel=1e-11)
-    again = paraboloid_under(body, 10.0, force=found.force)
-    assert again.depth == pytest.approx(depth, rel=1e-10)
 
 
 def influence(body, edges, places):

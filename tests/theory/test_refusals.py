@@ -7,7 +7,6 @@ import pytest
 
 from fefinger.theory import (
     curvature,
-    elastic,
     elliptic,
     ergonomics,
     fingerpad,
@@ -151,7 +150,6 @@ CALLS = [
     lambda: layer.Thin(0.1, 100.0, 1.0, 30.0).pressure(NAN),
     lambda: indentation.paraboloid(STACK, NAN, contact_radius=1.0),
     lambda: indentation.paraboloid_at(STACK, 10.0, depth=NAN),
-    lambda: indentation.paraboloid_under(STACK, 10.0, force=-1.0),
     lambda: indentation.flat_punch(STACK, 1.0, depth=NAN),
     lambda: fingerpad.Fingerpad(NAN, 1.0, 1.0, PRONY),
     lambda: fingerpad.Fingerpad(INF, 1.0, 1.0, PRONY),
@@ -162,8 +160,6 @@ CALLS = [
     lambda: PAD.depth_at(NAN),
     lambda: PAD.depth_at(INF),
     lambda: PAD.against(0.0),
-    lambda: PAD.on_compliant(0.1, -1.0),
-    lambda: PAD.on_compliant(NAN, 10.0),
     lambda: PAD.lumped_ratio(0.0, 1.0, 1.0),
     lambda: PAD.lumped_ratio(1.0, NAN, 1.0),
     lambda: PAD.press(TIME, [0, NAN, 1.0]),
@@ -225,7 +221,6 @@ CALLS = [
     lambda: synthetic.ramp_and_hold(SPRING, PRONY, speed=NAN),
     lambda: synthetic.ramp_and_hold(SPRING, PRONY, hold=-1.0),
     lambda: identify.thesis([0, 1], [0, 1], [0, 1]),
-    lambda: elastic.energy_density(np.array([1.0, 1, 1, 1]), 1.0, 0.6),
 ]
 
 

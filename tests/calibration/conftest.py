@@ -1,0 +1,92 @@
+"""Fingers whose curve is a formula, for the tests of calibration."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from fefinger.calibration import pad, work
+from fefinger.calibration.curve import family
+from fefinger.calibration.press import Press
+from fefinger.theory.sensor import ArraySensor, blurred
+
+
+def made(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):
+    """Return a press that stiffens with the exponent, of a pad as wide as Hertz's."""
+    x = deepest * np.linspace(0, 1, count + 1)[1:]
+    force = 0.2 * np.sqrt(radius * ratio) * x**1.5 * np.exp((0.2 + 0.25 * exponent) * x)
+    few, share = shares(radius, deepest)
+    share = np.stack([np.interp(x, few, column) for column in share.T], axis=1)
+    return Press(x, force, force[:, None] * share, np.pi * radius * x, 1.0)
+
+
+@lru_cache
+def shares(radius, deepest):
+    """Return depths (n,) mm and what the array feels of Hertz's pressure per newton, (n, 64)."""
+    depth = deepest * np.linspace(0, 1, 25)[1:]
+    return depth, np.array([read(radius * d) for d in depth.tolist()])
+
+
+def read(a2):
+    """Return what the array feels (64,) of Hertz's pressure of 1 N on a circle of area pi a2."""
+    peak = 1.5e3 / (np.pi * a2)
+    r = np.hypot(*ArraySensor().positions.T)
+    return blurred(lambda s: peak * np.sqrt(np.maximum(1 - s**2 / a2, 0)), np.sqrt(a2), r)
+
+
+def written(path, table, head="time,position,force"):
+    np.savetxt(path, table, "%.7g", ",", header=head, comments="")
+    return path
+
+
+@pytest.fixture(scope="session")
+def formula():
+    """Return the function that makes a press."""
+    return made
+
+
+@pytest.fixture(scope="session")
+def hertzian():
+    """Return the function that has what the array feels of Hertz's pressure."""
+    return read
+
+
+@pytest.fixture(scope="session")
+def write():
+    """Return the function that writes a table (n, n_columns) as CSV and returns its path."""
+    return written
+
+
+@pytest.fixture(scope="session")
+def law():
+    return family((0.02, 1.5, 3.0, 4.5), 14.0, made)
+
+
+@pytest.fixture(scope="session")
+def linear():
+    return family((1.0,), 14.0, lambda _: made(0.0, count=400))
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Let every press be the formula; return the list of what was asked."""
+    asked = []
+
+    def answer(finger, mechanics, part=None):
+        small = mechanics == "condensed"
+        exponent = 0.0 if small else finger.skin.exponent
+        ratio = finger.skin.modulus / finger.subcutaneous.modulus / (102.4 / 34)
+        asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
+        return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
+
+    monkeypatch.setattr(work, "press", answer)
+    monkeypatch.setattr(work, "small", lambda finger: answer(finger, "condensed"))
+    monkeypatch.setattr(pad, "thesis_fit", by_width)
+    return asked
+
+
+def by_width(frames):
+    """Return R from the mean square distance 2 a² / 5 + 2 sigma² of Hertz's blurred pressure."""
+    last, depth = frames.pressure[-1], frames.depth[-1, 0]
+    square = float(last @ frames.distance**2 / last.sum()) - 2 * 0.96**2
+    return pad.PadFit(2.5 * square / depth, 1.0, 1.0, 0.0)

@@ -1,0 +1,192 @@
+"""Calibration on fingers whose curve is a formula; the finite elements are in the suite."""
+
+import json
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import library
+from fefinger.__main__ import main
+from fefinger.calibration import jobs
+from fefinger.calibration.force import predicted
+from fefinger.calibration.outcome import errors, layer
+from fefinger.calibration.record import Calibration
+from fefinger.checks import InputError
+from fefinger.theory.relaxation import Prony
+
+
+PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
+
+
+def record_of(one, factor, x0):
+    """Return a ramp and hold (n_t, 3) of a finger with the noise of the thesis."""
+    time = np.concatenate([np.arange(0, 0.033, 2e-4), 0.033 + np.geomspace(2e-4, 5, 900)])
+    even = np.arange(0, 5, 4e-4)
+    position = np.minimum(60 * time, 1.98)
+    force = np.interp(even, time, predicted(one, factor, PRONY, time, position - x0))
+    rng = np.random.default_rng(1)
+    noise = rng.normal(0, 3e-3, (2, len(even)))
+    return np.column_stack([even, np.minimum(60 * even, 1.98) + noise[0], force + noise[1]])
+
+
+def wave_on(one, factor, x0):
+    """Return a table of time s, position mm and force N of a sinusoid about a depth."""
+    time = np.arange(0, 1, 5e-4)
+    position = x0 + np.minimum(20 * time, 1.0) + 0.2 * np.sin(25 * time)
+    force = predicted(one, factor, PRONY, time, position - x0)
+    return np.column_stack([time, position, force])
+
+
+def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear, write):
+    one, x0 = linear.at(0.9, 14.0), 0.4
+    table = record_of(one, 1.3, x0)
+    check = write(tmp_path / "wave.csv", wave_on(one, 1.3, x0))
+    found = ff.calibrate(
+        write(tmp_path / "press.csv", table),
+        finger=ff.Finger.subject("a.h."),
+        mechanics="condensed",
+        check=check,
+    )
+    truth = {"t_b": 1.3, "t_m": 0.9, "x0": x0, "c0": 0.3, "c1": 0.42, "v2": 9.0, "v3": 0.6}
+    for name, value in truth.items():
+        assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
+        assert found[name].sd < 0.1 * value
+    assert found.checks["record that was not fitted"]["mse"] < 1e-3
+    assert [stage.name for stage in found.stages] == ["lumped", "condensed"]
+    assert "pad_radius: there are no frames, so it is kept" in found.unidentified
+    assert "squared error" in found.status
+    assert len(found.correlations) == len(found.correlations[0]) == 9
+    with pytest.raises(KeyError, match="'depth': expected one of the parameters t_b, t_m, x0"):
+        found["depth"]
+
+
+def test_a_subject_takes_no_check_and_nothing_is_solved(tmp_path, solved, linear, write):
+    check = write(tmp_path / "wave.csv", wave_on(linear.at(0.9, 14.0), 1.3, 0.4))
+    with pytest.raises(InputError, match="check: expected the record of a user"):
+        ff.calibrate("a.h.", mechanics="condensed", check=check)
+    assert solved == []
+
+
+def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
+    table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
+    found = ff.calibrate(
+        write(tmp_path / "press.csv", table),
+        finger=ff.Finger.subject("a.h."),
+        resolution="coarse",
+    )
+    assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
+    for name, value in {"exponent": 2.4, "modulus": 0.7 * 34, "x0": 0.4, "c0": 0.3}.items():
+        assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
+    assert found["exponent"].sd < 0.2
+    assert any("skin_ratio" in said for said in found.unidentified)
+
+
+def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
+    said = []
+    found = ff.calibrate("a.h.", progress=lambda stage, part: said.append((stage, part)))
+    assert [stage.name for stage in found.stages] == [
+        *("solid, coarse", "array, coarse", "solid, standard", "array")
+    ]
+    assert ("solid, coarse", 1.0) in said
+    numbers = np.array([each[2:] for each in solved[:8]])
+    shapes = [(14, b, 1) for b in (0.02, 1.5, 3, 4.5, 7, 10)]
+    np.testing.assert_allclose(numbers, [*shapes, (14, 3, 2), (16.1, 3, 1)])
+    assert {each[1] for each in solved[:8]} == {"coarse"}
+    assert {each[1] for each in solved[8:]} == {"standard"}
+    assert found.residuals["array radius"] == pytest.approx(14.0, rel=0.02)
+    assert found.residuals["m"] == pytest.approx(2.1, rel=0.1)
+    assert {"modulus", "exponent", "skin_ratio", "c0"} <= {each.name for each in found.parameters}
+    assert found["skin_ratio"].how == "held"
+    assert set(found.checks) == {"2 Hz", "4 Hz", "8 Hz", "16 Hz"}
+    files = found.save(tmp_path)
+    assert Calibration.load(tmp_path) == found
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        '[finger]\nsubject = "a.h."\ntissue = "tissue.toml"\n'
+        '[motion]\nkind = "ramp"\nspeed = 1\ndepth = 1\n'
+    )
+    finger = ff.Scene.from_toml(scene).finger
+    assert finger.skin.law == "demiray"
+    assert finger.skin.exponent == pytest.approx(found["exponent"].value, abs=1e-4)
+    assert finger.subcutaneous.modulus == pytest.approx(found["modulus"].value)
+    assert finger.skin.modulus == pytest.approx(found["modulus"].value * 102.4 / 34)
+    assert finger.prony == found.prony
+    assert finger.pad_radius == found.finger["pad_radius"]
+    assert [name.rsplit("/", 1)[1] for name in files] == ["calibration.json", "tissue.toml"]
+
+
+def test_the_command_prints_and_writes(tmp_path, solved, capsys):
+    words = ["calibrate", "--subject", "a.h.", "--subject", "d.s.", "--mechanics", "condensed"]
+    assert main([*words, "--json", "-o", str(tmp_path / "out")]) == 0
+    out = json.loads(capsys.readouterr().out)
+    assert [each["target"] for each in out["calibrations"]] == ["a.h.", "d.s."]
+    assert [file.split("/")[-2] for file in out["files"]] == ["ah", "ds"]
+    assert main([*words[:3], *words[5:]]) == 0
+    text = capsys.readouterr().out
+    for said in ("Fitted a.h. in", "t_m", "+-", "not identified: pad_radius", "not fitted"):
+        assert said in text
+
+
+REFUSED = {
+    "nothing": ([], "expected DATA.csv or --subject"),
+    "no size": (["none.csv"], "--width: expected the size of the finger"),
+    "no file": (["none.csv", "--width", "14", "--thickness", "10"], "cannot be read"),
+    "nobody": (["--subject", "x.y."], "finger.subject"),
+    "two": (["none.csv", "--subject", "a.h.", "--subject", "d.s."], "expected one beside DATA.csv"),
+    "mechanics": (["--subject", "a.h.", "--mechanics", "hertz"], "mechanics: expected one of"),
+    "resolution": (["--subject", "a.h.", "--resolution", "best"], "finger.resolution"),
+    "check": (["--subject", "a.h.", "--check", "x.csv"], "check: expected the record of a user"),
+    "frames": (["--subject", "a.h.", "--frames", "x.csv"], "cannot be read"),
+    "unmeasured": (["--subject", "f.c."], "width"),
+}
+
+
+@pytest.mark.parametrize(("words", "message"), REFUSED.values(), ids=REFUSED)
+def test_the_command_refuses_what_it_cannot_use(words, message, capsys, solved):
+    assert main(["calibrate", *words]) == 2
+    assert message in capsys.readouterr().err
+    assert solved == []
+
+
+def test_subjects_are_calibrated_in_processes_of_their_own():
+    todo = [jobs.Job(name, {"mechanics": "condensed"}) for name in ("nobody", "no one")]
+    with pytest.raises(InputError, match="expected a subject"):
+        jobs.run(todo, workers=2)
+
+
+def test_errors_are_those_of_equation_2_5():
+    measured = np.array([0.0, 1.0, 2.0, 3.0])
+    assert errors(measured, measured + 0.3) == pytest.approx({"mse": 0.36 / 5, "peak": 0.1})
+
+
+def test_a_layer_keeps_what_is_not_its_law():
+    skin = ff.Tissue(100, 0.48, 1.0, law="mooney-rivlin", share=0.3)
+    stiff = layer(skin, 2.5, 0.5)
+    assert (stiff.modulus, stiff.poisson, stiff.thickness) == (50, 0.48, 1.0)
+    assert (stiff.law, stiff.exponent, stiff.share) == ("demiray", 2.5, None)
+    assert layer(skin, None, 2.0).law == "mooney-rivlin"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected \\[skin\\] and \\[subcutaneous\\]"),
+        ("skin = 3", "expected \\[skin\\] and"),
+        ("[bone]\nmodulus = 3", "bone"),
+        ("not toml", "expected a TOML file with a tissue set"),
+        ("[skin]\nmodulus = -3\npoisson = 0.4\n", "above 0"),
+    ],
+)
+def test_a_file_that_is_no_tissue_set_is_refused(tmp_path, text, message):
+    file = tmp_path / "tissue.toml"
+    file.write_text(text)
+    with pytest.raises(InputError, match=message):
+        library.tissue_set(str(file))
+
+
+def test_a_file_that_is_no_calibration_is_refused(tmp_path):
+    (tmp_path / "calibration.json").write_text('{"target": 3}')
+    for place in (tmp_path, tmp_path / "none.json"):
+        with pytest.raises(InputError, match=r"expected a calibration\.json"):
+            Calibration.load(place)

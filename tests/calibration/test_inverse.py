@@ -1,0 +1,59 @@
+"""Least squares with priors and bounds, against closed forms."""
+
+import numpy as np
+import pytest
+
+from fefinger.calibration import inverse
+from fefinger.checks import ConvergenceError
+
+
+def unknown(name, **options):
+    return inverse.Unknown(name, 1.0, 0.1, 10.0, "1", "test", **options)
+
+
+def test_a_linear_problem_has_its_closed_form():
+    rng = np.random.default_rng(0)
+    design, sigma = rng.normal(size=(200, 2)), 0.1
+    data = design @ [2.0, 3.0] + sigma * rng.normal(size=200)
+    asked = [unknown("p", log=False), unknown("q", log=False)]
+    found = inverse.solve(lambda v: (design @ [v["p"], v["q"]] - data) / sigma, asked)
+    best, *_ = np.linalg.lstsq(design, data, rcond=None)
+    np.testing.assert_allclose([found.values["p"], found.values["q"]], best, rtol=1e-6)
+    scale = max(1.0, found.misfit)
+    covariance = scale * sigma**2 * np.linalg.inv(design.T @ design)
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-6)
+    assert found.weak == ()
+    assert found.at_bounds == ()
+
+
+def test_what_the_data_do_not_decide_is_named_and_keeps_its_prior():
+    asked = [unknown("p", prior=(1.0, 0.7)), unknown("q", prior=(1.0, 0.7))]
+    found = inverse.solve(lambda v: np.full(5, (np.log(v["p"] * v["q"]) - 1.0) / 0.01), asked)
+    assert found.values["p"] * found.values["q"] == pytest.approx(np.e, rel=1e-3)
+    assert found.correlation[0, 1] < -0.99
+    assert found.deviations["p"] == pytest.approx(found.values["p"] * 0.7 / np.sqrt(2), rel=0.01)
+    assert len(found.weak) == 1
+    assert found.weak[0].startswith(("p with q^-1", "p^-1 with q"))
+
+
+def test_what_is_held_stays_and_adds_to_the_uncertainty():
+    def residual(v):
+        return np.array([v["p"] + v["q"] - 3.0, v["p"] + v["q"] - 3.0]) / 0.01
+
+    free = unknown("p", log=False)
+    held = unknown("q", log=False, prior=(1.0, 0.5), held=True)
+    found = inverse.solve(residual, [free, held])
+    assert found.values["q"] == 1.0
+    assert found.values["p"] == pytest.approx(2.0)
+    assert found.deviations["p"] == pytest.approx(0.5, rel=0.01)
+
+
+def test_a_bound_that_stops_the_search_is_named():
+    found = inverse.solve(lambda v: np.array([v["p"] - 20.0, 0.1]), [unknown("p")])
+    assert found.at_bounds == ("p",)
+
+
+def test_a_search_that_fails_says_so(monkeypatch):
+    monkeypatch.setattr(inverse, "EVALUATIONS", 1)
+    with pytest.raises(ConvergenceError, match="did not converge in 1 evaluations from any of 1"):
+        inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), [unknown("p")])

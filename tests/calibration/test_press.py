@@ -1,0 +1,81 @@
+"""Presses, and what is kept of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import cache
+from fefinger.calibration import press as presses
+from fefinger.calibration.press import press
+from fefinger.checks import InputError, Stopped
+from fefinger.mechanics import hertz
+
+
+def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+    solved = []
+
+    class Way:
+        @staticmethod
+        def respond(scene, progress=None):
+            solved.append(scene)
+            return hertz.respond(scene)
+
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: Way)
+    finger = ff.Finger.subject("a.h.")
+    first, again = press(finger, "condensed"), press(finger, "condensed")
+    assert len(solved) == 1
+    np.testing.assert_array_equal(first.felt, again.felt)
+    other = replace(finger, subcutaneous=replace(finger.subcutaneous, modulus=20.0))
+    press(other, "condensed")
+    press(finger, "solid")
+    assert len(solved) == 3
+    (next(iter(tmp_path.glob("*.npz")))).write_bytes(b"damaged")
+    for each in (finger, other):
+        press(each, "condensed")
+    press(finger, "solid")
+    assert len(solved) == 4
+
+
+def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monkeypatch):
+    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+
+    def refuse(scene, progress=None):
+        msg = "beyond the side of the finger"
+        raise InputError(msg)
+
+    ways = {"condensed": type("W", (), {"respond": refuse}), "linear": hertz}
+    monkeypatch.setattr("fefinger.mechanics.get", ways.get)
+    assert presses.small(ff.Finger.subject("a.h.")).depth[-1] == pytest.approx(1.8)
+
+
+def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr(cache, "root", lambda: tmp_path)
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
+    press(ff.Finger.subject("a.h."), "condensed")
+    (entry,) = cache.entries()
+    assert (entry.kind, entry.paths[0].parent) == ("presses", tmp_path / "presses")
+    assert 0 < entry.size < 1e6
+    cache.remove([entry])
+    assert cache.entries() == ()
+
+
+def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
+    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+
+    def stop(scene, progress=None):
+        whole = hertz.respond(scene)
+        n = len(whole.time) * 2 // 3
+        cut = {
+            name: getattr(whole, name)[:n]
+            for name in ("time", "depth", "force", "contact_area", "pressure")
+        }
+        msg = "no further"
+        raise Stopped(msg, replace(whole, **cut))
+
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: type("W", (), {"respond": stop}))
+    found = press(ff.Finger.subject("a.h."), "solid")
+    assert found.halt == "no further"
+    assert 1.0 < found.depth[-1] < 1.3

@@ -1,0 +1,147 @@
+"""What a calibrated finger has to show: subjects, records and frames."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fefinger import library
+from fefinger.calibration import inverse, target
+from fefinger.calibration.force import Forces, prony_of, stiffness
+from fefinger.calibration.outcome import line
+from fefinger.checks import InputError
+from fefinger.theory import synthetic
+from fefinger.theory.lumped import Spring
+from fefinger.theory.relaxation import Prony
+from fefinger.theory.sensor import ArraySensor
+
+
+ROW = library.pawluk_bulk()["a.h."]
+PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
+
+
+def test_a_subject_is_the_line_of_table_2_1():
+    found = target.subject("a.h.")
+    assert line(found.force, found.stiffness) == pytest.approx((2.1, 0.18))
+    scatter = np.random.default_rng(0).normal(0, found.stiffness_sd, (4000, len(found.force)))
+    noisy = found.stiffness + scatter
+    vaf = 1 - (scatter**2).sum() / ((noisy - noisy.mean()) ** 2).sum()
+    assert vaf == pytest.approx(0.98, abs=2e-3)
+    with pytest.raises(InputError, match="Did you mean"):
+        target.subject("ah.")
+
+
+def test_the_jacobian_passes_taylors_test(law):
+    forces = Forces(target.subject("a.h."), law, 34.0, 3.0, 14.0)
+    values = {each.name: each.start for each in forces.unknowns}
+    rest = inverse.taylor(forces.residual, forces.unknowns, values)
+    assert rest[:2] / rest[1:] == pytest.approx([4.0, 4.0], rel=0.15)
+
+
+def test_stiffness_against_force_does_not_know_the_scale_of_depth(law):
+    one = law.at(2.0, 14.0)
+    force = np.array([0.5, 2.0])
+    x = one.depth(0.3 * force / 1.7)
+    slope = 1.7 * (one.force(x + 1e-5) - one.force(x - 1e-5)) / 2e-5 / 0.3
+    np.testing.assert_allclose(stiffness(one, 1.7, PRONY, force), slope, rtol=1e-6)
+
+
+def test_a_finger_of_the_family_is_found_again_from_its_own_stiffness(law):
+    wanted = target.subject("a.h.")
+    k = stiffness(law.at(2.4, 14.0), 25.0 / 34.0, wanted.prony, wanted.force)
+    forces = Forces(replace(wanted, stiffness=k), law, 34.0, 3.0, 14.0)
+    found = inverse.solve(forces.residual, forces.unknowns, forces.starts())
+    for name, value in {"exponent": 2.4, "modulus": 25.0}.items():  # the prior of 34 kPa pulls
+        assert found.values[name] == pytest.approx(value, abs=0.5 * found.deviations[name])
+    assert found.values["skin_ratio"] == 3.0
+    assert found.misfit < 0.01
+    assert prony_of(found.values).weights[0] == pytest.approx(wanted.prony.weights[0], rel=0.05)
+
+
+def trial(hold=4.0, seed=0):
+    made = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), PRONY, seed=seed, hold=hold)
+    return np.column_stack([made.time, made.position, made.force])[::2]
+
+
+def swap(table):
+    table = table.copy()
+    table[[100, 200]] = table[[200, 100]]
+    return table
+
+
+def times(table, column, factor):
+    table = table.copy()
+    table[:, column] *= factor
+    return table
+
+
+def growing(table):
+    table = table.copy()
+    held = table[:, 0] > 0.1
+    table[held, 2] = 2.0 + 0.2 * table[held, 0]
+    return table
+
+
+BAD = {
+    "few points": (lambda t: t[:30], "at least 40 samples|duration"),
+    "coarse": (lambda t: t[::200], "ramp in contact: expected at least 20 samples"),
+    "no hold": (lambda t: np.column_stack([t[:160, 0] * 9, t[:160, 1:]]), "hold: expected"),
+    "unsorted": (swap, "received an earlier time"),
+    "repeated": (lambda t: np.insert(t, 100, t[99], axis=0), "received a repeated time"),
+    "time in ms": (lambda t: times(t, 0, 1e3), "as if it were in ms"),
+    "position in m": (lambda t: times(t, 1, 1e-3), "as if it were in m;"),
+    "position in um": (lambda t: times(t, 1, 1e3), "as if it were in um"),
+    "force in mN": (lambda t: times(t, 2, 1e3), "as if it were in mN"),
+    "force in g": (lambda t: times(t, 2, 102), "as if it were in grams of force"),
+    "a force that grows at rest": (growing, "force that falls in the hold|rises on the ramp"),
+    "a pillow": (lambda t: times(times(t, 1, 20), 2, 0.02), "which no fingertip has"),
+}
+
+
+@pytest.mark.parametrize(("spoil", "message"), BAD.values(), ids=BAD)
+def test_a_record_that_cannot_be_used_gets_a_sentence(tmp_path, spoil, message, write):
+    file = write(tmp_path / "bad.csv", spoil(trial()))
+    with pytest.raises(InputError, match=message):
+        target.record(file)
+
+
+def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
+    with pytest.raises(InputError, match="expected a record that also unloads"):
+        target.unloading(write(tmp_path / "a.csv", trial()))
+    back = trial()
+    back[:, 1] = 1.5 - 0.5 * np.cos(4 * back[:, 0]) * (back[:, 0] > 0.2) - 1.5 * (back[:, 0] <= 0.2)
+    assert len(target.unloading(write(tmp_path / "b.csv", back))) == 3
+
+
+HEADS = "time,position," + ",".join(f"p{i}" for i in range(1, 65))
+
+
+def table_of_frames(one, factor=1.0):
+    depth = one.depth
+    return np.column_stack([depth / 0.2, depth, factor * one.felt])
+
+
+def test_frames_are_read_about_their_center(tmp_path, formula, write):
+    one = formula(1.0)
+    found = target.frames(write(tmp_path / "f.csv", table_of_frames(one), HEADS))
+    assert found.pressure.shape == found.depth.shape == (24, 64)
+    np.testing.assert_allclose(found.distance, np.hypot(*ArraySensor().positions.T), atol=1e-6)
+    assert found.depth[3, 63] > found.depth[3, 0]  # read later
+
+
+FRAMES = {
+    "MPa": (lambda t: np.column_stack([t[:, :2], 1e-3 * t[:, 2:]]), "as if it were in MPa"),
+    "Pa": (lambda t: np.column_stack([t[:, :2], 1e3 * t[:, 2:]]), "as if it were in Pa"),
+    "none": (lambda t: np.column_stack([t[:, :2], 0 * t[:, 2:]]), "pressures above 0"),
+    "unsorted": (lambda t: t[::-1], "received an earlier time"),
+    "too few": (lambda t: t[:2], "expected 4 frames or more"),
+}
+
+
+@pytest.mark.parametrize(("spoil", "message"), FRAMES.values(), ids=FRAMES)
+def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, formula, write):
+    file = write(tmp_path / "f.csv", spoil(table_of_frames(formula())), HEADS)
+    with pytest.raises(InputError, match=message):
+        target.frames(file)
+    with pytest.raises(InputError, match="one column 'p3'"):
+        target.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))

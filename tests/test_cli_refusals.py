@@ -1,0 +1,126 @@
+"""What the command line refuses, with which words and exit status."""
+
+import importlib
+import re
+
+import pytest
+
+from fefinger.__main__ import main
+from fefinger.checks import ConvergenceError, InputError
+
+
+TOML = '[finger]\nsubject = "a.h."\n[motion]\nkind = "ramp-hold"\nspeed = 60\ndepth = 1\nhold = 1\n'
+BAD_FILES = {
+    "empty": ("", "empty; expected a scene with at least the tables"),
+    "not TOML": ("finger: a.h.", r"not TOML: .* \(at line 1"),
+    "not TOML further down": (TOML + "corner = = 3\n", r"not TOML: .* \(at line 8"),
+    "misspelt": (TOML + "cornr = 0\n", r"cornr: unknown key in \[motion\]. Did you mean 'corner'?"),
+    "missing": (TOML.replace("depth = 1\n", ""), "motion.depth: missing; a 'ramp-hold' motion"),
+    "text": (
+        TOML.replace("= 60", '= "fast"'),
+        "motion.speed: expected a finite number in mm/s above",
+    ),
+    "nan": (
+        TOML.replace("= 60", "= nan"),
+        "motion.speed: expected a finite number in mm/s above 0",
+    ),
+}
+BAD_SETTINGS = {
+    "motion.depth=-1": "motion.depth: expected a finite number in mm above 0, received -1",
+    "motion.speed=0": "motion.speed: expected a finite number in mm/s above 0, received 0",
+    "motion.depth=5": "motion.depth: expected less than 5 mm, the tissue under the pad",
+    "finger.skin.poisson=0.51": "finger.skin.poisson: expected a finite number at least 0 and at",
+    "finger.prony={c=[0.3,0.6],v=[1]}": "finger.prony.c: expected weights that sum to 0.98 to 1.02",
+    "finger.prony={c=[0.4,0.6],v=[-1]}": "finger.prony.v: expected rates above 0 1/s",
+    "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because the thesis",
+    "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
+    "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0",
+    "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
+    "depth": "--set 'depth': expected FIELD=VALUE, as in motion.depth=2",
+}
+
+
+def refused(capsys, arguments):
+    """Return the one sentence with which the command line refuses `arguments`."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("error: ")
+    assert "Traceback" not in err
+    return err
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_FILES.values(), ids=BAD_FILES)
+@pytest.mark.parametrize("command", ["run", "explain", "mesh"])
+def test_a_file_that_is_no_scene_is_refused(capsys, tmp_path, command, text, message):
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    err = refused(capsys, [command, str(file)])
+    assert re.search(message, err)
+
+
+@pytest.mark.parametrize(("setting", "message"), BAD_SETTINGS.items(), ids=BAD_SETTINGS)
+def test_a_value_that_cannot_be_used_is_refused_before_any_work(
+    capsys, answered, tmp_path, setting, message
+):
+    out = tmp_path / "out"
+    assert message in refused(capsys, ["run", "flat-press", "-o", str(out), "--set", setting])
+    assert not answered
+    assert not out.exists()
+
+
+def test_a_scene_that_does_not_exist_is_refused_with_the_names_that_do(capsys):
+    err = refused(capsys, ["run", "flat-pres"])
+    assert "no such file" in err
+    assert "Did you mean 'flat-press'?" in err
+    assert "Did you mean 'flat-press'?" in refused(capsys, ["scenes", "flat-pres"])
+
+
+def test_an_indenter_that_never_touches_is_refused(capsys):
+    sphere = ("--set", "indenter.kind=sphere", "--set", "indenter.radius=2")
+    err = refused(capsys, ["run", "flat-press", *sphere, "--set", "indenter.at=[0, 9]"])
+    assert "there the indenter never touches" in err
+
+
+@pytest.mark.parametrize("command", [["run", "flat-press"], ["mesh"], ["validate"]], ids=str)
+def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
+    capsys, answered, monkeypatch, tmp_path, command
+):
+    monkeypatch.setattr("fefinger.mesh.ready.ready", lambda *a, **k: pytest.fail("work began"))
+    (tmp_path / "file").write_text("")
+    name = "m.vtu" if command == ["mesh"] else ""
+    err = refused(capsys, [*command, "-o", str(tmp_path / "file" / name)])
+    assert "output folder: expected a folder" in err
+    assert not answered
+
+
+def test_a_folder_without_a_result_cannot_be_viewed(capsys, tmp_path):
+    assert "result: expected a folder" in refused(capsys, ["view", str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (InputError("x: expected y"), 2, "error: x: expected y"),
+        (ConvergenceError("contact: reached 1e-3"), 1, "failed: contact: reached 1e-3"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_what_goes_wrong_inside_decides_the_exit_status(capsys, monkeypatch, error, status, words):
+    def fail(scene, **options):
+        raise error
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", fail)
+    assert main(["run", "flat-press", "--json"]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["rn"], "No such command 'rn'"), (["run"], "Missing argument"), (["run", "--x"], "--x")],
+)
+def test_a_command_that_is_no_command_is_refused(capsys, arguments, words):
+    assert main(arguments) == 2
+    assert words in capsys.readouterr().err

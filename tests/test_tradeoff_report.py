@@ -1,0 +1,237 @@
+"""The report that the planner cites, read again.
+
+What the planner states has to follow from it, and it from itself.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fefinger.validation import (
+    tradeoff,
+    tradeoff_scenes,
+)
+from fefinger.validation.tradeoff_held_out import label, summary
+
+from fefinger import plan
+from fefinger.mechanics import _tradeoff, get
+from fefinger.records import Rung
+from fefinger.scene import Ask, Cylinder, Finger, Flat, Ramp, Scene, Sphere
+
+
+REPORT = Path(__file__).resolve().parents[1] / "reports" / "tradeoff.json"
+
+
+@pytest.fixture(scope="module")
+def report():
+    return json.loads(REPORT.read_text(encoding="utf-8"))
+
+
+def on(indenter, depth, resolution="standard"):
+    finger = Finger.subject("a.h.", resolution=resolution)
+    return Scene(
+        finger=finger,
+        indenter=indenter,
+        motion=Ramp(60, depth, corner=0.0),
+        ask=Ask(fields=False, strain=False, pressure=False),
+    )
+
+
+def by_hand(report, weights, candidate, depth, quantity="force", *, between=0, factor=1.0):
+    """Return the stated error at a depth between presses, read from the report by other means."""
+    rules, mechanics = report["rules"], candidate.split()[0]
+    numerical, model = (
+        sum(
+            weight * _at(rules["presses"][name], candidate, kind, quantity, depth)
+            for name, weight in weights.items()
+        )
+        for kind in ("numerical", "model")
+    )
+    margins = rules["margins"][candidate][quantity]
+    shares = margins["motion"]
+    share = max(shares[name] for name in (weights if set(weights) <= set(shares) else shares))
+    margin = share * (numerical + model) + between * margins["between"]
+    larger = factor * rules["directs"][mechanics][quantity]
+    return numerical + larger * model + margin + rules["steps"][mechanics][quantity]
+
+
+def _at(row, candidate, kind, quantity, depth):
+    """Return an error in a press, which grows on for 6 % of the depth beyond its deepest."""
+    depths, errors = row["depth_mm"], row["candidates"][candidate][kind][quantity]
+    if depth <= depths[-1]:
+        return float(np.interp(depth, depths, errors))
+    growth = max((errors[-1] - errors[-2]) / (depths[-1] - depths[-2]), 0.0)
+    return errors[-1] + growth * min(depth - depths[-1], 0.06 * depths[-1])
+
+
+@pytest.mark.parametrize("name", ["lumped", "hertz", "layered", "condensed", "linear", "solid"])
+@pytest.mark.parametrize("depth", [0.4, 1.5])
+def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, depth):
+    meshed = name in ("condensed", "linear", "solid")
+    candidate = f"{name} coarse" if meshed else name
+    error, source = get(name).error(on(Flat(30), depth, "coarse"))
+    known = by_hand(report, {"flat-30": 1}, candidate, depth)
+    assert error == pytest.approx(known + (1e-3 if name == "lumped" else 0.0), rel=1e-12)
+    assert source.startswith("reports/tradeoff.json, flat-30")
+
+
+@pytest.mark.parametrize("candidate", ["hertz", "condensed coarse", "solid standard"])
+@pytest.mark.parametrize("quantity", ["pressure", "area", "strain"])
+def test_what_else_is_stated_is_that_of_the_report_too(report, candidate, quantity):
+    mesh = candidate.partition(" ")[2]
+    scene = on(Flat(30), 0.7, mesh or "auto")
+    rung = next(each for each in plan.rungs(scene) if label(each) == candidate)
+    known = by_hand(report, {"flat-30": 1}, candidate, 0.7, quantity)
+    assert rung.errors[quantity] == pytest.approx(known, rel=1e-12)
+
+
+def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
+    lumped, *_, solid = plan.rungs(on(Flat(30), 0.7))
+    assert (lumped.mechanics, lumped.errors) == ("lumped", {})
+    assert set(solid.errors) == {"pressure", "area", "strain"}
+    assert plan.rungs(on(Flat(45), 0.7))[-1].errors == {}
+
+
+@pytest.mark.parametrize(
+    ("indenter", "weights"),
+    [
+        (Flat(12), {"flat-0": 0.2, "flat-15": 0.8}),
+        (Flat(25), {"flat-15": 1 / 3, "flat-30": 2 / 3}),
+        (Sphere(4), {"sphere-5": 5 / 6, "sphere-2": 1 / 6}),  # 0.25 between 0.2 and 0.5 per mm
+        (Sphere(20), {"sphere-10": 0.5, "flat-30": 0.5}),  # a plate is a ball of no curvature
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("quantity", ["force", "strain"])
+def test_between_presses_the_error_is_between_theirs(report, indenter, weights, quantity):
+    found = _tradeoff.stated("solid standard", on(indenter, 0.5), quantity)
+    known = by_hand(report, weights, "solid standard", 0.5, quantity, between=1)
+    assert found.error == pytest.approx(known, rel=1e-9)
+    assert all(press in found.source for press in weights)
+
+
+def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepest(report):
+    error, _ = get("solid").error(on(Flat(12), 1.5))
+    weights = {"flat-0": 0.2, "flat-15": 0.8}
+    known = by_hand(report, weights, "solid standard", 1.5, between=1)
+    assert error == pytest.approx(known, rel=1e-9)
+    assert _tradeoff.stated("solid standard", on(Flat(0), 1.5)) is None
+
+
+def test_a_little_beyond_the_deepest_press_errors_grow_on(report):
+    deepest = report["rules"]["presses"]["flat-30"]["depth_mm"][-1]
+    depths = deepest * np.array([0.97, 1.0, 1.05])
+    errors = [_tradeoff.stated("linear standard", on(Flat(30), depth)).error for depth in depths]
+    known = [by_hand(report, {"flat-30": 1}, "linear standard", depth) for depth in depths]
+    assert errors == pytest.approx(known, rel=1e-9)
+    assert errors == sorted(errors)
+    assert _tradeoff.stated("linear standard", on(Flat(30), 1.07 * deepest)) is None
+
+
+def test_of_pressure_on_another_finger_the_worst_plate_tells(report):
+    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse"))
+    found = _tradeoff.stated("solid coarse", other, "pressure")
+    every = [
+        by_hand(report, {press: 1}, "solid coarse", 1.0, "pressure", between=1)
+        for press in ("flat-0", "flat-15", "flat-30")
+    ]
+    assert found.error == pytest.approx(max(every), rel=1e-9)
+    assert max(every) > 1.1 * every[-1]
+
+
+def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
+    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard"))
+    factor = report["rules"]["fingers"]["linear"]
+    known = by_hand(report, {"flat-30": 1}, "linear standard", 1.0, between=1, factor=factor)
+    assert factor > 1
+    assert get("linear").error(other)[0] == pytest.approx(known, rel=1e-9)
+
+
+def test_what_was_not_measured_is_not_stated():
+    assert _tradeoff.stated("solid standard", on(Flat(30), 2.1)) is None
+    assert _tradeoff.stated("solid standard", on(Flat(40), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Flat(30, tilt=5), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Sphere(1.0), 0.5)) is None
+    assert _tradeoff.stated("solid standard", on(Sphere(5.0, at=(5.0, 0.0)), 0.5)) is None
+    soft = on(Flat(30), 1.0)
+    other = replace(soft, finger=Finger.subject("a.h.", tissue="saal2017"))
+    assert _tradeoff.stated("solid standard", other) is None
+    deviatoric = replace(soft, finger=replace(soft.finger, relaxation="deviatoric"))
+    assert _tradeoff.stated("solid standard", deviatoric) is None
+
+
+@pytest.mark.parametrize(
+    ("indenter", "said"),
+    [
+        (Flat(30, tilt=5), "indenter.tilt = 5 degrees"),
+        (Flat(45), "a plate at 45 degrees"),
+        (Sphere(1.0), "a ball of 1 mm"),
+        (Sphere(5.0, at=(5.0, 0.0)), "a ball 5 mm away from the middle of the pad"),
+        (Cylinder(4.0), "indenter.kind = 'cylinder'"),
+    ],
+    ids=str,
+)
+def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
+    error, source = get("solid").error(on(indenter, 0.3))
+    assert source.endswith(f"(reports/tradeoff.json has none for {said})")
+    assert error > _tradeoff.rules()["steps"]["solid"]["force"]
+
+
+@pytest.mark.parametrize(
+    ("indenter", "nearest"),
+    [(Flat(45), Flat(30)), (Flat(20, tilt=5), Flat(20)), (Sphere(1.0), Sphere(2.0))],
+    ids=str,
+)
+@pytest.mark.parametrize("candidate", ["linear standard", "solid standard"])
+def test_where_no_press_was_like_it_no_less_is_stated_than_next_to_it(indenter, nearest, candidate):
+    name, _, mesh = candidate.partition(" ")
+    for depth in (0.3, 0.5):
+        errors = [get(name).error(on(each, depth, mesh))[0] for each in (indenter, nearest)]
+        assert errors[0] >= errors[1]
+
+
+@pytest.mark.parametrize("indenter", [Flat(45), Flat(60), Flat(30, tilt=5), Cylinder(4.0)], ids=str)
+@pytest.mark.parametrize("name", ["condensed", "linear", "solid"])
+def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indenter, name):
+    for depth in (0.3, 1.0):
+        scenes = (on(indenter, depth, mesh) for mesh in ("coarse", "standard", "fine"))
+        errors = [get(name).error(scene)[0] for scene in scenes]
+        assert errors == sorted(errors, reverse=True)
+
+
+def test_the_margins_are_those_of_the_presses_of_the_report(report):
+    assert tradeoff.rederived(report["rules"]) == 0.0
+
+
+def test_the_summary_is_that_of_the_held_out_scenes_of_the_report(report):
+    again = summary(report["held_out"])
+    assert again == report["summary"]
+    assert again["scenes"] >= 60
+
+
+def test_the_planner_states_today_what_the_report_says_that_it_states(report):
+    drawn = tradeoff_scenes.held_out()
+    assert set(drawn) == set(report["held_out"])
+    for key in list(drawn)[::6]:
+        stated = {label(rung): rung for rung in plan.rungs(drawn[key])}
+        for name, row in report["held_out"][key]["candidates"].items():
+            told = {"force": stated[name].error, **stated[name].errors}
+            known = {
+                key: np.inf if value is None else value for key, value in row["stated"].items()
+            }
+            assert {key: told.get(key, np.inf) for key in known} == pytest.approx(known, rel=1e-3)
+            assert (not _of_error(stated[name])) == row["willing"]
+
+
+def _of_error(rung: Rung) -> list[str]:
+    return [refusal.reason for refusal in rung.refusals]
+
+
+def test_the_quick_cases_are_read_from_the_report(report):
+    values = {case.name: case.measure() for case in tradeoff.cases(quick=True)}
+    assert values["margins of the stated errors, derived again"] == 0.0
+    assert (
+        values["stated error kept by the picks: force"] == report["summary"]["stated_kept"]["force"]
+    )
