@@ -11,11 +11,11 @@ indenter is placed in about a second, and then no array is made from one step to
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from fefinger.checks import InputError, choice, number
 from fefinger.fem import active, loop
@@ -27,7 +27,7 @@ from fefinger.fem.probe import ODD, VOIGT
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.mechanics import _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import STANDARD
+from fefinger.mechanics._touch import STANDARD, folded
 from fefinger.mechanics._touch import sites as central_sites
 from fefinger.motion import Motion
 from fefinger.neural.streaming import Afferents
@@ -39,8 +39,6 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]
-
-MIRROR = np.array([1.0, -1.0, 1.0])
 
 
 @dataclass(slots=True)
@@ -116,8 +114,9 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(_scene(finger, indenter), origin, touch.axis)
         self.sites = sites
-        where = self.sites.points
-        reduced = _operator.reduced(finger, solid, on_pad, where, lambda: _probe(solid, where))
+        where = folded(self.sites.points) if half else self.sites.points
+        probe = partial(recovered_strain_at, solid.space, where, solid.planes)
+        reduced = _operator.reduced(finger, solid, on_pad, where, probe)
         self.solid, self.patch, self.flexibility = solid, on_pad, reduced.flexibility
         self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
@@ -125,7 +124,7 @@ class Condensed:
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = active.active(reduced.flexibility)
         self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v), tolerance)
-        self._output = _output(solid, reduced, precision)
+        self._output = _output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(on_pad.vertices), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
@@ -318,19 +317,17 @@ def _scene(
     )
 
 
-def _probe(solid: Solid, points: Array) -> sparse.csr_matrix:
-    """Return the strain at points; those of the half that is not there have theirs mirrored."""
+def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
+    """Return strain (6 n, ...) at points (n, 3) from that at the `folded` ones: mirrored."""
     if not solid.half:
-        return recovered_strain_at(solid.space, points)
-    beyond = points[:, 1] < 0
+        return strain
     signs = np.ones((len(points), len(VOIGT)))
-    signs[np.ix_(beyond, np.array(ODD))] = -1.0
-    there = np.where(beyond[:, None], points * MIRROR, points)
-    return sparse.diags(signs.ravel()) @ recovered_strain_at(solid.space, there, solid.planes)
+    signs[np.ix_(points[:, 1] < 0, np.array(ODD))] = -1.0
+    return signs.reshape(-1, 1) * strain
 
 
-def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
-    """Return what is read off the pad in every step."""
+def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> loop.Output:
+    """Return what is read off the pad, and at points (n, 3), in every step."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
     pad, column = _press.whole_pad(
         solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
@@ -343,7 +340,7 @@ def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
         moments=np.array(moments),
         rim=on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid)),
         elastic=np.zeros(count),
-        rows=np.ascontiguousarray(reduced.strain.T, dtype=kind),
+        rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),
         factor=np.zeros(count, dtype=kind),
         strain=np.zeros(len(reduced.strain), dtype=kind),

@@ -12,6 +12,7 @@ from numba.core.runtime import _nrt_python, rtsys
 import fefinger as ff
 from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import tensors
 from fefinger.mechanics import condensed
 from fefinger.mechanics._touch import direction
 from fefinger.neural.membranes import HodgkinHuxley
@@ -159,6 +160,9 @@ def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> 
     left, right = (each.step(0.5, 0.01).strain for each in (half, whole))
     assert left == pytest.approx(right, abs=1e-7 * np.abs(right).max())
     assert left[0, 3] == pytest.approx(-left[1, 3])
+    for each in (half, whole):
+        ran = each.run(ff.Ramp(60, 0.5)).strain[-1]
+        assert ran == pytest.approx(tensors(each.now.strain), rel=1e-9, abs=1e-12)
 
 
 def test_an_obstacle_of_ones_own(finger: Condensed) -> None:
