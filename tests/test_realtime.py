@@ -165,6 +165,20 @@ def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> 
         assert ran == pytest.approx(tensors(each.now.strain), rel=1e-9, abs=1e-12)
 
 
+def test_the_reference_is_that_of_the_central_sites_wherever_ones_own_are(
+    finger: Condensed,
+) -> None:
+    inside = np.array([[0.5, 0.7, 1.5], [0.5, 0.3, 2.0], [1.0, 0.0, 1.5]])
+    types = ("FAI", "FAI", "SAI")
+    sites = Sites(inside, np.tile([0.0, 0.0, -1.0], (3, 1)), np.full(3, 1.5), types)
+    motion = ff.Ramp(60, 0.6)
+    central = finger.run(motion).reference
+    found = Condensed(FINGER, ff.Flat(30), deepest=1.2, sites=sites).run(motion).reference
+    assert found.types == ("FAI", "SAI")
+    same = [central.types.index(kind) for kind in found.types]
+    assert found.strain == pytest.approx(central.strain[same], rel=1e-9, abs=1e-12)
+
+
 def test_an_obstacle_of_ones_own(finger: Condensed) -> None:
     touched = finger.run(ff.Ramp(60, 0.6))
     origin = touched.sites.points[0] - touched.sites.depths[0] * direction(ff.Flat(30))
