@@ -174,10 +174,7 @@ class Condensed:
         ConvergenceError
             If no contact is found.
         """
-        stiffening = 1.0
-        if self._stiffening is not None:
-            stiffening = self._stiffness(depth)
-        return self._advance(dt, depth, False, stiffening)
+        return self._advance(dt, depth, False)
 
     def step_contact(self, depth: float, dt: float) -> Step:
         """Move as `step` does, and leave the strain as it was: contact and force alone.
@@ -187,7 +184,7 @@ class Condensed:
         InputError, ConvergenceError
             As `step`.
         """
-        return self._advance(dt, depth, False, 1.0, self._without)
+        return self._advance(dt, depth, False, self._without)
 
     def step_force(self, force: float, dt: float) -> Step:
         """Load the indenter with `force` N in `dt` s and return what the finger feels.
@@ -202,19 +199,15 @@ class Condensed:
             raise InputError(message)
         if not 0.0 <= force < math.inf:
             number("force", force, at_least=0, unit="N")
-        return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True, 1.0)
+        return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True)
 
     def _advance(
-        self,
-        dt: float,
-        target: float,
-        by_force: bool,
-        stiffening: float,
-        output: loop.Output | None = None,
+        self, dt: float, target: float, by_force: bool, output: loop.Output | None = None
     ) -> Step:
         if not (0.0 <= dt < math.inf and abs(target) < math.inf):
             number("depth", target, unit="mm")
             number("dt", dt, at_least=0, unit="s")
+        stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self._output
         loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
@@ -222,7 +215,8 @@ class Condensed:
 
     def _stiffness(self, depth: float) -> float:
         """Return t at a depth; where it is not above 0 the pad must never have been touched."""
-        assert self._stiffening is not None
+        if self._stiffening is None:
+            return 1.0
         value = float(self._stiffening(depth))
         if value > 0.0:
             return value

@@ -212,6 +212,19 @@ def test_the_reading_of_the_thesis_is_the_integral_of_g_over_t_times_the_elastic
         scaled.step(0.0, 1e-3)
 
 
+def test_contact_alone_stiffens_as_the_whole_step_does() -> None:
+    one, other = (
+        Condensed(FINGER, ff.Flat(30), deepest=1.2, stiffening=lambda depth: 1.0 + 2.0 * depth)
+        for _ in range(2)
+    )
+    for k, depth in enumerate((0.2, 0.5, 0.9, 0.9, 0.4)):
+        mixed = (one.step_contact if k % 2 == 0 else one.step)(depth, 5e-3)
+        wanted = other.step(depth, 5e-3)
+        assert mixed.force == pytest.approx(wanted.force, rel=1e-9)
+        assert mixed.pressure == pytest.approx(wanted.pressure, rel=1e-9, abs=1e-9)
+        assert one.elastic == pytest.approx(other.elastic, rel=1e-9, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
