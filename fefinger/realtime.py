@@ -142,13 +142,13 @@ class Condensed:
         return self._output.elastic
 
     def energy(self) -> tuple[float, float]:
-        """Return what the body stores in uJ and what its dampers take in uW (without t(u))."""
+        """Return what the finger stores in uJ and what its dampers take in uW (without t(u))."""
         memory, flexibility = self._memory, self.flexibility
         stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
         for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):
             held = float(term @ flexibility @ term / weight)
             stored, lost = stored + held / 2, lost + rate * held
-        return float(stored), lost
+        return self._sides * float(stored), self._sides * lost
 
     def afferents(self, **options: Any) -> Afferents:
         """Return one unit per site, to be stepped with the strain of every step of this finger.

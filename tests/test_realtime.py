@@ -165,6 +165,15 @@ def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> 
         assert ran == pytest.approx(tensors(each.now.strain), rel=1e-9, abs=1e-12)
 
 
+def test_the_energy_of_half_a_model_is_that_of_the_whole_finger() -> None:
+    half = Condensed(FINGER, ff.Flat(30), deepest=0.6)
+    whole = Condensed(FINGER, ff.Flat(30, 1e-9), deepest=0.6)
+    for depth in (0.2, 0.5, 0.3):
+        forces = [each.step(depth, 0.01).force for each in (half, whole)]
+        assert forces[0] == pytest.approx(forces[1], rel=1e-6)
+        assert half.energy() == pytest.approx(whole.energy(), rel=1e-6)
+
+
 def test_the_reference_is_that_of_the_central_sites_wherever_ones_own_are(
     finger: Condensed,
 ) -> None:
