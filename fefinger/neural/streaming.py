@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, choice, number
-from fefinger.neural.afferents import displacements
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
+from fefinger.neural.afferents import reference_lengths
+from fefinger.neural.drives import DEFAULT_DRIVE
 from fefinger.neural.endorgans import END_ORGANS, TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
@@ -186,25 +186,14 @@ class Afferents:
         **options: Any,
     ) -> Self:
         """Return units whose lengths follow from a small flat press, as `afferents.from_strain`."""
-        drives = options.get("drives")
-        named = drives if isinstance(drives, Mapping) else {}
-        lengths = {}
-        strain, outward = np.asarray(reference_strain, float), np.asarray(reference_normals, float)
-        for kind in dict.fromkeys(types):
-            i = tuple(reference_types).index(kind)
-            one, direction = strain[i : i + 1], outward[i : i + 1]
-            moved = displacements(
-                one[None],
-                direction,
-                (kind,),
-                reference_depth=reference_depth,
-                reference_types=reference_types,
-                reference_strain=strain,
-                reference_normals=outward,
-                drives=named,
-            )
-            drive = DRIVES[{**DEFAULT_DRIVE, **named}[kind]](one, direction)
-            lengths[kind] = float(moved[0, 0] / drive[0])
+        lengths = reference_lengths(
+            types,
+            reference_depth=reference_depth,
+            reference_types=reference_types,
+            reference_strain=reference_strain,
+            reference_normals=reference_normals,
+            drives=options.get("drives"),
+        )
         return cls(types, normals, lengths, **options)
 
     def reset(self) -> None:

@@ -161,3 +161,15 @@ def test_a_step_without_end_comes_to_an_end() -> None:
     units.step(squeezed, 0.0)
     with pytest.raises(InputError, match="expected steps with at most 8 spikes"):
         units.step(squeezed, 1e300)
+
+
+def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
+    three = {"reference_depth": 0.5, "reference_types": TYPES[:3]} | {
+        name: REFERENCE[name][:3] for name in ("reference_strain", "reference_normals")
+    }
+    with pytest.raises(InputError, match=f"expected every type that is asked, {TYPES[3]} is"):
+        Afferents.of(TYPES, NORMALS, **three)
+    with pytest.raises(InputError, match="types: expected one of"):
+        Afferents.of(("SAX",), NORMALS[:1], **REFERENCE)
+    with pytest.raises(InputError, match=r"drives\.SAI: expected one of"):
+        Afferents.of(TYPES, NORMALS, drives={"SAI": "none"}, **REFERENCE)
