@@ -45,9 +45,10 @@ Array = NDArray[np.float64]
 class Step:
     """What a step gives; the arrays are those of the finger, and change with its next step.
 
-    depth mm, force N, contact_area mm², x and y mm of the center of pressure (nan without contact);
-    pressure (n,) kPa at the candidate vertices, strain (n_sites, 6), positive in tension, with the
-    components xx yy zz xy yz xz of the tensor.
+    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
+    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
+    zz xy yz xz of the tensor. contact_area mm² is what the vertices under pressure stand for: it
+    jumps with each of them, where `Response.contact_area` follows the rim within an element.
     """
 
     depth: float
