@@ -11,11 +11,11 @@ indenter is placed in about a second, and then no array is made from one step to
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from fefinger.checks import InputError, choice, number
 from fefinger.fem import active, loop
@@ -27,7 +27,7 @@ from fefinger.fem.probe import ODD, VOIGT
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.mechanics import _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import STANDARD
+from fefinger.mechanics._touch import STANDARD, folded
 from fefinger.mechanics._touch import sites as central_sites
 from fefinger.motion import Motion
 from fefinger.neural.streaming import Afferents
@@ -40,16 +40,15 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 
 Array = NDArray[np.float64]
 
-MIRROR = np.array([1.0, -1.0, 1.0])
-
 
 @dataclass(slots=True)
 class Step:
     """What a step gives; the arrays are those of the finger, and change with its next step.
 
-    depth mm, force N, contact_area mm², x and y mm of the center of pressure (nan without contact);
-    pressure (n,) kPa at the candidate vertices, strain (n_sites, 6), positive in tension, with the
-    components xx yy zz xy yz xz of the tensor.
+    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
+    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
+    zz xy yz xz of the tensor. contact_area mm² is what the vertices under pressure stand for: it
+    jumps with each of them, where `Response.contact_area` follows the rim within an element.
     """
 
     depth: float
@@ -116,8 +115,9 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(_scene(finger, indenter), origin, touch.axis)
         self.sites = sites
-        where = self.sites.points
-        reduced = _operator.reduced(finger, solid, on_pad, where, lambda: _probe(solid, where))
+        where = folded(self.sites.points) if half else self.sites.points
+        probe = partial(recovered_strain_at, solid.space, where, solid.planes)
+        reduced = _operator.reduced(finger, solid, on_pad, where, probe)
         self.solid, self.patch, self.flexibility = solid, on_pad, reduced.flexibility
         self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
@@ -125,7 +125,7 @@ class Condensed:
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = active.active(reduced.flexibility)
         self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v), tolerance)
-        self._output = _output(solid, reduced, precision)
+        self._output = _output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(on_pad.vertices), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
@@ -143,13 +143,13 @@ class Condensed:
         return self._output.elastic
 
     def energy(self) -> tuple[float, float]:
-        """Return what the body stores in uJ and what its dampers take in uW (without t(u))."""
+        """Return what the finger stores in uJ and what its dampers take in uW (without t(u))."""
         memory, flexibility = self._memory, self.flexibility
         stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
         for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):
             held = float(term @ flexibility @ term / weight)
             stored, lost = stored + held / 2, lost + rate * held
-        return float(stored), lost
+        return self._sides * float(stored), self._sides * lost
 
     def afferents(self, **options: Any) -> Afferents:
         """Return one unit per site, to be stepped with the strain of every step of this finger.
@@ -175,10 +175,7 @@ class Condensed:
         ConvergenceError
             If no contact is found.
         """
-        stiffening = 1.0
-        if self._stiffening is not None:
-            stiffening = self._stiffness(depth)
-        return self._advance(dt, depth, False, stiffening)
+        return self._advance(dt, depth, False)
 
     def step_contact(self, depth: float, dt: float) -> Step:
         """Move as `step` does, and leave the strain as it was: contact and force alone.
@@ -188,7 +185,7 @@ class Condensed:
         InputError, ConvergenceError
             As `step`.
         """
-        return self._advance(dt, depth, False, 1.0, self._without)
+        return self._advance(dt, depth, False, self._without)
 
     def step_force(self, force: float, dt: float) -> Step:
         """Load the indenter with `force` N in `dt` s and return what the finger feels.
@@ -203,19 +200,15 @@ class Condensed:
             raise InputError(message)
         if not 0.0 <= force < math.inf:
             number("force", force, at_least=0, unit="N")
-        return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True, 1.0)
+        return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True)
 
     def _advance(
-        self,
-        dt: float,
-        target: float,
-        by_force: bool,
-        stiffening: float,
-        output: loop.Output | None = None,
+        self, dt: float, target: float, by_force: bool, output: loop.Output | None = None
     ) -> Step:
         if not (0.0 <= dt < math.inf and abs(target) < math.inf):
             number("depth", target, unit="mm")
             number("dt", dt, at_least=0, unit="s")
+        stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self._output
         loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
@@ -223,7 +216,8 @@ class Condensed:
 
     def _stiffness(self, depth: float) -> float:
         """Return t at a depth; where it is not above 0 the pad must never have been touched."""
-        assert self._stiffening is not None
+        if self._stiffening is None:
+            return 1.0
         value = float(self._stiffening(depth))
         if value > 0.0:
             return value
@@ -318,19 +312,17 @@ def _scene(
     )
 
 
-def _probe(solid: Solid, points: Array) -> sparse.csr_matrix:
-    """Return the strain at points; those of the half that is not there have theirs mirrored."""
+def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
+    """Return strain (6 n, ...) at points (n, 3) from that at the `folded` ones: mirrored."""
     if not solid.half:
-        return recovered_strain_at(solid.space, points)
-    beyond = points[:, 1] < 0
+        return strain
     signs = np.ones((len(points), len(VOIGT)))
-    signs[np.ix_(beyond, np.array(ODD))] = -1.0
-    there = np.where(beyond[:, None], points * MIRROR, points)
-    return sparse.diags(signs.ravel()) @ recovered_strain_at(solid.space, there, solid.planes)
+    signs[np.ix_(points[:, 1] < 0, np.array(ODD))] = -1.0
+    return signs.reshape(-1, 1) * strain
 
 
-def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
-    """Return what is read off the pad in every step."""
+def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> loop.Output:
+    """Return what is read off the pad, and at points (n, 3), in every step."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
     pad, column = _press.whole_pad(
         solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
@@ -343,7 +335,7 @@ def _output(solid: Solid, reduced: Reduced, precision: str) -> loop.Output:
         moments=np.array(moments),
         rim=on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid)),
         elastic=np.zeros(count),
-        rows=np.ascontiguousarray(reduced.strain.T, dtype=kind),
+        rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),
         factor=np.zeros(count, dtype=kind),
         strain=np.zeros(len(reduced.strain), dtype=kind),

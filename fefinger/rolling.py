@@ -108,6 +108,8 @@ class Rolling:
     def reset(self) -> None:
         """Take the plate off, and let the tissue forget."""
         loop.reset(self._state, self._memory)
+        self._strain[:] = 0.0
+        self._read(0.0)
 
     def step(self, depth: float, angle: float, dt: float) -> Step:
         """Move the plate to `depth` mm beyond its first touch at `angle` degrees in `dt` s.

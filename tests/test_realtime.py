@@ -12,6 +12,7 @@ from numba.core.runtime import _nrt_python, rtsys
 import fefinger as ff
 from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.probe import tensors
 from fefinger.indenter import direction
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley
@@ -159,6 +160,32 @@ def test_sites_beyond_the_medial_plane_have_the_mirror_image_of_the_strain() -> 
     left, right = (each.step(0.5, 0.01).strain for each in (half, whole))
     assert left == pytest.approx(right, abs=1e-7 * np.abs(right).max())
     assert left[0, 3] == pytest.approx(-left[1, 3])
+    for each in (half, whole):
+        ran = each.run(ff.Ramp(60, 0.5)).strain[-1]
+        assert ran == pytest.approx(tensors(each.now.strain), rel=1e-9, abs=1e-12)
+
+
+def test_the_energy_of_half_a_model_is_that_of_the_whole_finger() -> None:
+    half = Condensed(FINGER, ff.Flat(30), deepest=0.6)
+    whole = Condensed(FINGER, ff.Flat(30, 1e-9), deepest=0.6)
+    for depth in (0.2, 0.5, 0.3):
+        forces = [each.step(depth, 0.01).force for each in (half, whole)]
+        assert forces[0] == pytest.approx(forces[1], rel=1e-6)
+        assert half.energy() == pytest.approx(whole.energy(), rel=1e-6)
+
+
+def test_the_reference_is_that_of_the_central_sites_wherever_ones_own_are(
+    finger: Condensed,
+) -> None:
+    inside = np.array([[0.5, 0.7, 1.5], [0.5, 0.3, 2.0], [1.0, 0.0, 1.5]])
+    types = ("FAI", "FAI", "SAI")
+    sites = Sites(inside, np.tile([0.0, 0.0, -1.0], (3, 1)), np.full(3, 1.5), types)
+    motion = ff.Ramp(60, 0.6)
+    central = finger.run(motion).reference
+    found = Condensed(FINGER, ff.Flat(30), deepest=1.2, sites=sites).run(motion).reference
+    assert found.types == ("FAI", "SAI")
+    same = [central.types.index(kind) for kind in found.types]
+    assert found.strain == pytest.approx(central.strain[same], rel=1e-9, abs=1e-12)
 
 
 def test_an_obstacle_of_ones_own(finger: Condensed) -> None:
@@ -192,6 +219,19 @@ def test_the_reading_of_the_thesis_is_the_integral_of_g_over_t_times_the_elastic
         scaled.step_force(0.1, 1e-3)
     with pytest.raises(InputError, match="expected t above 0"):
         scaled.step(0.0, 1e-3)
+
+
+def test_contact_alone_stiffens_as_the_whole_step_does() -> None:
+    one, other = (
+        Condensed(FINGER, ff.Flat(30), deepest=1.2, stiffening=lambda depth: 1.0 + 2.0 * depth)
+        for _ in range(2)
+    )
+    for k, depth in enumerate((0.2, 0.5, 0.9, 0.9, 0.4)):
+        mixed = (one.step_contact if k % 2 == 0 else one.step)(depth, 5e-3)
+        wanted = other.step(depth, 5e-3)
+        assert mixed.force == pytest.approx(wanted.force, rel=1e-9)
+        assert mixed.pressure == pytest.approx(wanted.pressure, rel=1e-9, abs=1e-9)
+        assert one.elastic == pytest.approx(other.elastic, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(

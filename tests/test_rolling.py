@@ -91,6 +91,11 @@ def test_in_a_long_rest_the_tissue_forgets_the_way(rolling: Rolling) -> None:
     assert moving > 1.5 * expected
     assert resting == pytest.approx(expected, rel=1e-6)
     rolling.reset()
+    now = rolling.now
+    assert (now.depth, now.force, now.contact_area) == (0.0, 0.0, 0.0)
+    assert np.isnan([now.x, now.y]).all()
+    assert not now.pressure.any()
+    assert not now.strain.any()
     assert rolling.step(0.0, 33.0, 1.0).force == 0.0
 
 

@@ -24,6 +24,7 @@ from fefinger.theory.indentation import paraboloid
 from fefinger.theory.layer import Sheet
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.ting import press_by_depth, radius_nodes
+from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]
@@ -180,7 +181,7 @@ def traded(rough: Condensed) -> float:
 
 
 def work(resolution: str, prony: Prony | None) -> float:
-    """Return the work of the indenter that energy does not account for, over all of it.
+    """Return the work on the whole finger that energy does not account for, over all of it.
 
     With s_k the pressure of Prony term k and w_k its weight over the long-time one, the work is
     the elastic energy q F q / 2, that of the terms s_k F s_k / 2 w_k, and what their dampers took:
@@ -193,7 +194,7 @@ def work(resolution: str, prony: Prony | None) -> float:
     pressed.reset()
     for k, value in enumerate(depth.tolist()):
         step = float(time[k] - time[k - 1]) if k else 0.0
-        force[k] = pressed.step_contact(value, step).pressure @ pressed.patch.travel
+        force[k] = pressed.step_contact(value, step).force / NEWTON_PER_MILLINEWTON
         stored[k], lost[k] = pressed.energy()
     done = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(depth)))
     turned = float(np.sum(np.abs(np.diff(depth)) * (force[1:] + force[:-1]) / 2))

@@ -71,7 +71,8 @@ def memory(
 
 
 FORCE, AREA, X, Y, RIM = 0, 1, 2, 3, 4
-"""Places in `Output.summary`: mN, mm², center of pressure in mm, vertices pressed on the rim."""
+"""Places in `Output.summary`: mN, mm² of pressed vertices, center of pressure in mm, vertices
+pressed on the rim."""
 
 
 class Output(NamedTuple):

@@ -227,12 +227,15 @@ def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) 
         raise InputError(message)
 
 
-def reference(
-    scene: Scene, finger: Solid, reduced: Reduced | None = None, *, method: Method = WHOLE_MESH
-) -> Reference:
+def reference(scene: Scene, finger: Solid) -> Reference:
     """Return the reference press of the sites that a scene asks for."""
+    return reference_press(finger, _central(scene, finger), WHOLE_MESH)
+
+
+def _central(scene: Scene, finger: Solid) -> Sites:
+    """Return the sites of a scene under the standard plate."""
     touch = _placing.obstacle(STANDARD, finger)
-    return reference_press(finger, sites(scene, touch.origin, touch.axis), method, reduced)
+    return sites(scene, touch.origin, touch.axis)
 
 
 def reference_press(
@@ -258,12 +261,13 @@ def reference_press(
 
 
 def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -> Reference | None:
-    """Return the reference press; on the scene's own patch if that is the same plate."""
+    """Return the reference press; on the scene's own patch if plate and sites are the same."""
     if contact.sites is None:
         return None
+    central = _central(scene, finger)
     own = scene.indenter == STANDARD and contact.history.depth.max() >= REFERENCE_DEPTH
-    own = own and scene.ask.population is None
-    return reference(scene, finger, contact.reduced if own else None, method=method)
+    own = own and np.array_equal(contact.sites.points, central.points)
+    return reference_press(finger, central, method, contact.reduced if own else None)
 
 
 def _fields(contact: _Contact, finger: Solid, mesh: FingerMesh, method: Method) -> Fields:

@@ -119,7 +119,7 @@ class _Passage:
     """The solved steps.
 
     depth (n,) mm; pressure kPa, gap and moved mm (n, n_candidates), the latter in three components;
-    moment (n, 3) N mm of the meshed part; strain (n, n_sites, 3, 3).
+    moment (n, 3) mN mm of the meshed part; strain (n, n_sites, 3, 3).
     """
 
     contact: Sliding
@@ -171,7 +171,7 @@ class _Recorder:
             raise _Rim
 
     def _moment(self, state: State) -> Array:
-        """Return the moment (3,) N mm of the pressure about the origin."""
+        """Return the moment (3,) mN mm of the pressure about the origin."""
         _, loads = self.contact.gaps(state.values, state.depth)
         count = self.places.size
         forces = (loads @ state.pressure)[:count].reshape(-1, 3)

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from fefinger.neural.streaming import State
 
 
+LARGEST_STRAIN = 1e6
+"""Far beyond any skin, and far below where the drives overflow."""
+
+
 @njit(cache=True)
 def _compressive(e: NDArray[np.floating]) -> float:
     """Return max(0, -smallest principal value) of xx yy zz xy yz xz, by its closed form."""
@@ -57,8 +61,15 @@ def _current(s: "State", i: int, x: float) -> float:
 
 
 @njit(cache=True)
-def currents(s: "State", strain: NDArray[np.floating], dt: float) -> None:
-    """Bring x_in, end organs and generator currents to the end of a step of dt ms."""
+def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
+    """Bring x_in, end organs and generator currents to the end of a step of dt ms.
+
+    Return whether the strain allowed it; with one beyond LARGEST_STRAIN, all stays as it was.
+    """
+    for i in range(len(s.x)):
+        for k in range(6):
+            if not abs(strain[i, k]) <= LARGEST_STRAIN:
+                return False
     substeps = len(s.levels) - 1
     part = dt / substeps
     for i in range(len(s.x)):
@@ -81,6 +92,7 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float) -> None:
             s.modes[i, 0] = fade * s.modes[i, 0] + grow
             s.modes[i, 1] = wane * s.modes[i, 1] + rise
             s.levels[k + 1, i] = _current(s, i, before + change * (k + 1) / substeps)
+    return True
 
 
 @njit(cache=True)

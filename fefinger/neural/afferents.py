@@ -160,11 +160,15 @@ def displacements(
     The drive of each site's type times its length; parameters and errors as in `from_strain`, with
     sites, one per end organ, for units.
     """
-    types = tuple(choice("types", kind, TYPES) for kind in types)
+    lengths = reference_lengths(
+        types,
+        reference_depth=reference_depth,
+        reference_types=reference_types,
+        reference_strain=reference_strain,
+        reference_normals=reference_normals,
+        drives=drives,
+    )
     chosen = {**DEFAULT_DRIVE, **(drives or {})}
-    for kind, name in chosen.items():
-        choice("drives", kind, TYPES)
-        choice(f"drives.{kind}", name, DRIVES)
     strain, normals = np.asarray(strain, float), np.asarray(normals, float)
     n = len(types)
     if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
@@ -176,18 +180,36 @@ def displacements(
     if not np.isfinite(strain).all():
         msg = "strain: expected finite values"
         raise InputError(msg)
-    lengths = _lengths(
+    x_in = np.empty(strain.shape[:2])
+    for kind, length in lengths.items():
+        of_kind = np.array([other == kind for other in types])
+        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
+    return x_in
+
+
+def reference_lengths(
+    types: Sequence[str],
+    *,
+    reference_depth: float,
+    reference_types: Sequence[str],
+    reference_strain: ArrayLike,
+    reference_normals: ArrayLike,
+    drives: Mapping[str, str] | None = None,
+) -> dict[str, float]:
+    """Return the length L in mm per type; parameters and errors as in `from_strain`."""
+    for kind in types:
+        choice("types", kind, TYPES)
+    chosen = {**DEFAULT_DRIVE, **(drives or {})}
+    for kind, name in chosen.items():
+        choice("drives", kind, TYPES)
+        choice(f"drives.{kind}", name, DRIVES)
+    return _lengths(
         {kind: chosen[kind] for kind in types},
         reference_depth,
         tuple(reference_types),
         np.asarray(reference_strain, float),
         np.asarray(reference_normals, float),
     )
-    x_in = np.empty(strain.shape[:2])
-    for kind, length in lengths.items():
-        of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
-    return x_in
 
 
 def _lengths(

@@ -4,15 +4,16 @@ The same drives, end organs and generators as `afferents`, before membranes that
 or those of Hodgkin and Huxley, in compiled steps that make no array.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice
-from fefinger.neural.afferents import displacements
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
+from fefinger.checks import InputError, choice, number
+from fefinger.neural.afferents import reference_lengths
+from fefinger.neural.drives import DEFAULT_DRIVE
 from fefinger.neural.endorgans import END_ORGANS, TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
@@ -155,6 +156,7 @@ class Afferents:
         for i, kind in enumerate(self.types):
             _, c, p = organs[kind]
             share[i, : len(c)], pole[i, : len(p)] = c, p
+        self._shape = (n, 6)
         self.state = State(
             drive=np.array([_code(kind, chosen[kind]) for kind in self.types]),
             across=_across(normals),
@@ -184,25 +186,14 @@ class Afferents:
         **options: Any,
     ) -> Self:
         """Return units whose lengths follow from a small flat press, as `afferents.from_strain`."""
-        drives = options.get("drives")
-        named = drives if isinstance(drives, Mapping) else {}
-        lengths = {}
-        strain, outward = np.asarray(reference_strain, float), np.asarray(reference_normals, float)
-        for kind in dict.fromkeys(types):
-            i = tuple(reference_types).index(kind)
-            one, direction = strain[i : i + 1], outward[i : i + 1]
-            moved = displacements(
-                one[None],
-                direction,
-                (kind,),
-                reference_depth=reference_depth,
-                reference_types=reference_types,
-                reference_strain=strain,
-                reference_normals=outward,
-                drives=named,
-            )
-            drive = DRIVES[{**DEFAULT_DRIVE, **named}[kind]](one, direction)
-            lengths[kind] = float(moved[0, 0] / drive[0])
+        lengths = reference_lengths(
+            types,
+            reference_depth=reference_depth,
+            reference_types=reference_types,
+            reference_strain=reference_strain,
+            reference_normals=reference_normals,
+            drives=options.get("drives"),
+        )
         return cls(types, normals, lengths, **options)
 
     def reset(self) -> None:
@@ -214,11 +205,26 @@ class Afferents:
     def step(self, strain: NDArray[np.floating], dt: float) -> int:
         """Take the strain (n, 6), xx yy zz xy yz xz, reached after `dt` s; return the spikes fired.
 
-        The first step of `dt` 0 is a jump. Raises InputError for more than ROOM spikes of a unit.
+        The first step of `dt` 0 is a jump.
+
+        Raises
+        ------
+        InputError
+            A strain that is no such array or not finite, or a `dt` that is none: the units are then
+            as they were. More than ROOM spikes of a unit.
         """
         from fefinger.neural import _streaming as compiled
 
-        compiled.currents(self.state, strain, 1e3 * dt)
+        if not 0.0 <= dt < math.inf:
+            number("dt", dt, at_least=0, unit="s")
+        if getattr(strain, "shape", None) != self._shape:
+            raise InputError(_unfit(strain, self._shape))
+        if not compiled.currents(self.state, strain, 1e3 * dt):
+            message = (
+                f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
+                f"{np.abs(strain).max():g}; the units are as before this step"
+            )
+            raise InputError(message)
         fired = self.membranes.step(self.state, 1e3 * dt)
         if fired < 0:
             message = f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
@@ -242,6 +248,15 @@ def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped
         f"{type(membrane).__name__}; use neural.afferents on the whole strain"
     )
     raise InputError(message)
+
+
+def _unfit(strain: object, shape: tuple[int, int]) -> str:
+    """Return what to say of a strain that is no array of a shape."""
+    return (
+        f"strain: expected an array {shape} of xx yy zz xy yz xz for {shape[0]} units, received "
+        f"{getattr(strain, 'shape', type(strain).__name__)}; give one row per unit, as the steps "
+        "of a finger with these sites do"
+    )
 
 
 def _code(kind: str, drive: str) -> int:

@@ -127,3 +127,49 @@ def test_more_spikes_than_there_is_room_for_get_a_sentence() -> None:
     units.step(squeezed, 0.0)
     with pytest.raises(InputError, match="expected steps with at most 8 spikes"):
         units.step(squeezed, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("strain", "dt", "words"),
+    [
+        (np.zeros((1, 6)), 1e-3, r"strain: expected an array \(2, 6\).* received \(1, 6\)"),
+        (np.zeros((2, 3, 3)), 1e-3, r"strain: expected .* received \(2, 3, 3\)"),
+        ([[0.0] * 6] * 2, 1e-3, "strain: expected an array .* received list"),
+        (np.full((2, 6), np.nan), 1e-3, "strain: expected finite .* received nan"),
+        (np.full((2, 6), -np.inf, np.float32), 1e-3, "strain: expected finite .* received inf"),
+        (np.diag(np.full(6, 1e200))[:2], 1e-3, r"strain: expected .* received 1e\+200"),
+        (np.zeros((2, 6)), -1e-3, "dt: expected .* at least 0, received -0.001"),
+        (np.zeros((2, 6)), np.nan, "dt: expected a finite number"),
+    ],
+)
+@pytest.mark.parametrize("membrane", [IntegrateAndFire(), HodgkinHuxley()])
+def test_a_step_that_cannot_be_taken_gets_a_sentence_and_is_not_taken(
+    membrane: IntegrateAndFire | HodgkinHuxley, strain: np.ndarray, dt: float, words: str
+) -> None:
+    units = Afferents(("SAI", "FAI"), NORMALS[:2], {"SAI": 5.0, "FAI": 5.0}, membrane=membrane)
+    units.step(np.full((2, 6), 0.05), 0.0)
+    before = [np.copy(each) for each in (*units.state, units.membranes.units)]
+    with pytest.raises(InputError, match=words):
+        units.step(strain, dt)
+    for then, now in zip(before, (*units.state, units.membranes.units), strict=True):
+        assert np.array_equal(then, now)
+
+
+def test_a_step_without_end_comes_to_an_end() -> None:
+    units = Afferents(("SAI",), [[0.0, 0.0, 1.0]], {"SAI": 5.0})
+    squeezed = np.array([[0.0, 0.0, -0.5, 0.0, 0.0, 0.0]])
+    units.step(squeezed, 0.0)
+    with pytest.raises(InputError, match="expected steps with at most 8 spikes"):
+        units.step(squeezed, 1e300)
+
+
+def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
+    three = {"reference_depth": 0.5, "reference_types": TYPES[:3]} | {
+        name: REFERENCE[name][:3] for name in ("reference_strain", "reference_normals")
+    }
+    with pytest.raises(InputError, match=f"expected every type that is asked, {TYPES[3]} is"):
+        Afferents.of(TYPES, NORMALS, **three)
+    with pytest.raises(InputError, match="types: expected one of"):
+        Afferents.of(("SAX",), NORMALS[:1], **REFERENCE)
+    with pytest.raises(InputError, match=r"drives\.SAI: expected one of"):
+        Afferents.of(TYPES, NORMALS, drives={"SAI": "none"}, **REFERENCE)

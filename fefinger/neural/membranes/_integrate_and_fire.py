@@ -48,9 +48,10 @@ def _eventful(
 ) -> int:
     """Take one unit through an interval with spikes or the end of a refractory time in it.
 
-    state: potential, highest potential, time at which it is free. Returns the new count.
+    state: potential, highest potential, time at which it is free. Returns the new count, which
+    ends at one more than `spikes` has room for.
     """
-    while True:
+    while count <= len(spikes):
         start = max(t0, state[2])
         if start >= t1:
             return count
@@ -65,6 +66,7 @@ def _eventful(
             spikes[count] = start + found
         count += 1
         state[0], state[1], state[2] = 0.0, 1.0, start + found + refractory
+    return count
 
 
 @njit(cache=True, nogil=True)
