@@ -227,17 +227,6 @@ def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) 
         raise InputError(message)
 
 
-def reference(scene: Scene, finger: Solid) -> Reference:
-    """Return the reference press of the sites that a scene asks for."""
-    return reference_press(finger, _central(scene, finger), WHOLE_MESH)
-
-
-def _central(scene: Scene, finger: Solid) -> Sites:
-    """Return the sites of a scene under the standard plate."""
-    touch = _placing.obstacle(STANDARD, finger)
-    return sites(scene, touch.origin, touch.axis)
-
-
 def reference_press(
     finger: Solid, central: Sites, method: Method, reduced: Reduced | None = None
 ) -> Reference:
@@ -264,7 +253,8 @@ def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -
     """Return the reference press; on the scene's own patch if plate and sites are the same."""
     if contact.sites is None:
         return None
-    central = _central(scene, finger)
+    touch = _placing.obstacle(STANDARD, finger)
+    central = sites(scene, touch.origin, touch.axis)
     own = scene.indenter == STANDARD and contact.history.depth.max() >= REFERENCE_DEPTH
     own = own and np.array_equal(contact.sites.points, central.points)
     return reference_press(finger, central, method, contact.reduced if own else None)
