@@ -10,16 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.indenter import STANDARD, direction
 from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import (
-    REFERENCE_DEPTH,
-    STANDARD,
-    check_reached,
-    direction,
-    organs,
-    sites,
-)
+from fefinger.mechanics._touch import REFERENCE_DEPTH, check_reached, organs, sites
 from fefinger.records import Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Flat, Scene
 from fefinger.stages import Stages
