@@ -70,14 +70,14 @@ class Asked:
 class Equilibrium:
     """Solver of one body and one contact for many steps; it keeps the last factor.
 
-    `system` is the factored body at rest, with what holds it; `iterations` and `factors` count the
-    work.
+    `system` is the factored body at rest, with what holds it; `iterations`, `factors` and
+    `descents`, the steps that were found downhill, count the work.
     """
 
     def __init__(self, body: Continuum, contact: Sliding, system: System) -> None:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
-        self.iterations, self.factors = 0, 0
+        self.iterations, self.factors, self.descents = 0, 0, 0
         self._excess = 0
         at_rest = np.zeros(body.space.n_unknowns)
         first = rough(body.space, system.matrix, system)
@@ -98,7 +98,9 @@ class Equilibrium:
         try:
             return self._search(start, asked)
         except ConvergenceError:
-            return self._descend(start, asked)
+            found = self._descend(start, asked)
+        self.descents += 1
+        return found
 
     def _search(self, start: State, asked: Asked, *, whole: bool = True) -> State:
         """Iterate from `start`, accelerated; with true tangents if `whole`."""

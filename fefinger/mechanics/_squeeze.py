@@ -28,7 +28,7 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
-from fefinger.records import Fields, Pad, Progress, Response, Sites
+from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
 from fefinger.scene import Finger, Scene
 from fefinger.stages import Stages
 from fefinger.units import NEWTON_PER_MILLINEWTON
@@ -75,8 +75,7 @@ def squeeze(
     if passage.halt:
         steps = steps.until(len(passage.depth))
     with stages.stage("reference"):
-        asked = passage.sites is not None
-        pressed = reference(scene, finger, elements) if asked else None
+        pressed = _reference(scene, finger, elements, passage)
     with stages.stage("fields"):
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
     response = Response(
@@ -93,6 +92,20 @@ def squeeze(
     if passage.halt:
         raise Stopped(passage.halt, response)
     return response
+
+
+def _reference(
+    scene: Scene, finger: Body, elements: Continuum, passage: "_Passage"
+) -> Reference | None:
+    """Return the reference press; None if there is none after a halt, of which all else is kept."""
+    if passage.sites is None:
+        return None
+    try:
+        return reference(scene, finger, elements)
+    except ConvergenceError:
+        if passage.halt:
+            return None
+        raise
 
 
 def laws(finger: Finger) -> dict[int, Law]:
@@ -190,68 +203,91 @@ def _passage(
     """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
     skin = partial(_press.skin, finger)
     found = organs(scene, touch.origin, touch.axis, skin) if _asked(scene) else None
-    where = found.points if found else np.empty((0, 3))
-    where = folded(where) if finger.half else where
-    probe = recovered_gradient_at(finger.space, where, finger.planes)
-    motion, sides = scene.motion, 2 if finger.half else 1
-    depth_control = motion.control == "depth"
-    unit = 1.0 if depth_control else 1 / NEWTON_PER_MILLINEWTON / sides
-    deepest = motion.peak if depth_control else _press.FORCE_DEPTH * scene.finger.thickness
-    path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
-    frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    deviatoric = scene.finger.relaxation == "deviatoric"
+    motion = scene.motion
+    deepest = motion.peak
+    if motion.control != "depth":
+        deepest = _press.FORCE_DEPTH * scene.finger.thickness
     reach, known = SPREAD * _press.REACH * deepest, 0
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
         if len(contact) == known:
             raise InputError(_press.rim_reached(known))
         known = len(contact)
-        equilibrium = Equilibrium(elements, contact, finger.system)
-        history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
-        recorder = _Recorder(contact, finger.space.node_points, probe, frames)
-        halt = ""
-        with stages.stage("steps") as report:
-            try:
-                follow(equilibrium, history, path, recorder.keep, report)
-            except _Rim:
-                pass  # seen again below
-            except ConvergenceError as error:
-                halt = told(error, elements, recorder.last)
-                if len(recorder.depth) < WORTH:
-                    raise ConvergenceError(halt) from error
-        pressure = np.array(recorder.pressure)
-        pressed = np.asarray((pressure > 0).any(axis=0))
-        _check_contact(finger, contact, pressed, recorder.depth)
-        if (pressed & contact.on.edge).any():
-            reach *= _press.GROW
-            continue
-        return _Passage(
-            contact=contact,
-            sites=found,
-            depth=np.array(recorder.depth),
-            pressure=pressure,
-            gap=np.array(recorder.gap),
-            moved=np.array(recorder.moved),
-            moment=np.array(recorder.moment),
-            strain=np.array(recorder.strain),
-            times=steps.times,
-            frames=recorder.frames,
-            halt=halt,
-            status=(
-                f"{'Stopped' if halt else 'Solved'}: {len(pressure)} steps in "
-                f"{equilibrium.iterations} iterations on {equilibrium.factors + 1} factors, with "
-                f"exact complementarity.{f' Then: {halt}' if halt else ''}"
-            ),
-            numbers={
-                "unknowns": finger.space.n_unknowns,
-                "candidates": len(contact),
-                "half": float(finger.half),
-                "steps": len(pressure),
-                "iterations": equilibrium.iterations,
-            },
-        )
+        passage = _followed(scene, finger, elements, contact, found, steps, stages)
+        pressed = np.asarray((passage.pressure > 0).any(axis=0))
+        _check_contact(finger, contact, pressed, passage.depth)
+        if not (pressed & contact.on.edge).any():
+            return passage
+        reach *= _press.GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
+
+
+def _followed(
+    scene: Scene,
+    finger: Body,
+    elements: Continuum,
+    contact: Sliding,
+    sites: Sites | None,
+    steps: Stride,
+    stages: Stages,
+) -> _Passage:
+    """Solve the steps on some candidates, as far as the contact stays off their rim."""
+    motion = scene.motion
+    sides = 2 if finger.half else 1
+    unit = 1.0 if motion.control == "depth" else 1 / NEWTON_PER_MILLINEWTON / sides
+    path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
+    where = sites.points if sites else np.empty((0, 3))
+    where = folded(where) if finger.half else where
+    probe = recovered_gradient_at(finger.space, where, finger.planes)
+    frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    equilibrium = Equilibrium(elements, contact, finger.system)
+    deviatoric = scene.finger.relaxation == "deviatoric"
+    history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
+    recorder = _Recorder(contact, finger.space.node_points, probe, frames)
+    halt = ""
+    with stages.stage("steps") as report:
+        try:
+            follow(equilibrium, history, path, recorder.keep, report)
+        except _Rim:
+            pass  # seen again by the caller
+        except ConvergenceError as error:
+            halt = told(error, elements, recorder.last)
+            if len(recorder.depth) < WORTH:
+                raise ConvergenceError(halt) from error
+    return _Passage(
+        contact=contact,
+        sites=sites,
+        depth=np.array(recorder.depth),
+        pressure=np.array(recorder.pressure),
+        gap=np.array(recorder.gap),
+        moved=np.array(recorder.moved),
+        moment=np.array(recorder.moment),
+        strain=np.array(recorder.strain),
+        times=steps.times,
+        frames=recorder.frames,
+        halt=halt,
+        status=_status(equilibrium, len(recorder.depth), halt),
+        numbers={
+            "unknowns": finger.space.n_unknowns,
+            "candidates": len(contact),
+            "half": float(finger.half),
+            "steps": len(recorder.depth),
+            "iterations": equilibrium.iterations,
+            "downhill": equilibrium.descents,
+        },
+    )
+
+
+def _status(solver: Equilibrium, steps: int, halt: str) -> str:
+    downhill = (
+        f", {solver.descents} of them downhill past unstable ones," if solver.descents else ""
+    )
+    return (
+        f"{'Stopped' if halt else 'Solved'}: {steps} steps{downhill} in {solver.iterations} "
+        f"iterations on {solver.factors + 1} factors, with exact complementarity."
+        f"{f' Then: {halt}' if halt else ''}"
+    )
 
 
 def _asked(scene: Scene) -> bool:
@@ -259,16 +295,16 @@ def _asked(scene: Scene) -> bool:
 
 
 def _check_contact(
-    finger: Body, contact: Sliding, pressed: NDArray[np.bool_], depth: list[float]
+    finger: Body, contact: Sliding, pressed: NDArray[np.bool_], depth: Array
 ) -> None:
     if np.isin(contact.on.vertices[pressed], _placing.border(finger)).any():
         message = (
-            f"motion: expected contact inside the pad, but at a depth of {max(depth):.3g} mm it "
+            f"motion: expected contact inside the pad, but at a depth of {depth.max():.3g} mm it "
             "reaches the nail or the proximal cut; press less"
         )
         raise InputError(message)
     if not pressed.any():
-        raise InputError(_press.unresolved(max(depth)))
+        raise InputError(_press.unresolved(float(depth.max())))
 
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
