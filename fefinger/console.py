@@ -82,7 +82,7 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("final force", f"{record['final_force_N']:.4g} N"))
     if record["contact_area_mm2"] is not None:
         x, y = record["centroid_mm"]
-        rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm2 at the peak"))
+        rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm² at the peak"))
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
         rows.append(("spikes", result.spikes.told()))

@@ -143,10 +143,17 @@ RECORDS = {
 }
 
 
+def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
+    """Raise InputError if a file that the user gave as `option` ends otherwise than in `ending`."""
+    if Path(path).suffix.lower() != ending:
+        message = f"{option}: expected a file that ends in {ending}, received {Path(path).name!r}"
+        raise InputError(message)
+
+
 def output_folder(folder: str | PathLike[str]) -> Path:
     """Create `folder` if needed and return it; InputError when files cannot be written there."""
     path = Path(folder)
-    advice = "name another folder with -o"
+    advice = "choose another"
     if path.exists() and not path.is_dir():
         message = f"output folder: expected a folder, received the file {str(path)!r}; {advice}"
         raise InputError(message)

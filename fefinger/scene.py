@@ -90,8 +90,8 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Check the parts against each other."""
-        if not isinstance(self.name, str) or not self.name.strip():
-            msg = f"name: expected a name for the scene, received {self.name!r}"
+        if not isinstance(self.name, str) or not self.name.strip() or not self.name.isprintable():
+            msg = f"name: expected a name for the scene that can be printed, received {self.name!r}"
             raise InputError(msg)
         kinds = {"finger": Finger, "indenter": Indenter, "motion": Motion, "ask": Ask}
         for name, kind in kinds.items():

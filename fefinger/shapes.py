@@ -17,13 +17,16 @@ from fefinger.trajectory import Trajectory, Wave
 
 Array = NDArray[np.float64]
 
+LONGEST = 1e9
+"""s: a rest of thirty years, beyond which nothing is learned."""
+
 LIMITS: dict[str, dict[str, Any]] = {
     "speed": {"above": 0, "unit": "mm/s"},
     "loading_rate": {"above": 0, "unit": "N/s"},
     "depth": {"above": 0, "unit": "mm"},
     "force": {"above": 0, "unit": "N"},
-    "hold": {"at_least": 0, "unit": "s"},
-    "settle": {"at_least": 0, "unit": "s"},
+    "hold": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
+    "settle": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
     "corner": {"at_least": 0, "unit": "s"},
     "amplitude": {"above": 0},
     "frequency": {"above": 0, "unit": "Hz"},

@@ -1,12 +1,16 @@
 """The grid of a study: which fields of a scene take which values, and what is told of each."""
 
 import itertools
+import math
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fefinger.checks import InputError, number
 
+
+MOST = 10_000
+"""Scenes of one study: at seconds each they take hours."""
 
 OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:60:13"
 
@@ -56,6 +60,10 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
 def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
     """Return the values of each field as plain Python, or raise InputError for none or twice."""
     found: dict[str, tuple[Any, ...]] = {}
+    count = math.prod(len(values) for values in over.values())
+    if count > MOST:
+        msg = f"--over: expected at most {MOST} scenes, received {count}; take fewer values"
+        raise InputError(msg)
     for field, values in over.items():
         plain = tuple(v.item() if hasattr(v, "item") else v for v in values)
         twice = [v for i, v in enumerate(plain) if v in plain[:i]]
@@ -73,8 +81,8 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
         start, stop, count = float(parts[0]), float(parts[1]), int(parts[2])
     except (ValueError, IndexError):
         start, stop, count = 0.0, 0.0, 0
-    if len(parts) != 3 or count < 2:
-        msg = f"--over {text!r}: {OVER}; COUNT is a whole number from 2 on"
+    if len(parts) != 3 or not 2 <= count <= MOST:
+        msg = f"--over {text!r}: {OVER}; COUNT is a whole number from 2 to {MOST}"
         raise InputError(msg)
     for name, value in (("START", start), ("STOP", stop)):
         number(f"--over {text!r}: {name}", value)

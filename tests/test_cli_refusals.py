@@ -16,6 +16,10 @@ BAD_FILES = {
     "not TOML further down": (TOML + "corner = = 3\n", r"not TOML: .* \(at line 8"),
     "misspelt": (TOML + "cornr = 0\n", r"cornr: unknown key in \[motion\]. Did you mean 'corner'?"),
     "missing": (TOML.replace("depth = 1\n", ""), "motion.depth: missing; a 'ramp-hold' motion"),
+    "a name that no file can hold": (
+        'name = "a\\u0000"\n' + TOML,
+        "name: expected a name for the scene that can be printed",
+    ),
     "text": (
         TOML.replace("= 60", '= "fast"'),
         "motion.speed: expected a finite number in mm/s above",
@@ -27,6 +31,8 @@ BAD_FILES = {
 }
 BAD_SETTINGS = {
     "motion.depth=-1": "motion.depth: expected a finite number in mm above 0, received -1",
+    "motion.hold=1e300": "motion.hold: expected a finite number in s at least 0 and at most 1e",
+    "motion.depth=0.3": "the shortest straight part, received 0.01 (0.01 where none is given)",
     "motion.speed=0": "motion.speed: expected a finite number in mm/s above 0, received 0",
     "motion.depth=5": "motion.depth: expected less than 5 mm, the tissue under the pad",
     "finger.skin.poisson=0.51": "finger.skin.poisson: expected a finite number at least 0 and at",
@@ -92,6 +98,26 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
     err = refused(capsys, [*command, "-o", str(tmp_path / "file" / name)])
     assert "output folder: expected a folder" in err
     assert not answered
+
+
+@pytest.mark.parametrize(
+    ("arguments", "ending"),
+    [
+        (["view", "out", "--screenshot", "a.xyz"], ".png"),
+        (["view", "out", "--html", "a.txt"], ".html"),
+        (["mesh", "flat-press", "--picture", "a"], ".png"),
+    ],
+)
+def test_a_picture_under_a_name_of_another_kind_is_refused(capsys, arguments, ending):
+    assert f"expected a file that ends in {ending}, received 'a" in refused(capsys, arguments)
+
+
+@pytest.mark.parametrize(
+    "over", [["indenter.angle=0:60:1000000"], ["indenter.angle=0:60:200", "motion.depth=0.7:1:200"]]
+)
+def test_a_study_too_large_to_end_is_refused_at_once(capsys, over):
+    options = [word for each in over for word in ("--over", each)]
+    assert "10000" in refused(capsys, ["study", "flat-press", *options, "-o", "none"])
 
 
 def test_a_folder_without_a_result_cannot_be_viewed(capsys, tmp_path):

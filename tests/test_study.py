@@ -52,7 +52,7 @@ def test_ranges_and_lists_make_a_grid_whose_last_field_changes_fastest():
         (["indenter.angle"], "expected FIELD=START:STOP:COUNT or FIELD=A,B,C"),
         (["=1,2"], "expected FIELD="),
         (["indenter.angle="], "expected FIELD="),
-        (["indenter.angle=0:60"], "COUNT is a whole number from 2 on"),
+        (["indenter.angle=0:60"], "COUNT is a whole number from 2 to"),
         (["indenter.angle=0:60:1"], "COUNT is a whole number"),
         (["indenter.angle=0:60:2.5"], "COUNT is a whole number"),
         (["indenter.angle=0:x:3"], "COUNT is a whole number"),

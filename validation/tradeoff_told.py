@@ -25,7 +25,11 @@ CANDIDATES = (
 
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
-    said = [*texts(data["summary"]), again(data["drawn_again"])]
+    made = data.get("provenance", {})
+    read = (
+        [f"Read from the report of {made['date'][:10]}, commit {made['commit']}."] if made else []
+    )
+    said = [*texts(data["summary"]), again(data["drawn_again"]), *read]
     return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
@@ -41,7 +45,7 @@ def texts(found: dict[str, Any]) -> list[str]:
     return [
         f"Of {found['scenes']} scenes that no rule was derived from the planner answers "
         f"{found['answered']}, and refuses {found['refused_although_possible']} that a candidate "
-        f"would have answered as asked. The tolerance is met by "
+        f"would have answered as asked; the rest none can. The tolerance is met by "
         f"{100 * found['tolerance_met']:.0f} % of its picks.",
         "Stated errors are kept by this share of its picks (of all candidates): "
         f"{_shares(picks, every)}.",

@@ -28,11 +28,13 @@ def mesh(
     Takes the ready mesh of the finger of SCENE if there is one.
     """
     from fefinger import scenes
-    from fefinger.files import output_folder
+    from fefinger.files import check_ending, output_folder
     from fefinger.mesh import files, quality
     from fefinger.mesh.ready import ready
 
     finger = scenes.load(scene, scenes.settings(changes)).finger
+    if picture is not None:
+        check_ending(picture, "--picture", ".png")
     for path in (output, picture):
         if path is not None:
             output_folder(Path(path).parent)

@@ -30,12 +30,15 @@ def view(
     from fefinger import quantities, webview
     from fefinger import view as pictures
     from fefinger.checks import choice, number
-    from fefinger.files import load, output_folder
+    from fefinger.files import check_ending, load, output_folder
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
         return
     shown = choice("--field", quantities.DEFAULT if field is None else field, quantities.FIELDS)
+    for path, option, ending in ((screenshot, "--screenshot", ".png"), (html, "--html", ".html")):
+        if path is not None:
+            check_ending(path, option, ending)
     span = None if limits is None else quantities.limits(limits)
     results = [load(folder) for folder in folders]
     for result in results:
