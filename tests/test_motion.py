@@ -156,7 +156,7 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
         (lambda: Ramp("60", 1), r"motion.speed: expected a finite number.*received '60'"),
         (lambda: Ramp(True, 1), r"motion.speed: .*received True"),
         (lambda: Ramp(float("nan"), 1), r"motion.speed: .*received nan"),
-        (lambda: RampHold(60, 1, hold=-1), r"motion.hold: .*at least 0, received -1"),
+        (lambda: RampHold(60, 1, hold=-1), r"motion.hold: .*at least 0 and .*, received -1"),
         (lambda: Ramp(600, 1, corner=0.01), r"motion.corner: expected at most 0.00333333 s"),
         (lambda: RampHold(600, 1, hold=1), r"motion.corner: expected at most 0.00166667 s"),
         (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
