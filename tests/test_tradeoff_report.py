@@ -235,3 +235,11 @@ def test_the_quick_cases_are_read_from_the_report(report):
     assert (
         values["stated error kept by the picks: force"] == report["summary"]["stated_kept"]["force"]
     )
+
+
+def test_the_change_since_the_report_is_that_of_the_presses_named(report):
+    old = report["rules"]
+    new = json.loads(json.dumps(old))
+    new["presses"]["flat-0"]["candidates"]["solid standard"]["numerical"]["force"][3] += 0.25
+    assert tradeoff.changed(new, old, ["flat-0", "flat-30"]) == pytest.approx(0.25)
+    assert tradeoff.changed(new, old, ["flat-30"]) == 0.0
