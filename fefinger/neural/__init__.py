@@ -4,36 +4,52 @@ Knows no mesh, no finite elements and no scene: it takes arrays. What is here by
 answer of a run, `ff.run(scene).spikes`, and its `times`, or makes end organs of one's own:
 
     from fefinger.neural import locking, psth
+
+Names are imported when they are used, so that what needs no nerve loads none.
 """
 
-from fefinger.neural.chains import Chain, SpringDamper, fast_chain, realize, slow_chain
-from fefinger.neural.maps import rate_profile, receptive_fields
-from fefinger.neural.statistics import (
-    interval_variation,
-    intervals,
-    locking,
-    mean_rates,
-    per_cycle,
-    psth,
-    van_rossum,
-    victor_purpura,
-)
+import importlib
+from typing import TYPE_CHECKING, Any
 
 
-__all__ = [
-    "Chain",
-    "SpringDamper",
-    "fast_chain",
-    "interval_variation",
-    "intervals",
-    "locking",
-    "mean_rates",
-    "per_cycle",
-    "psth",
-    "rate_profile",
-    "realize",
-    "receptive_fields",
-    "slow_chain",
-    "van_rossum",
-    "victor_purpura",
-]
+if TYPE_CHECKING:
+    from fefinger.neural.chains import Chain as Chain
+    from fefinger.neural.chains import SpringDamper as SpringDamper
+    from fefinger.neural.chains import fast_chain as fast_chain
+    from fefinger.neural.chains import realize as realize
+    from fefinger.neural.chains import slow_chain as slow_chain
+    from fefinger.neural.maps import rate_profile as rate_profile
+    from fefinger.neural.maps import receptive_fields as receptive_fields
+    from fefinger.neural.statistics import interval_variation as interval_variation
+    from fefinger.neural.statistics import intervals as intervals
+    from fefinger.neural.statistics import locking as locking
+    from fefinger.neural.statistics import mean_rates as mean_rates
+    from fefinger.neural.statistics import per_cycle as per_cycle
+    from fefinger.neural.statistics import psth as psth
+    from fefinger.neural.statistics import van_rossum as van_rossum
+    from fefinger.neural.statistics import victor_purpura as victor_purpura
+
+_HOMES = {
+    "chains": ("Chain", "SpringDamper", "fast_chain", "realize", "slow_chain"),
+    "maps": ("rate_profile", "receptive_fields"),
+    "statistics": (
+        *("interval_variation", "intervals", "locking", "mean_rates", "per_cycle", "psth"),
+        *("van_rossum", "victor_purpura"),
+    ),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = list(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in _HOME:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg)
+    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(_HOME)
