@@ -222,7 +222,7 @@ BAD_TABLES = [
     ({"ask": {"drives": {"SAI": "compress"}}}, r"ask.drives.SAI: .*Did you mean 'compressive'\?"),
     ({"ask": {"generator": "linea"}}, r"ask.generator: .*Did you mean 'linear'\?"),
     ({"name": " "}, r"name: expected a name for the scene"),
-    ({"name": 3}, r"name: expected a name for the scene, received 3"),
+    ({"name": 3}, r"name: expected a name for the scene that can be printed, received 3"),
 ]
 
 
