@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from fefinger.study_grid import remarks
 from fefinger.text import table
 
 
@@ -194,6 +195,7 @@ def study_summary(record: dict[str, Any]) -> str:
         ("failed", ", ".join(f"{k} = {v}" for k, v in each["scene"].items()), each["error"])
         for each in record["failed"]
     ]
+    below += [("to be known", said, "") for said in remarks(record["rows"], record["over"])]
     below += [("file", file, "") for file in record["files"]]
     done = record["scenes"] - len(record["failed"])
     said = f"{done} of {record['scenes']} scenes, {record['reused']} of them from before"

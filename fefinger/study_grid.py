@@ -129,6 +129,23 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     return [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
 
 
+def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
+    """Return sentences on forces and depths not reached, and on rows of different mechanics."""
+    found = [
+        f"{', '.join(f'{name} = {row[name]}' for name in over)}, at {row['at']}: {row['status']}"
+        for row in rows
+        if row["status"].startswith("not reached")
+    ]
+    used = list(dict.fromkeys(row["mechanics"] for row in rows if row.get("mechanics")))
+    if len(used) > 1:
+        other = "; lumped is the finger that was measured, the others one of the scene's tissue"
+        found.append(
+            f"The rows are answers of {', '.join(used)}: what changes between them may be the "
+            f"mechanics{other if 'lumped' in used else ''}. --mechanics NAME takes one for all."
+        )
+    return found
+
+
 def column(field: str, kind: str = "") -> str:
     """Return the name of the column of a field of the scene, with its unit.
 

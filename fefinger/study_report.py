@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fefinger import page, study_figures
+from fefinger.study_grid import remarks
 
 
 if TYPE_CHECKING:
@@ -84,6 +85,9 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
             for values, error in study.failures
         ]
         yield part("What failed", "These scenes have no numbers.", bullets=failed)
+    said = remarks(study.rows, study.over)
+    if said:
+        yield part("To be known", "Before the figures are compared.", bullets=said)
     told = [row for row in study.rows if row["status"] == "done"]
     numeric = [name for name in study.over if not isinstance(told[0][name], str)] if told else []
     x = (numeric or list(study.over))[0]

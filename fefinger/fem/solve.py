@@ -138,7 +138,7 @@ def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> single.Sin
     Raises
     ------
     InputError
-        If it is singular.
+        If it is singular, or beyond single precision.
     """
     neighbor = compressible(space, matrix)[system.free][:, system.free].tocsr()
     return single.factor(neighbor, system.dissection)

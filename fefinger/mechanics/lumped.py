@@ -43,6 +43,12 @@ tests/mechanics/test_lumped.py."""
 
 EVIDENCE = "18 % at the peaks of sinusoids against the measured finger (thesis, section 2.4.1)"
 
+OTHER = (
+    "The stated error is that of this law identified from a press of finite elements; with the b "
+    "and m of Table 2.1, which it runs with, it is another finger, whose force may be less "
+    "than half of theirs"
+)
+
 NOTES = (
     "A measured force law (Pawluk 1997, Eq. 2.1 to 2.3), not a body: it holds for the flat plate "
     "at 20 to 40 degrees that it was measured with, and gives force and depth alone.",
@@ -81,7 +87,10 @@ def error(scene: Scene) -> tuple[float, str]:
     found = _tradeoff.stated(name, scene)
     if found is None:
         return float("nan"), "not known: no press like it was measured"
-    return found.error + NUMERICAL, f"{found.source}, identified from one press; {EVIDENCE}"
+    return (
+        found.error + NUMERICAL,
+        f"{found.source}, identified from one press; {EVIDENCE}. {OTHER}",
+    )
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -117,7 +126,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         fields=None,
         status=f"Eq. 2.3, exact for straight lines between {len(time)} times.",
         seconds=stages.seconds,
-        notes=(*NOTES, f"b, m and G of {source}; G of the scene is not used."),
+        notes=(*NOTES, f"b, m and G of {source}; tissue and G of the scene are not used. {OTHER}."),
         numbers={"times": float(len(time)), "b": row.b, "m": row.m},
         sources={"lumped": source},
     )

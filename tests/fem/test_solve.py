@@ -74,6 +74,13 @@ def test_a_singular_matrix_has_no_rough_factor(space: Space) -> None:
         solve.rough(space, 0 * matrix, system)
 
 
+def test_a_matrix_beyond_single_precision_has_no_rough_factor(space: Space) -> None:
+    matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
+    system = solve.factor(space, matrix, clamped(space))
+    with pytest.raises(InputError, match="single precision"):
+        solve.rough(space, 1e200 * matrix, system)
+
+
 def test_reactions_balance_the_load(space: Space) -> None:
     system = solve.factor(space, stiffness(space, {1: Elastic(5.0, 0.49)}), clamped(space))
     loads = np.zeros(space.n_unknowns)
