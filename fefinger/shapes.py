@@ -34,7 +34,10 @@ LIMITS: dict[str, dict[str, Any]] = {
 }
 
 CORNER = 0.01
-"""Default corner of the ramps in s: the rounding of Pawluk (1997), section 4.3.5."""
+"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
+part of the motion is."""
+
+_AS_LONG_AS_FITS: Any = None
 
 
 @dataclass(frozen=True)
@@ -51,10 +54,17 @@ class Motion:
         """Check every field, then build the trajectory."""
         for field in fields(self):
             limits = LIMITS.get(field.name)
-            if limits is not None:
+            if limits is not None and getattr(self, field.name) is not _AS_LONG_AS_FITS:
                 value = number(f"motion.{field.name}", getattr(self, field.name), **limits)
                 object.__setattr__(self, field.name, value)
+        if getattr(self, "corner", 0.0) is _AS_LONG_AS_FITS:
+            object.__setattr__(self, "corner", min(CORNER, *self._parts()))
         self._check()
+
+    def _parts(self) -> tuple[float, ...]:
+        """Return what bounds a corner in s: the ramp, and what follows it."""
+        pace, level = self._leg()
+        return (level / pace,)
 
     def _check(self) -> None:
         """Build the trajectory, which finds corners that are too long."""
@@ -132,7 +142,7 @@ class RampShape(Motion):
     """A ramp from rest, which ends while moving."""
 
     _: KW_ONLY
-    corner: float = CORNER
+    corner: float = _AS_LONG_AS_FITS
 
     def _build(self) -> Trajectory:
         pace, level = self._leg()
@@ -145,7 +155,10 @@ class RampHoldShape(Motion):
 
     _: KW_ONLY
     hold: float
-    corner: float = CORNER
+    corner: float = _AS_LONG_AS_FITS
+
+    def _parts(self) -> tuple[float, ...]:
+        return (*super()._parts(), *([2 * self.hold] if self.hold else []))
 
     def _build(self) -> Trajectory:
         return _ramp_hold(*self._leg(), self.hold, self.corner)
@@ -163,7 +176,7 @@ class TrapezoidShape(Motion):
 
     _: KW_ONLY
     hold: float
-    corner: float = CORNER
+    corner: float = _AS_LONG_AS_FITS
 
     def _build(self) -> Trajectory:
         pace, level = self._leg()
@@ -183,7 +196,11 @@ class RampSinusoidShape(Motion):
     frequency: float
     cycles: int
     settle: float = 0.0
-    corner: float = CORNER
+    corner: float = _AS_LONG_AS_FITS
+
+    def _parts(self) -> tuple[float, ...]:
+        rest = [2 * self.settle] if self.settle else []
+        return (*super()._parts(), self.cycles / self.frequency, *rest)
 
     def _check(self) -> None:
         _whole(self)

@@ -96,8 +96,7 @@ class Trajectory:
         if corner > longest * (1 + _STRAIGHT):
             msg = (
                 f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
-                f"received {corner:g} (0.01 where none is given); take a shorter one, "
-                "or 0 for sharp ones"
+                f"received {corner:g}; take a shorter one, or 0 for sharp ones"
             )
             raise InputError(msg)
         rows: list[tuple[float, float, float, float]] = []

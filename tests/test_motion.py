@@ -149,6 +149,28 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("motion", "corner"),
+    [
+        (Ramp(60, 1.5), 0.01),
+        (Ramp(60, 0.3), 0.005),
+        (RampHold(60, 0.3, hold=1), 0.005),
+        (RampHold(60, 1.5, hold=0), 0.01),
+        (RampHold(60, 1.5, hold=0.002), 0.004),
+        (Trapezoid(600, 1.5, hold=0), 0.0025),
+        (RampSinusoid(20, 1.5, amplitude=0.1, frequency=250, cycles=1), 0.004),
+        (RampSinusoid(20, 1.5, settle=0.001, amplitude=0.1, frequency=4, cycles=1), 0.002),
+        (ForceRampHold(500, 1, hold=1), 0.002),
+    ],
+    ids=repr,
+)
+def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(motion, corner):
+    assert motion.corner == pytest.approx(corner, rel=1e-12)
+    assert motion.peak == pytest.approx(getattr(motion, "depth", None) or motion.force, rel=0.1)
+    t = np.linspace(0, motion.duration, 100_001)
+    assert np.abs(np.diff(motion.rate(t)[:-1])).max() < 0.02 * np.abs(motion.rate(t)).max()
+
+
+@pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: Ramp(0, 1), r"motion.speed: expected a finite number in mm/s above 0, received 0"),
@@ -158,7 +180,10 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
         (lambda: Ramp(float("nan"), 1), r"motion.speed: .*received nan"),
         (lambda: RampHold(60, 1, hold=-1), r"motion.hold: .*at least 0 and .*, received -1"),
         (lambda: Ramp(600, 1, corner=0.01), r"motion.corner: expected at most 0.00333333 s"),
-        (lambda: RampHold(600, 1, hold=1), r"motion.corner: expected at most 0.00166667 s"),
+        (
+            lambda: RampHold(600, 1, hold=1, corner=0.01),
+            r"motion.corner: expected at most 0.00166667 s",
+        ),
         (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
         (
             lambda: Sinusoid(1, frequency=4, cycles=1.5),
@@ -170,7 +195,7 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
             r"motion.cycles: expected a whole number of cycles, received 1.5",
         ),
         (
-            lambda: RampSinusoid(20, 1, amplitude=1, frequency=400, cycles=1),
+            lambda: RampSinusoid(20, 1, amplitude=1, frequency=400, cycles=1, corner=0.01),
             r"motion.corner: expected at most the length of the sinusoid, 0.0025 s",
         ),
         (

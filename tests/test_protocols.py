@@ -61,7 +61,7 @@ def test_p7_reaches_its_force_as_fast_as_an_approach_at_20_mm_per_s_and_holds_it
     assert 1e3 / scene.indenter.radius == pytest.approx(340, abs=0.5)
     assert scene.motion.force == pytest.approx(20 * 9.80665e-3, rel=2e-3)
     lumped = ff.Scene(
-        finger=scene.finger,
+        finger=ff.Finger.subject("a.h.", tissue="calibrated_ah"),
         motion=ff.Ramp(speed=20, depth=1.2, corner=0),
         ask=ff.Ask(pressure=False, strain=False, fields=False),
     )

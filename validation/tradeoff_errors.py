@@ -204,16 +204,8 @@ def identify(true: Press, layered: Press, poisson: float) -> Identified:
 
     The radius of `hertz` is that whose contact areas pi R d are those of the press.
     """
-    from scipy.optimize import least_squares
-
     depth, force, area = (values[true.at] for values in (true.depth, true.force, true.area))
-
-    def spring(logs: Array) -> Array:
-        b, m = np.exp(logs)
-        return np.asarray(b / m * np.expm1(m * depth) - force)
-
-    found = least_squares(spring, np.zeros(2), x_scale=1.0)
-    b, m = (float(x) for x in np.exp(found.x))
+    b, m = spring(depth, force)
     radius = _slope(np.pi * depth, area)
     shape = 4 / 3 * np.sqrt(radius) * depth**1.5 / 1e3  # N per kPa
     plane = _slope(shape, force)
@@ -221,11 +213,24 @@ def identify(true: Press, layered: Press, poisson: float) -> Identified:
     stiffness = _slope(softer, force)
     largest = force.max()
     residual = {
-        "lumped": float(np.abs(found.fun).max() / largest),
+        "lumped": float(np.abs(law((b, m), depth) - force).max() / largest),
         "hertz": float(np.abs(plane * shape - force).max() / largest),
         "layered": float(np.abs(stiffness * softer - force).max() / largest),
     }
     return Identified(b, m, radius, plane * (1 - poisson**2), stiffness, residual)
+
+
+def spring(depth: Array, force: Array) -> tuple[float, float]:
+    """Return b in N/mm and m in 1/mm of the spring of Eq. 2.1 nearest to force against depth."""
+    from scipy.optimize import least_squares
+
+    def apart(logs: Array) -> Array:
+        b, m = np.exp(logs)
+        return law((b, m), depth) - force
+
+    found = least_squares(apart, np.zeros(2), x_scale=1.0)
+    b, m = np.exp(found.x)
+    return float(b), float(m)
 
 
 def _slope(x: Array, y: Array) -> float:
@@ -233,9 +238,9 @@ def _slope(x: Array, y: Array) -> float:
     return float(x @ y / (x @ x))
 
 
-def law(identified: Identified, depth: Array) -> Array:
-    """Return the force (n,) in N of the identified `lumped`."""
-    b, m = identified.b, identified.m
+def law(found: tuple[float, float], depth: Array) -> Array:
+    """Return the force (n,) in N of the spring of Eq. 2.1 with b in N/mm and m in 1/mm."""
+    b, m = found
     return np.asarray(b / m * np.expm1(m * depth))
 
 

@@ -26,14 +26,16 @@ from fefinger.validation.tradeoff_errors import (
     law,
     mesh_errors,
     press,
+    spring,
     unknowns,
 )
 from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
 from fefinger.mechanics import _evidence, _tradeoff, hertz
+from fefinger.mechanics._identified import between
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.scene import Finger
+from fefinger.scene import Finger, Flat
 
 
 Array = NDArray[np.float64]
@@ -67,6 +69,28 @@ def identified(name: str = "flat-30") -> Identified:
     return identify(converged(name).press, layered, hertz.tissue(scenes.finger(name))[1])
 
 
+def springs(name: str) -> tuple[float, float]:
+    """Return b N/mm and m 1/mm of `lumped` under a plate: as identified from its press.
+
+    On the finger of the base presses, under another plate, they are those between its neighbors,
+    as the planner has them.
+    """
+    own = identified(name)
+    if name in scenes.BASE or scenes.PRESSES[name].subject != _evidence.SOLID_SUBJECT:
+        return own.b, own.m
+    plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
+    rows = [
+        {"angle": plate.angle, "b": identified(each).b, "m": identified(each).m}
+        for each, plate in plates.items()
+        if isinstance(plate, Flat)
+    ]
+    plate = scenes.PRESSES[name].indenter
+    assert isinstance(plate, Flat)
+    found = between(rows, plate.angle)
+    assert found is not None
+    return found
+
+
 def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list[float]]]]:
     """Return numerical and model errors of every candidate in a press, by quantity."""
     found: dict[str, dict[str, dict[str, list[float]]]] = {}
@@ -76,7 +100,7 @@ def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list
         if pressed is not None:
             found[mechanics] = _listed(zero, errors(pressed, true.press))
     if name.startswith("flat"):
-        own = replace(true.press, force=law(identified(name), true.press.depth))
+        own = replace(true.press, force=law(springs(name), true.press.depth))
         apart = errors(own, true.press)["force"]
         found["lumped"] = {
             "numerical": {"force": [0.0] * len(apart)},
@@ -191,11 +215,27 @@ def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -
     place = _tradeoff.place(own["angle"], own["radius"])
     if candidate not in own["candidates"] or len(_tradeoff.neighbors(others, place)) < 2:
         return
-    actual = _tradeoff.total(own["candidates"][candidate], quantity)
+    if candidate == "lumped":
+        actual = _between(own, others)
+    else:
+        actual = _tradeoff.total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
         told = _tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
         if told is not None:
             yield error - sum(told)
+
+
+def _between(own: dict[str, Any], others: dict[str, Any]) -> Array:
+    """Return the error of `lumped` at every depth of a press, with b and m from its neighbors."""
+    rows = []
+    for row in others.values():
+        if row["angle"] is not None:
+            b, m = spring(*(np.array(row[key]) for key in ("depth_mm", "force_N")))
+            rows.append({"angle": row["angle"], "b": b, "m": m})
+    found = between(rows, own["angle"])
+    assert found is not None
+    depth, force = (np.array(own[key]) for key in ("depth_mm", "force_N"))
+    return np.asarray(np.maximum.accumulate(np.abs(law(found, depth) - force)) / force)
 
 
 def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any], quantity: str) -> float:
@@ -293,14 +333,14 @@ def _rounded(row: dict[str, float]) -> dict[str, float]:
 
 
 def answers(name: str) -> dict[str, Press]:
-    """Return the press by every candidate; `lumped` as identified from the press of that plate."""
+    """Return the press by every candidate; `lumped` with the b and m of `springs`."""
     found: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
     for mechanics in WITH_MESH:
         for mesh in MESHES:
             found[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
     if "flat" in name:
         true = converged(name).press
-        found["lumped"] = replace(true, force=law(identified(name), true.depth))
+        found["lumped"] = replace(true, force=law(springs(name), true.depth))
     return {key: each for key, each in found.items() if each is not None}
 
 

@@ -1,19 +1,19 @@
 """The lumped finger of Pawluk (1997), chapter 2, for a Scene: force and depth, and no mesh.
 
-The formula is in `theory/lumped.py`, its proof in the tests of it.
+The formula is in `theory/lumped.py`, its proof in the tests of it; whose b and m are taken, in
+`_identified.py`.
 """
 
-from fefinger import library
 from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.machine import slowness
-from fefinger.mechanics import _tradeoff
+from fefinger.mechanics._identified import Law, law
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.mechanics._touch import check_reached
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 from fefinger.stages import Stages
-from fefinger.theory import lumped as law
+from fefinger.theory import lumped as theory
 
 
 name = "lumped"
@@ -23,13 +23,6 @@ ANGLES = (20.0, 40.0)
 
 FORCE = 3.0
 """Largest force in N at which the thesis measured (section 2.1)."""
-
-MEANS = "means"
-OF_THE_FINGER = (
-    *("width", "thickness", "pad_radius", "surface"),
-    *("skin", "subcutaneous", "prony"),
-)
-"""Fields of a finger that a law measured on a subject cannot follow."""
 
 STEP_SECONDS = 1.2e-5
 """Wall time of one time step in s, rounded up: an exponential of Eq. 2.3 each takes less."""
@@ -41,23 +34,22 @@ NUMERICAL = 1e-3
 """Error of the force against Eq. 2.3 solved exactly: of the time steps, tested in
 tests/mechanics/test_lumped.py."""
 
-EVIDENCE = "18 % at the peaks of sinusoids against the measured finger (thesis, section 2.4.1)"
-
-OTHER = (
-    "The stated error is that of this law identified from a press of finite elements; with the b "
-    "and m of Table 2.1, which it runs with, it is another finger, whose force may be less "
-    "than half of theirs"
-)
+SINUSOIDS = "18 % at the peaks of sinusoids against the measured finger (thesis, section 2.4.1)"
 
 NOTES = (
-    "A measured force law (Pawluk 1997, Eq. 2.1 to 2.3), not a body: it holds for the flat plate "
-    "at 20 to 40 degrees that it was measured with, and gives force and depth alone.",
-    "On sinusoids that were not used to fit it, the thesis found a mean squared error of 7 % and "
-    "18 % at the peaks. The fit took a ramp of 60 mm/s for instantaneous; on synthetic trials that "
-    "makes b 33 to 43 % low (`fefinger fit` shows it).",
+    "A force law (Pawluk 1997, Eq. 2.1 to 2.3), not a body: it holds under a flat plate, and gives "
+    "force and depth alone.",
     "Tissue between bone and nail is in it; the law has no mass, so trust it below 30 Hz.",
     "Where Eq. 2.3 would pull, the indenter leaves the skin and the force is zero.",
 )
+
+PRINTED = (
+    "On sinusoids that were not used to fit it, the thesis found a mean squared error of 7 % and "
+    "18 % at the peaks. The fit took a ramp of 60 mm/s for instantaneous; on synthetic trials that "
+    "makes b 33 to 43 % low (`fefinger fit` shows it).",
+    "It is the law of the finger that was measured; tissue and G of the scene are not used.",
+)
+"""Notes on the law of Table 2.1."""
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
@@ -79,18 +71,15 @@ def cost(scene: Scene) -> float:
 
 
 def error(scene: Scene) -> tuple[float, str]:
-    """Return the relative error of the force, and its source.
+    """Return the relative error of the force against `solid` of the same finger, and its source.
 
-    Under a plate that of Eq. 2.3 identified from one press of the finger; else not a number: it is
-    not known how far the law of one plate and tissue holds for another.
+    Not a number where no press has identified the law of the scene's finger under its plate.
     """
-    found = _tradeoff.stated(name, scene)
-    if found is None:
+    found = law(scene)
+    if found.doubt or not isinstance(scene.indenter, Flat):
         return float("nan"), "not known: no press like it was measured"
-    return (
-        found.error + NUMERICAL,
-        f"{found.source}, identified from one press; {EVIDENCE}. {OTHER}",
-    )
+    said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
+    return found.error + NUMERICAL, said
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -102,14 +91,14 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with Eq. 2.3, or under force control with its inverse."""
     stages = Stages(progress)
     with stages.stage("lumped"):
-        row, source = _row(scene)
-        spring = law.Spring(row.b, row.m)
+        found = law(scene)
+        spring, prony = found.spring, found.prony
         time = time_grid(scene.motion, fast=False, most=MOST)
         given = scene.motion.value(time)
         if scene.motion.control == "depth":
-            depth, force = given, law.contact_force(spring, row.prony, time, given)
+            depth, force = given, theory.contact_force(spring, prony, time, given)
         else:
-            depth, force = law.position_under(spring, row.prony, time, given), given
+            depth, force = theory.position_under(spring, prony, time, given), given
             check_reached(scene, float(depth.max()))
     return Response(
         mechanics=name,
@@ -126,9 +115,9 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         fields=None,
         status=f"Eq. 2.3, exact for straight lines between {len(time)} times.",
         seconds=stages.seconds,
-        notes=(*NOTES, f"b, m and G of {source}; tissue and G of the scene are not used. {OTHER}."),
-        numbers={"times": float(len(time)), "b": row.b, "m": row.m},
-        sources={"lumped": source},
+        notes=(*NOTES, *(PRINTED if found.printed else ()), f"b and m: {found.source}."),
+        numbers={"times": float(len(time)), "b": spring.b, "m": spring.m},
+        sources={"lumped": found.source},
     )
 
 
@@ -140,52 +129,24 @@ def _beyond(scene: Scene) -> list[str]:
 
 def _doubts(scene: Scene) -> list[str]:
     """Return in which way the scene differs from what was measured, with the numbers."""
-    found = []
-    indenter, finger = scene.indenter, scene.finger
+    indenter, found = scene.indenter, law(scene)
+    doubts = [found.doubt] if found.doubt else []
     if not isinstance(indenter, Flat):
-        found.append(f"indenter = {indenter.kind}: it was measured with a flat plate")
-    elif not ANGLES[0] <= indenter.angle <= ANGLES[1] or indenter.tilt:
-        found.append(
+        doubts.append(f"indenter = {indenter.kind}: it was measured with a flat plate")
+    elif found.printed and not (ANGLES[0] <= indenter.angle <= ANGLES[1] and not indenter.tilt):
+        doubts.append(
             f"indenter.angle, tilt = {indenter.angle:g}, {indenter.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
-    rows = library.pawluk_bulk()
-    if finger.subject_name not in rows:
-        found.append(
-            f"finger.subject = {finger.subject_name}: Table 2.1 has "
-            f"{', '.join(subject for subject in rows if subject != MEANS)}; the means are taken"
-        )
-    return found + _own_values(scene) + _too_hard(scene)
+    return doubts + (_too_hard(scene, found) if found.printed else [])
 
 
-def _own_values(scene: Scene) -> list[str]:
-    """Return which values of the finger are the scene's own, not those of its subject."""
-    finger = scene.finger
-    if finger.subject_name not in library.pawluk_bulk():
-        return []
-    measured = type(finger).subject(finger.subject_name)
-    return [
-        f"finger.{field}: changed, but the law is that of subject {finger.subject_name}"
-        for field in OF_THE_FINGER
-        if getattr(finger, field) != getattr(measured, field)
-    ]
-
-
-def _too_hard(scene: Scene) -> list[str]:
+def _too_hard(scene: Scene, found: Law) -> list[str]:
     """Return whether the force goes beyond what was measured; under depth control, once relaxed."""
     peak, where = scene.motion.peak, "force"
     if scene.motion.control == "depth":
-        row, _ = _row(scene)
         where = f"relaxed force at {peak:.3g} mm"
-        peak = row.prony.long_time * float(law.Spring(row.b, row.m).force(peak))
+        peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
     return [f"{where} = {peak:.2g} > {FORCE:g} N, the largest that was measured"]
-
-
-def _row(scene: Scene) -> tuple[library.Lumped, str]:
-    """Return the row of Table 2.1, and its name."""
-    rows = library.pawluk_bulk()
-    subject = scene.finger.subject_name
-    chosen = subject if subject in rows else MEANS
-    return rows[chosen], f"Table 2.1, {chosen} ({library.PAWLUK})"

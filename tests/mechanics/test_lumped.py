@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation import calibration_subjects
 
 import fefinger as ff
 from fefinger import library, mechanics, report, scenes
 from fefinger.console import run_record, run_summary
 from fefinger.files import load
-from fefinger.mechanics import lumped
+from fefinger.mechanics import _evidence, lumped
 from fefinger.theory import lumped as law
 
 
@@ -21,9 +22,13 @@ ROW = library.pawluk_bulk()["a.h."]
 AH = (law.Spring(ROW.b, ROW.m), ROW.prony)
 
 
+def calibrated(subject="a.h.", **changes):
+    return ff.Finger.subject(subject, tissue=library.calibrated_name(subject), **changes)
+
+
 def scene(**parts):
     whole = {
-        "finger": ff.Finger.subject("a.h."),
+        "finger": calibrated(),
         "indenter": ff.Flat(angle=30),
         "motion": ff.RampHold(speed=60, depth=1.5, hold=5),
         "ask": FORCE_ONLY,
@@ -60,12 +65,18 @@ def test_under_force_control_the_depth_gives_the_force_back():
     assert answer.depth[-1] > 1.15 * answer.depth[answer.time <= 0.06][-1]
 
 
-def test_it_gives_force_and_depth_and_says_whose():
-    answer = lumped.respond(scene())
+@pytest.mark.parametrize(
+    ("finger", "whose"),
+    [(calibrated(), "Table 2.1, a.h."), (ff.Finger.subject("a.h."), "lumped-force.json")],
+)
+def test_it_gives_force_and_depth_and_says_whose(finger, whose):
+    answer = lumped.respond(scene(finger=finger))
     for absent in ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields"):
         assert getattr(answer, absent) is None
-    assert "Table 2.1, a.h." in answer.sources["lumped"]
-    assert any("Table 2.1" in note and "not used" in note for note in answer.notes)
+    assert whose in answer.sources["lumped"]
+    assert any(whose in note for note in answer.notes)
+    printed = "Table 2.1" in whose
+    assert any("tissue and G of the scene are not used" in note for note in answer.notes) == printed
     assert list(answer.seconds) == ["lumped"]
 
 
@@ -83,21 +94,24 @@ def test_spikes_are_beyond_it():
     assert [refusal.about for refusal in lumped.refuse(asked)] == ["ability"]
 
 
+OTHER = "finger: of other size or tissue than those whose law was identified; that of Table 2.1, "
+
 DOUBTS = [
     ({"indenter": ff.Sphere(radius=5)}, "indenter = sphere: it was measured with a flat plate"),
     ({"indenter": ff.Flat(angle=10)}, "indenter.angle, tilt = 10, 0 degrees: it was measured at"),
     ({"indenter": ff.Flat(angle=30, tilt=5)}, "indenter.angle, tilt = 30, 5 degrees"),
-    ({"finger": ff.Finger(14, 10)}, "finger.subject = None: Table 2.1 has d.p., d.s., a.h., p.w."),
+    ({"finger": ff.Finger(14, 10, pad_radius=13)}, f"{OTHER}means, is taken"),
     (
         {"finger": ff.Finger.subject("f.c.", width=14, thickness=10)},
-        "finger.subject = f.c.: Table 2.1 has",
+        f"{OTHER}means, is taken",
     ),
-    ({"finger": ff.Finger.subject("a.h.", width=15)}, "finger.width: changed"),
+    ({"finger": calibrated(width=15)}, f"{OTHER}a.h., is taken"),
+    ({"finger": calibrated(prony=ff.Prony((0.4, 0.6), (10.0,)))}, f"{OTHER}a.h."),
+    ({"finger": ff.Finger.subject("a.h.", surface=__file__)}, "finger: from a surface"),
     (
-        {"finger": ff.Finger.subject("a.h.", prony=ff.Prony((0.4, 0.6), (10.0,)))},
-        "finger.prony: changed, but the law is that of subject a.h.",
+        {"finger": ff.Finger.subject("d.s."), "indenter": ff.Flat(20)},
+        "its law is known under plates at 30 degrees; that of Table 2.1, d.s., is taken",
     ),
-    ({"finger": ff.Finger.subject("a.h.", surface=__file__)}, "finger.surface: changed"),
     ({"motion": ff.Ramp(60, 2.4)}, "relaxed force at 2.4 mm = 3.3 > 3 N"),
     ({"motion": ff.ForceRampHold(5, 4, hold=1)}, "force = 4 > 3 N, the largest"),
 ]
@@ -125,14 +139,15 @@ def test_an_error_that_no_press_tells_is_none_and_leaves_the_law_to_who_names_it
     assert ff.run(asked, mechanics="lumped").force.max() > 0
 
 
-@pytest.mark.parametrize("subject", [name for name in library.pawluk_bulk() if name != "means"])
-@pytest.mark.parametrize("angle", [20, 30])
-def test_every_subject_of_the_table_is_answered_under_the_plate(subject, angle):
+SUBJECTS = [name for name in library.pawluk_bulk() if name != "means"]
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_calibration(subject):
     asked = scene(
-        finger=ff.Finger.subject(subject),
-        indenter=ff.Flat(angle=angle),
+        finger=calibrated(subject),
         motion=ff.RampHold(60, 1.0, hold=5, corner=0),
-        ask=replace(FORCE_ONLY, rel_error=0.4),
+        ask=replace(FORCE_ONLY, rel_error=0.9),
     )
     assert lumped.refuse(asked) == ()
     plan = ff.explain(asked)
@@ -141,6 +156,50 @@ def test_every_subject_of_the_table_is_answered_under_the_plate(subject, angle):
     row = library.pawluk_bulk()[subject]
     peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
     assert lumped.respond(asked).force.max() == pytest.approx(float(peak), rel=1e-9)
+    found = calibration_subjects.calibrated(subject)
+    apart = row.prony.long_time * law.Spring(row.b, row.m).force(1.0) / found.curve.force(1.0) - 1
+    assert plan.chosen.error > 0.97 * abs(apart)
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
+    """Its relaxed force is that of `solid`, within twice what the spring of Eq. 2.1 leaves."""
+    finger = ff.Finger.subject(subject)
+    row = _evidence.read("solid-force.json")["rows"][f"{subject}/flat-30"]
+    depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))
+    deepest = depth <= 0.18 * finger.thickness
+    for x, known in zip(depth[deepest], force[deepest], strict=True):
+        asked = scene(finger=finger, motion=ff.RampHold(60, float(x), hold=1e4))
+        found = lumped.respond(asked).force[-1]
+        assert found == pytest.approx(known, abs=0.05 * force[deepest][-1])
+        assert lumped.error(asked)[0] > abs(found / known - 1)
+
+
+def test_the_law_of_a_finger_goes_with_its_moduli_and_its_relaxation():
+    soft, G = ff.Finger.subject("a.h."), ff.Prony((0.4, 0.6), (10.0,))
+    double = {
+        name: replace(getattr(soft, name), modulus=2 * getattr(soft, name).modulus)
+        for name in ("skin", "subcutaneous")
+    }
+    motion = ff.RampHold(60, 1.0, hold=1e3)
+    one, two, three = (
+        lumped.respond(scene(finger=finger, motion=motion)).force
+        for finger in (soft, replace(soft, **double), replace(soft, prony=G))
+    )
+    np.testing.assert_allclose(two, 2 * one, rtol=1e-12)
+    assert three[-1] == pytest.approx(one[-1], rel=1e-6)
+    assert three.max() / three[-1] < 1 / 0.4
+
+
+@pytest.mark.parametrize(("angle", "neighbors"), [(20, (15, 30)), (4, (0, 15))])
+def test_the_law_between_two_plates_lies_between_theirs(angle, neighbors):
+    finger = ff.Finger.subject("a.h.")
+    below, own, above = (
+        lumped.respond(scene(finger=finger, indenter=ff.Flat(each), motion=ff.Ramp(60, 0.9)))
+        for each in (neighbors[0], angle, neighbors[1])
+    )
+    assert below.force.max() < own.force.max() < above.force.max()
+    assert "flat-0" in own.sources["lumped"]
 
 
 def test_the_planner_asks_it_first():

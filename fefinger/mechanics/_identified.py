@@ -1,0 +1,141 @@
+"""Which b and m the `lumped` finger has for a scene, where they are from and what they err by.
+
+Its law is one of a whole finger under a plate. Presses of `solid` have identified it for fingers of
+published tissue (`reports/lumped-force.json`). A finger that was calibrated on a subject of the
+thesis has the law of Table 2.1, which it was fitted to.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fefinger import library
+from fefinger.mechanics import _evidence, _tradeoff
+from fefinger.scene import Finger, Flat, Scene
+from fefinger.theory.lumped import Spring
+from fefinger.theory.relaxation import Prony
+
+
+REPORT = "lumped-force.json"
+
+MEANS = "means"
+"""Row of Table 2.1 for whom the thesis did not measure."""
+
+SAME = 1e-3
+"""Relative difference up to which sizes and ratios of moduli are taken for the same, by rounding
+alone."""
+
+
+class Law(NamedTuple):
+    """The law of a finger: b in N/mm, m in 1/mm, G, and where they are from.
+
+    printed: whether they are those of Table 2.1. error: relative error of the force against `solid`
+    of the same finger, and its source; not a number where it is not known. doubt: why the law may
+    not be that of the scene, if so.
+    """
+
+    spring: Spring
+    prony: Prony
+    source: str
+    printed: bool
+    error: float
+    evidence: str
+    doubt: str = ""
+
+
+def law(scene: Scene) -> Law:
+    """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
+    if _calibrated(scene.finger):
+        return _table(scene, *_misfit(scene))
+    rows = [row for row in _evidence.read(REPORT)["rows"] if _same(scene.finger, row)]
+    if not rows:
+        return _table(scene, doubt=_strange(scene.finger))
+    if isinstance(scene.indenter, Flat) and not scene.indenter.tilt:
+        found = between(rows, scene.indenter.angle)
+        if found is not None:
+            return _own(scene, rows, *found)
+    angles = sorted(row["angle"] for row in rows)
+    return _table(scene, doubt=f"its law is known under plates at {_listed(angles)} degrees")
+
+
+def _table(
+    scene: Scene, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
+) -> Law:
+    rows, subject = library.pawluk_bulk(), scene.finger.subject_name
+    name = subject if subject in rows else MEANS
+    row, source = rows[name], f"Table 2.1, {name} ({library.PAWLUK})"
+    if doubt:
+        doubt = f"{doubt}; that of Table 2.1, {name}, is taken"
+    return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, doubt)
+
+
+def _own(scene: Scene, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:
+    """Return the law of a finger that was pressed, with all moduli as large as the scene's."""
+    finger = scene.finger
+    stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
+    # The presses are of relaxed tissue, b of the law is that of an instant.
+    spring = Spring(stiffer * b / finger.prony.long_time, m)
+    source = f"reports/{REPORT}: identified from {' and '.join(row['source'] for row in rows)}"
+    stated = _tradeoff.stated("lumped", scene)
+    if stated is None:
+        return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
+    evidence = f"{stated.source}, identified from presses of the same finger (reports/{REPORT})"
+    return Law(spring, finger.prony, source, False, stated.error, evidence)
+
+
+def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, float] | None:
+    """Return b and m under a plate at an angle in degrees, log-linear between those of presses.
+
+    None beyond the angles that were pressed.
+    """
+    known = sorted(rows, key=lambda row: float(row["angle"]))
+    angles = [row["angle"] for row in known]
+    if not angles[0] <= angle <= angles[-1]:
+        return None
+    b, m = (float(np.exp(np.interp(angle, angles, np.log([r[k] for r in known])))) for k in "bm")
+    return b, m
+
+
+def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
+    """Return whether a finger is one that was pressed, but for a factor on its moduli and for G."""
+    contrast = finger.skin.modulus / finger.subcutaneous.modulus
+    skin = finger.skin.thickness or 0.0
+    own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
+    names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
+    return _tradeoff.like(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
+
+
+def _calibrated(finger: Finger) -> bool:
+    """Return whether a finger is one that was calibrated on a subject, with nothing changed."""
+    name = finger.subject_name
+    if name not in library.pawluk_bulk() or finger.tissue != library.calibrated_name(name):
+        return False
+    shipped = Finger.subject(name, tissue=finger.tissue, resolution=finger.resolution)
+    return finger == shipped
+
+
+def _misfit(scene: Scene) -> tuple[float, str]:
+    """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
+    report, indenter, motion = _evidence.read(REPORT), scene.indenter, scene.motion
+    row = report["calibrated"][str(scene.finger.subject_name)]
+    depth, unknown = motion.peak, float("nan")
+    if motion.control != "depth":  # when it has crept
+        depth = float(np.interp(depth, row["force_N"], row["depth_mm"], right=np.inf))
+    if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != report["angle"]:
+        return unknown, f"not known: its finger was calibrated under {report['angle']:g} degrees"
+    if depth > row["depth_mm"][-1]:
+        return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
+    error = float(np.interp(depth, row["depth_mm"], row["error"]))
+    shares = _tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
+    error *= 1 + _tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
+    return error, f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
+
+
+def _strange(finger: Finger) -> str:
+    surface = "from a surface" if finger.surface is not None else "of other size or tissue"
+    return f"finger: {surface} than those whose law was identified"
+
+
+def _listed(angles: Sequence[float]) -> str:
+    return ", ".join(f"{angle:g}" for angle in dict.fromkeys(angles))
