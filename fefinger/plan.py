@@ -12,7 +12,7 @@ from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.mechanics import _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
-from fefinger.text import duration, trust
+from fefinger.text import beyond, duration, trust
 from fefinger.text import ladder as written
 
 
@@ -46,7 +46,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
     if mechanics is not None:
         choice("mechanics", mechanics, ladder.names())
     asked = _ladder(scene, every=every, named=mechanics)
-    chosen = _cheapest(asked) if mechanics is None else _named(asked, mechanics)
+    chosen = _cheapest(scene, asked) if mechanics is None else _named(asked, mechanics)
     settings = _settings(scene, chosen)
     how = "the cheapest that does not refuse" if mechanics is None else "as named"
     sentence = f"{chosen.mechanics}, {how}; {_expectation(scene, chosen)}. {_told(settings)}"
@@ -125,20 +125,20 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
     elif error > asked.rel_error:
-        reason = f"expected relative error = {error:.2g} > {asked.rel_error:g} (ask.rel_error)"
+        reason = f"expected relative error = {beyond(error, asked.rel_error)} (ask.rel_error)"
         refusals = (*refusals, Refusal(name, "accuracy", reason))
     if asked.seconds is not None and seconds > asked.seconds:
-        reason = f"expected time = {seconds:.2g} s > {asked.seconds:g} s (ask.seconds)"
+        reason = f"expected time = {beyond(seconds, asked.seconds, ' s')} (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
     errors = _tradeoff.others(f"{name} {resolution or ''}".strip(), scene)
     return Rung(name, seconds, error, evidence, refusals, resolution, errors)
 
 
-def _cheapest(rungs: tuple[Rung, ...]) -> Rung:
+def _cheapest(scene: Scene, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if not rung.refusals and not math.isnan(rung.error)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    relax = _relaxing(rungs)
+    relax = _relaxing(rungs) + _unchecked(scene)
     msg = (
         f"ask: no mechanics can answer this scene as it is asked\n\n{written(rungs)}\n\n"
         f"{relax}{'Or name' if relax else 'Name'} a mechanics to run it all the same (where it is "
@@ -165,6 +165,21 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
             mesh = f" on the {best.resolution} mesh" if best.resolution else ""
             said += f"Relax {name} to {least:.3g} and {best.mechanics}{mesh} answers. "
     return said
+
+
+def _unchecked(scene: Scene) -> str:
+    """Return what the coarsest mesh would answer, which the check of spike counts leaves out."""
+    if not scene.ask.spikes or scene.finger.resolution != AUTO:
+        return ""
+    coarse = replace(scene, finger=replace(scene.finger, resolution=RESOLUTIONS[0]))
+    able = [rung for name in ladder.MESHED for rung in _rungs(name, coarse) if not rung.refusals]
+    if not able:
+        return ""
+    best = min(able, key=lambda rung: rung.seconds)
+    return (
+        f"Or set finger.resolution to {RESOLUTIONS[0]!r} and {best.mechanics} answers in "
+        f"{duration(best.seconds)}, with spike counts that no coarser mesh checks. "
+    )
 
 
 def _of_ask(refusal: Refusal, name: str) -> bool:

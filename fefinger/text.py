@@ -49,7 +49,15 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
 
 def percent(error: float) -> str:
     """Return an error in percent, a dash where it is not known."""
-    return "-" if math.isnan(error) else f"{100 * error:.2g} %" if error < 10 else "no limit"
+    if math.isnan(error):
+        return "-"
+    return f"{float(f'{100 * error:.2g}'):g} %" if error < 10 else "no limit"
+
+
+def beyond(value: float, limit: float, unit: str = "") -> str:
+    """Return two values, the first above the second, with as many digits as show that it is."""
+    shown = (float(f"{value:.{digits}g}") for digits in range(2, 18))
+    return f"{next((x for x in shown if x > limit), value):.6g}{unit} > {limit:g}{unit}"
 
 
 def trust(rung: "Rung", ask: "Ask") -> str:

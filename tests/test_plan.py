@@ -154,6 +154,42 @@ def test_when_nobody_answers_the_ladder_is_shown_with_what_to_relax():
     assert plan.explain(scene(rel_error=0.01, seconds=60.5)).mechanics == "solid"
 
 
+def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_is_offered():
+    with pytest.raises(InputError, match="no mechanics can answer") as caught:
+        plan.explain(scene(rel_error=0.4, seconds=3, spikes=["SAI"]))
+    assert "Or set finger.resolution to 'coarse' and linear answers in " in str(caught.value)
+    own = {"finger.resolution": "coarse", "ask.rel_error": 0.4, "ask.seconds": 3}
+    assert plan.explain(scenes.load("flat-press", own)).mechanics == "linear"
+
+
+BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
+PUSH = {"kind": "force-ramp", "loading_rate": 20, "force": 20}
+IMPOSSIBLE = [
+    ({"finger.thickness": 1e9}, "ability: finger.thickness: expected a finite number in mm at"),
+    ({"finger.pad_radius": 4}, "ability: finger.pad_radius: expected at least 7.7 mm on a finger"),
+    ({"indenter": BALL}, "ability: indenter.at: expected a place (x, y) mm on the pad"),
+    ({"motion.depth": 4.9}, "it goes to 0.49 of the finger's thickness, and presses like it were"),
+    (
+        {"motion.depth": 1.3, "indenter.angle": 0},
+        "it goes to 0.13 of the finger's thickness, and presses like it were measured to 0.1",
+    ),
+    ({"motion": PUSH}, "of the finger's thickness, and presses like it were measured to 0.19"),
+    ({"finger.skin.modulus": 1e6}, "modulus / subcutaneous modulus = 2.94e+04, not within 30"),
+    (
+        {"finger.skin.law": "demiray", "finger.skin.exponent": 40},
+        "exponent = 40 > 10: errors are not measured there",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "reason"), IMPOSSIBLE)
+def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, reason):
+    with pytest.raises(InputError, match="no mechanics can answer") as caught:
+        plan.explain(scenes.load("flat-press", changes))
+    said = [line for line in str(caught.value).splitlines() if reason in line]
+    assert len(said) >= 3, caught.value
+
+
 @pytest.mark.usefixtures("four")
 def test_a_named_mechanics_runs_in_spite_of_its_accuracy_which_is_recorded():
     found = plan.choose(scene(), "hertz")
@@ -185,6 +221,27 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
     assert ["solid", "coarse", "0.4", "%", "60", "s", "good", "enough"] in lines
     assert "linear coarse, linear standard, linear fine  reports/linear.json" in text
     assert "Times are for this machine" in text
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "said"),
+    [
+        (0.5, 0.4, "0.5 s > 0.4 s"),
+        (0.404, 0.4, "0.404 s > 0.4 s"),
+        (0.40001, 0.4, "0.40001 s > 0.4 s"),
+        (61.2, 50, "61 s > 50 s"),
+        (1234, 1233, "1234 s > 1233 s"),
+    ],
+)
+def test_what_is_above_a_limit_is_shown_above_it(value, limit, said):
+    assert text.beyond(value, limit, " s") == said
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(1.24, "120 %"), (0.0124, "1.2 %"), (7.6e-6, "0.00076 %"), (11, "no limit")]
+)
+def test_an_error_is_written_in_percent(error, said):
+    assert text.percent(error) == said
 
 
 def test_the_settings_are_what_was_asked():

@@ -7,6 +7,7 @@ relaxation then run on that small dense problem (`_press`). What it leaves out i
 from fefinger.mechanics import _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart, hard
 from fefinger.mechanics._timeline import too_long
+from fefinger.mechanics._touch import meshed_at
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Hard, Scene, Sphere
 
@@ -27,15 +28,26 @@ HARD = {"bone": 5e4, "nail": 1e3}
 """Moduli over that of the skin, above which it hardly matters that hard parts relax here as well: a
 bone 1.25e5 times as stiff would take 0.5 % more off the peak force if it did not."""
 
+CONTRAST = 30.0
+"""Ratio of the moduli of the layers up to which errors are taken as measured at 3: three times the
+largest of a published set."""
+
+EXPONENT = 10.0
+"""Exponent of the tissue up to which errors are taken; calibrated fingers go up to 7.5."""
+
 LAW = "neo-hookean"
 """The law of finite strain against which the error of small strain is measured."""
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    unable = (*apart(scene.finger), *too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    unable = (
+        *apart(scene.finger),
+        *too_long(scene.motion, fast="FAII" in scene.ask.spikes),
+        *unmeshable(scene),
+    )
     found = [Refusal(name, "ability", reason) for reason in unable]
-    doubts = (*too_small(scene), *too_soft(scene.finger))
+    doubts = (*too_small(scene), *too_soft(scene.finger), *unmeasured(scene.finger))
     found += [Refusal(name, "accuracy", reason) for reason in doubts]
     if unable or _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(found)
@@ -54,6 +66,30 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
             reason = f"finger.{layer}.law = {law!r}: small strain is measured for {LAW!r} only"
             found.append(Refusal(name, "accuracy", reason))
     return tuple(found)
+
+
+def unmeshable(scene: Scene) -> tuple[str, ...]:
+    """Return why there is no mesh of the scene's finger, if so."""
+    from fefinger.mesh.ready import fault
+
+    said = fault(scene.finger, meshed_at(scene.indenter))
+    return (said,) if said else ()
+
+
+def unmeasured(finger: Finger) -> list[str]:
+    """Return which tissue is far from those whose mesh errors were measured."""
+    layers = (finger.skin, finger.subcutaneous)
+    contrast = layers[0].modulus / layers[1].modulus
+    found = []
+    if max(contrast, 1 / contrast) > CONTRAST:
+        found.append(
+            f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within {CONTRAST:g}: "
+            "errors are not measured there"
+        )
+    steepest = max(layer.exponent or 0.0 for layer in layers)
+    if steepest > EXPONENT:
+        found.append(f"exponent = {steepest:.3g} > {EXPONENT:g}: errors are not measured there")
+    return found
 
 
 def too_small(scene: Scene) -> tuple[str, ...]:
@@ -106,7 +142,6 @@ def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
     """
     from dataclasses import replace
 
-    from fefinger.mechanics._touch import meshed_at
     from fefinger.mesh.ready import at_hand
 
     below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)

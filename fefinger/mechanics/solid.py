@@ -25,12 +25,12 @@ NOTES = (
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: too many steps, or a mesh error that is not measured."""
-    unable = list(too_long(scene.motion, fast="FAII" in scene.ask.spikes))
+    unable = [*too_long(scene.motion, fast="FAII" in scene.ask.spikes), *linear.unmeshable(scene)]
     if scene.ask.solver == "iterative":
         unable.append("ask.solver = 'iterative': it follows finite strain with factors")
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
-    doubts = linear.too_small(scene)
+    doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))
     if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)

@@ -38,6 +38,26 @@ def at_hand(finger: Any, touch: Touch = None) -> bool:
     return shipped_path(recipe) is not None or cached_path(recipe).is_file()
 
 
+def fault(finger: Any, touch: Touch = None) -> str:
+    """Return what keeps a scene's finger from having a mesh, in a sentence; empty if nothing known.
+
+    A shape is tried as far as it takes no mesher, some 50 ms.
+    """
+    from fefinger.mesh.build import touched
+    from fefinger.mesh.parametric import parametric
+
+    try:
+        if at_hand(finger, touch) or finger.surface is not None:
+            return ""
+        shape = parametric(Recipe.of(finger, touch))
+        if touch is not None:
+            touched(shape, touch)
+    except InputError as error:
+        said = str(error)
+        return said if said.startswith(("finger.", "indenter.")) else f"finger.{said}"
+    return ""
+
+
 def sha256(finger: Any) -> str | None:
     """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
     recipe = Recipe.of(finger)
