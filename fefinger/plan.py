@@ -16,6 +16,13 @@ from fefinger.text import beyond, duration, trust
 from fefinger.text import ladder as written
 
 
+LEFT_OUT = (
+    "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
+    "after the installation, some 20 s."
+)
+"""What expected times leave out, as timed on the machine of the reports."""
+
+
 def explain(scene: Scene) -> Plan:
     """Return the choice for a scene and the whole ladder that it was chosen from; solve nothing.
 
@@ -62,7 +69,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
         sentence,
         chosen.refusals,
         settings,
-        machine=machine.sentence(),
+        machine=f"{machine.sentence()} {LEFT_OUT}",
         trust=trust(chosen, scene.ask),
     )
 

@@ -16,6 +16,9 @@ from fefinger.scene import Flat, Grating, Indenter, Relief
 
 Array = NDArray[np.float64]
 
+ON_THE_CUT = 1e-3
+"""Part of the length of the finger within which the border of the pad is the proximal cut."""
+
 
 def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     """Return the indenter at first touch on this body.
@@ -64,6 +67,21 @@ def _foremost(body: Solid, axis: Array) -> Array:
     """Return the pad vertex (3,) that a plate moving along `axis` meets first."""
     points = body.space.points[np.unique(body.pad)]
     return np.asarray(points[int(np.argmin(points @ axis))])
+
+
+def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
+    """Raise InputError where pressed pad vertices (n,) lie on the border, `depth` mm deep."""
+    reached = body.space.points[pressed[np.isin(pressed, border(body))]]
+    if len(reached) == 0:
+        return
+    length = float(np.ptp(body.space.points[:, 0]))
+    at_cut = reached[:, 0].min() < body.space.points[:, 0].min() + ON_THE_CUT * length
+    what = "proximal cut, behind which there is no finger" if at_cut else "nail"
+    message = (
+        f"motion: expected contact inside the pad, but at a depth of {depth:.3g} mm it reaches the "
+        f"{what}; press less, or at another angle or place"
+    )
+    raise InputError(message)
 
 
 def border(body: Solid) -> NDArray[np.int64]:

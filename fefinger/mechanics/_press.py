@@ -183,12 +183,7 @@ def _contact(
             )
         check_reached(scene, float(history.depth.max()))
         pressed = (history.pressure > 0).any(axis=0)
-        if np.isin(candidates.vertices[pressed], _placing.border(finger)).any():
-            message = (
-                f"motion: expected contact inside the pad, but at a depth of "
-                f"{history.depth.max():.3g} mm it reaches the nail or the proximal cut; press less"
-            )
-            raise InputError(message)
+        _placing.check_inside(finger, candidates.vertices[pressed], float(history.depth.max()))
         if not pressed.any():
             raise InputError(unresolved(float(history.depth.max())))
         if not (pressed & candidates.edge).any():

@@ -297,12 +297,7 @@ def _asked(scene: Scene) -> bool:
 def _check_contact(
     finger: Body, contact: Sliding, pressed: NDArray[np.bool_], depth: Array
 ) -> None:
-    if np.isin(contact.on.vertices[pressed], _placing.border(finger)).any():
-        message = (
-            f"motion: expected contact inside the pad, but at a depth of {depth.max():.3g} mm it "
-            "reaches the nail or the proximal cut; press less"
-        )
-        raise InputError(message)
+    _placing.check_inside(finger, contact.on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(_press.unresolved(float(depth.max())))
 

@@ -7,6 +7,7 @@ with margins for what lies between presses, for motions and for other fingers. S
 force and for what else is STATED.
 """
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import cache
@@ -310,7 +311,7 @@ def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[fl
     far beyond the depths of the presses.
     """
     deep, deepest = _deep(scene)
-    if deep > FARTHEST * deepest:
+    if deep > FARTHEST * deepest and math.isfinite(error):
         return float("nan"), (
             f"not known: it goes to {deep:.2g} of the finger's thickness, and presses like it were "
             f"measured to {deepest:.2g}"

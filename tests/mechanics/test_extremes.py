@@ -153,8 +153,20 @@ def test_a_mesh_that_cannot_be_solved_on_is_refused(
 def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
     asked = ff.Ask(fields=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
-    with pytest.raises(InputError, match="reaches the nail or the proximal cut; press less"):
+    with pytest.raises(InputError, match="2 mm it reaches the proximal cut, behind which there is"):
         linear.respond(deep)
+
+
+def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:
+    finger = solid(mesh, 136, 80)
+    border = _placing.border(finger)
+    x, z = finger.space.points[border][:, 0], finger.space.points[border][:, 2]
+    ends = {"proximal cut": border[np.argmin(x)], "nail": border[np.argmax(z + 0.5 * x)]}
+    for name, vertex in ends.items():
+        with pytest.raises(InputError, match=f"at a depth of 1.5 mm it reaches the {name}"):
+            _placing.check_inside(finger, np.array([vertex]), 1.5)
+    within = np.setdiff1d(np.unique(finger.pad), border)
+    _placing.check_inside(finger, within, 1.5)
 
 
 def test_gap_and_moment_are_those_of_the_contact() -> None:
