@@ -137,7 +137,10 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
     if asked.seconds is not None and seconds > asked.seconds:
         reason = f"expected time = {beyond(seconds, asked.seconds, ' s')} (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
-    errors = _tradeoff.others(f"{name} {resolution or ''}".strip(), scene)
+    label = f"{name} {resolution or ''}".strip()
+    errors = _tradeoff.others(label, scene) | (
+        _tradeoff.spikes(label, scene) if asked.spikes else {}
+    )
     return Rung(name, seconds, error, evidence, refusals, resolution, errors)
 
 

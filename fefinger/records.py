@@ -44,8 +44,9 @@ class Rung:
     `seconds` on this machine and the relative `error` of the force that are expected, nan where it
     is not able or was not asked; `evidence`: the report that measured the error; `errors`: what
     is known of the highest "pressure" over 1 mm², the contact "area" and the "strain" at the end
-    organs, where the force is largest; that of the force is the largest through time, of its peak.
-    What is not in `errors` is not known.
+    organs, where the force is largest; that of the force is the largest through time, of its peak;
+    "spike count", relative, and "first spike" in s: the worst in scenes like it. What is not in
+    `errors` is not known.
     """
 
     mechanics: str

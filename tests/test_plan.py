@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, machine, mechanics, plan, scenes, text
+from fefinger import console, data, machine, mechanics, plan, scenes, text
 from fefinger.checks import InputError
 from fefinger.mechanics import get
 from fefinger.records import Refusal, Rung, Settings
@@ -102,6 +102,23 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
 def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
     rung = Rung("linear", 1.0, 0.04, "reports/linear.json", errors={"area": 0.3})
     assert text.trust(rung, scene(**changes).ask) == said
+
+
+@pytest.mark.parametrize("name", ["hertz", "condensed coarse", "solid standard", "solid fine"])
+def test_spikes_are_trusted_as_far_as_they_were_right_in_the_base_scenes(name):
+    report = json.loads(data.report("tradeoff.json"))["scenes"].values()
+    known = [row["candidates"].get(name.replace("fine", "standard")) for row in report]
+    count, first = (max(r["spikes"][k] for r in known if r) for k in ("count", "first_ms"))
+    mechanics_, _, mesh = name.partition(" ")
+    asked = {"spikes": ["SAI"], "rel_error": 0.99}
+    like = replace(scene(**asked).finger, resolution=mesh or "auto")
+    found = plan.choose(replace(scene(**asked, fields=False), finger=like), mechanics_)
+    told = f"spike counts were within {text.percent(count)}, first ones "
+    assert f"In scenes like it {told}{text.duration(1e-3 * first)}." in found.trust
+    other = replace(like, prony=ff.Prony((1.0,), ()), nail="free")
+    strange = plan.choose(replace(scene(**asked), finger=other), "solid")
+    assert "No error is known of: " in strange.trust
+    assert strange.trust.endswith("spikes.")
 
 
 @pytest.mark.usefixtures("four")

@@ -201,10 +201,11 @@ def shipped(subject: str) -> float:
 
 
 @cache
-def fresh(subject: str) -> Curve:
-    """Return the curve of a new press of the calibrated finger, on the coarse mesh."""
+def fresh(subject: str, resolution: str = "coarse") -> Curve:
+    """Return the curve of a new press of the calibrated finger."""
     found = calibrated(subject)
-    finger = Finger.subject(subject, resolution="coarse", pad_radius=found.finger["pad_radius"])
+    radius = found.finger["pad_radius"]
+    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius)
     exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
     own = replace(
         finger,

@@ -303,6 +303,23 @@ def others(candidate: str, scene: Scene) -> dict[str, float]:
     return {quantity: each.error for quantity, each in found.items() if each is not None}
 
 
+def spikes(candidate: str, scene: Scene) -> dict[str, float]:
+    """Return how far spikes were off at worst in the base scenes, of one unit of each type.
+
+    "spike count": missing or extra ones over all, relative; "first spike": in s. Empty for a scene
+    that is like no press.
+    """
+    if where(scene) is None or not like(scene.finger):
+        return {}
+    alike = candidate.replace("fine", "standard")
+    rows = [each["candidates"].get(alike, {}).get("spikes") for each in read()["scenes"].values()]
+    known = [row for row in rows if row]
+    if not known:
+        return {}
+    first = max(row["first_ms"] for row in known if row["first_ms"] is not None)
+    return {"spike count": max(row["count"] for row in known), "first spike": 1e-3 * first}
+
+
 def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[float, str]:
     """Return an error that another report tells, with those of steps and motions; and the reason.
 
