@@ -12,7 +12,7 @@ from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.mechanics import _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
-from fefinger.text import beyond, duration, trust
+from fefinger.text import beyond, duration, percent, trust
 from fefinger.text import ladder as written
 
 
@@ -241,7 +241,9 @@ def _told(settings: Settings) -> str:
 
 def _expectation(scene: Scene, rung: Rung) -> str:
     """Return error and time in words, and what of the time only the first answer takes."""
-    error = f"expected error {rung.error:.2g}" if math.isfinite(rung.error) else "error unknown"
+    error = (
+        f"expected error {percent(rung.error)}" if math.isfinite(rung.error) else "error unknown"
+    )
     said = f"{error} ({rung.evidence}), about {duration(rung.seconds)}"
     if rung.resolution is None:
         return said

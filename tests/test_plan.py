@@ -86,7 +86,7 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
     ]
     assert [rung.refusals for rung in found.rungs[:2]] == [(UNABLE,), (THIN,)]
     assert "linear, the cheapest that does not refuse" in found.sentence
-    assert "expected error 0.03 (reports/linear.json), about 30 s" in found.sentence
+    assert "expected error 3 % (reports/linear.json), about 30 s" in found.sentence
     assert "on the standard mesh of half a finger" in found.sentence
 
 

@@ -28,6 +28,7 @@ from fefinger.scene import (
     Scene,
     Sphere,
 )
+from fefinger.text import percent
 
 
 LINEAR_RADIUS = 2.0
@@ -166,8 +167,8 @@ def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
 def _with_small_strain(scene: Scene, mesh: float, source: str) -> tuple[float, str]:
     strain = small_strain_error(scene)
     both = (
-        f"{source}: {mesh:.2g} of the mesh; reports/{SOLID_REPORT}, {solid_press(scene)}: "
-        f"{strain:.2g} of small strain"
+        f"{source}: {percent(mesh)} of the mesh; reports/{SOLID_REPORT}, {solid_press(scene)}: "
+        f"{percent(strain)} of small strain"
     )
     return mesh + strain, both
 

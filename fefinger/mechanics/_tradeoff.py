@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from fefinger.data import report
 from fefinger.scene import Finger, Flat, Indenter, Scene, Sphere
+from fefinger.text import percent
 
 
 Array = NDArray[np.float64]
@@ -285,8 +286,8 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     margin = moving(margins["motion"], names) * sum(found)
     margin += 0.0 if own and len(names) == 1 else margins["between"]
     source = (
-        f"reports/{REPORT}, {' and '.join(names)}: {numerical:.2g} of mesh and steps, "
-        f"{model:.2g} of the model, {margin:.2g} of margin"
+        f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
+        f"{percent(model)} of the model, {percent(margin)} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
 
