@@ -29,6 +29,8 @@ ABOUT = suites.ABOUT | {
     "condensed-cost": "What a condensed finger costs to build and to step; the planner reads it.",
     "elements": "Error and cost of kinds of elements, on the way to the one that is used.",
     "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
+    "lumped-force": "Force laws identified from presses of fingers; the planner reads it.",
+    "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",
     "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
     "solid-force": "Force of every mechanics against finite strain; the planner reads it.",
 }

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import calibration_subjects
+from fefinger.validation import calibration_subjects, evidence_lumped
 
 import fefinger as ff
 from fefinger import library, mechanics, report, scenes
@@ -173,6 +173,17 @@ def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
         found = lumped.respond(asked).force[-1]
         assert found == pytest.approx(known, abs=0.05 * force[deepest][-1])
         assert lumped.error(asked)[0] > abs(found / known - 1)
+
+
+def test_the_laws_are_those_of_the_presses_that_the_reports_hold():
+    kept = _evidence.read("lumped-force.json")
+    for row, fresh in zip(kept["rows"], evidence_lumped.rows(), strict=True):
+        for key, value in fresh.items():
+            close = value if isinstance(value, str) else pytest.approx(value, rel=1e-3)
+            assert row[key] == close, key
+    for subject in SUBJECTS:
+        for key, values in evidence_lumped.misfit(subject).items():
+            assert kept["calibrated"][subject][key] == pytest.approx(values, rel=1e-3)
 
 
 def test_the_law_of_a_finger_goes_with_its_moduli_and_its_relaxation():
