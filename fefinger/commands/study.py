@@ -1,5 +1,10 @@
 """`fefinger study`: answer a grid of scenes side by side."""
 
+import math
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
 import click
 
 from fefinger import console
@@ -26,6 +31,13 @@ from fefinger.commands.options import DONE, FAILED, changes_option, json_option,
 @click.option("--mechanics", metavar="NAME", help="Use this mechanics, not the cheapest.")
 @click.option("--workers", type=int, metavar="N", help="Processes, by default one per core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler to use instead.")
+@click.option(
+    "--table",
+    "tables",
+    multiple=True,
+    metavar="FILE",
+    help="Write the table to this .csv, .parquet or .nc file too (repeatable).",
+)
 @output_option("the table, its report and the finished scenes")
 @json_option
 def study(
@@ -36,6 +48,7 @@ def study(
     mechanics: str | None,
     workers: int | None,
     scheduler: str | None,
+    tables: tuple[str, ...],
     output: str | None,
     as_json: bool,
 ) -> int:
@@ -48,10 +61,13 @@ def study(
     from fefinger.study import AT
     from fefinger.study import study as answer
     from fefinger.study_grid import parse_over
+    from fefinger.study_tables import check, write
 
     over, changed = parse_over(grid), settings(changes)
+    for file in tables:
+        check(file, "--table")
     try:
-        with console.progress() as report:
+        with console.progress(math.prod(map(len, over.values()))) as report:
             found = answer(
                 scene,
                 over,
@@ -67,7 +83,16 @@ def study(
         if output is not None:
             click.echo("the same command goes on from the scenes that are finished", err=True)
         raise
+    asked = {"--over": grid, "--at": at, "--set": changes}
+    words = [word for option, texts in asked.items() for text in texts for word in (option, text)]
+    words += ["--mechanics", mechanics] if mechanics else []
+    command = shlex.join(["fefinger", "study", scene, *words])
+    found = replace(found, about={"command": command, **found.about})
     files = [] if output is None else found.save(output)
+    for file in files:
+        if output is not None and Path(file).parent != Path(output):
+            click.echo(f"kept: a table of other scenes was there, now {file}", err=True)
+    files += [write(found, file, "--table") for file in tables]
     record = console.study_record(found, files)
     if as_json:
         console.print_json(record)
