@@ -91,13 +91,15 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
             found = [row[column] for row in told if row.get(column) is not None]
             ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
             said += [f"{MEASURES[name]} {' to '.join(ends)}"] if found else []
-            unknown += [MEASURES[name]] if len(found) < len(told) else []
+            less = len(told) - len(found)
+            unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
     known = (
         f"Bars are the stated errors, relative to the value: {', '.join(said)}. They are of mesh, "
         "time steps and model (what the mechanics leaves out), not of the tissue or the shape of "
-        "the finger: of a press to the depth of the row; after the peak that of the force there."
+        "the finger. On loading they are those of a press to the depth of the row, after the "
+        "largest force those of the whole press, of the force a share of the largest."
     )
-    some = f"In some rows none is known of: {', '.join(unknown)}." if unknown else ""
+    some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
     return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
 
 
@@ -122,7 +124,7 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
     for at in dict.fromkeys(row["at"] for row in told):
         rows = [row for row in told if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
-        where = f"at {at}" if " " in at else f"at the {at}"
+        where = {"peak": "at the largest force", "end": "at the end"}.get(at, f"at {at}")
         picture = page.svg(study_figures.panels(rows, x, series, skip))
         yield part(f"The contact {where}", picture=picture)
     ends = [row for row in told if row["at"] == "end"]
