@@ -29,6 +29,9 @@ LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 SAME = 0.005
 """Part of a measure by which it may vary and count as the same."""
 
+NOTHING = 1e-9
+"""Measure in its unit up to which it counts as none: what rounding leaves of symmetry."""
+
 STEP = 4.0
 """kPa between isobars, as in Figure 3-3."""
 
@@ -72,7 +75,7 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
         styles.append((style, others.get(name, prefix + name)))
     for number, group in enumerate(grouped(rows, series).values()):
         color = PALETTE[number % len(PALETTE)]
-        _bars(axis, group, x, name, color)
+        _bars(axis, group, x, name, number)
         for style, column in styles:
             found = [row for row in group if _number(row, LINES.get(column, column))]
             axis.plot(
@@ -89,8 +92,8 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
         axis.axhline(0, color=figures.STEEL, linewidth=0.7)
 
 
-def _bars(axis: Any, group: Rows, x: str, name: str, color: str) -> None:
-    """Draw the stated errors of a measure, no lower than 0."""
+def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
+    """Draw the stated errors of a measure, no lower than 0; caps grow with the series' number."""
     found = [row for row in group if _number(row, name) and error(row, name) is not None]
     if not found:
         return
@@ -101,9 +104,9 @@ def _bars(axis: Any, group: Rows, x: str, name: str, color: str) -> None:
         values,
         yerr=[np.minimum(size, np.abs(values)), size],
         fmt="none",
-        ecolor=color,
+        ecolor=PALETTE[number % len(PALETTE)],
         elinewidth=0.9,
-        capsize=2,
+        capsize=2 + 1.5 * (number % len(PALETTE)),
         alpha=0.6,
     )
 
@@ -137,9 +140,10 @@ def _number(row: Mapping[str, Any], name: str) -> bool:
 
 
 def _varies(rows: Rows, name: str) -> bool:
-    """Return whether a column has numbers, and not one and the same within SAME."""
+    """Return whether a column has numbers, and not one and the same within SAME, nor NOTHING."""
     found = [row[name] for row in rows if _number(row, name)]
-    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > SAME * np.abs(found).max())
+    most = max(SAME * np.abs(found).max(initial=0.0), NOTHING)
+    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > most)
 
 
 def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
@@ -170,7 +174,7 @@ def isobars(rows: Rows, x: str, readings: str) -> Any:
     count = -(-len(rows) // across)
     line = np.unique(ArraySensor().positions[:, 0])
     top = max(max(row[readings]) for row in rows)
-    levels = np.arange(STEP, max(top, 2 * STEP), STEP)
+    levels = np.arange(STEP, max(top, 2.5 * STEP), STEP)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.5 + 2.1 * count)
         axes = drawn.subplots(count, across, squeeze=False, sharex=True, sharey=True)

@@ -16,9 +16,6 @@ OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:6
 
 AT = "expected a force or a depth, as in 1N or 0.5mm"
 
-FEW = 3
-"""Rows that were not reached which are told one by one."""
-
 DIGITS = 12
 """Digits that the steps of a range keep, so that 0.1 steps by 0.1."""
 
@@ -136,14 +133,12 @@ def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]
 
 
 def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iterator[str]:
-    """Give a sentence for each row that was not reached, or for each level where they are many."""
+    """Give a sentence for each level that some row did not reach."""
     levels: dict[str, list[str]] = {}
     for row in rows:
         if row["status"].startswith("not reached"):
             where = ", ".join(f"{name} = {row[name]}" for name in over)
             levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
     for at, missed in levels.items():
-        if len(missed) <= FEW:
-            yield from missed
-        else:
-            yield f"{len(missed)} scenes have no row at {at}, the first of them: {missed[0]}"
+        many = f"{len(missed)} scenes have no row at {at}, the first of them: "
+        yield f"{many if len(missed) > 1 else ''}{missed[0]}"

@@ -18,7 +18,8 @@ MEANING = (
     "the object. Asymmetry is the force distal of first touch less that proximal of it, over both; "
     "ellipticity is 1 - b/a from the second moments of the pressure. Rows at a force or a depth "
     "are met on the loading, between two time steps along straight lines in time. The highest "
-    "pressure is the largest mean over 1 mm² (by a Gaussian), not that of a point of the mesh. "
+    "pressure is the largest mean over 1 mm² (by a Gaussian), not that of a point of the mesh; the "
+    "strain the root mean square, over the end organs, of the tensor's Frobenius norm. "
     f"Stiffness is the slope of the force over the depth, fitted to the loading within a factor of "
     f"{WINDOW:g} of the depth, to {POINTS} time steps at least; the column stiffness_note says why "
     "there is none."
@@ -56,7 +57,7 @@ def html(study: "Study") -> str:
         "study.html",
         data=("table.csv", "study.json"),
         title=f"{study.name} over {', '.join(study.about['grid'])}",
-        answer=f"{done} of {study.scenes} scenes were answered: {swept}.",
+        answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
         notes=remarks(study.rows, study.over),
         lines=(errors(study.rows), MEANING, ARRAY),
         parts=list(_parts(study)),
@@ -79,6 +80,8 @@ def text(value: Any) -> str:
     """Return a value with four digits at most."""
     if value is None:
         return ""
+    if isinstance(value, float) and abs(value) < study_figures.NOTHING:
+        return "0"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 

@@ -61,7 +61,7 @@ def study(
     from fefinger.study import AT
     from fefinger.study import study as answer
     from fefinger.study_grid import parse_over
-    from fefinger.study_tables import check, write
+    from fefinger.study_tables import NAMES, check, write
 
     over, changed = parse_over(grid), settings(changes)
     for file in tables:
@@ -89,9 +89,8 @@ def study(
     command = shlex.join(["fefinger", "study", scene, *words])
     found = replace(found, about={"command": command, **found.about})
     files = [] if output is None else found.save(output)
-    for file in files:
-        if output is not None and Path(file).parent != Path(output):
-            click.echo(f"kept: a table of other scenes was there, now {file}", err=True)
+    for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
+        click.echo(f"kept: the table of other scenes that was there is now in {folder}", err=True)
     files += [write(found, file, "--table") for file in tables]
     record = console.study_record(found, files)
     if as_json:
