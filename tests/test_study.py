@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import study_figures, study_tasks, study_workers
+from fefinger import study_tasks, study_workers
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.run import run
 from fefinger.study_columns import column
-from fefinger.study_grid import parse_at, parse_over, product, remarks
+from fefinger.study_grid import parse_at, parse_over, product
 from fefinger.study_measures import rows
 from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
@@ -380,24 +380,3 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     assert len(none.failures) == 2
     none.save(tmp_path)
     assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()
-
-
-def test_a_measure_that_is_the_same_everywhere_has_no_panel():
-    told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
-    drawn = study_figures.panels(told, "x_deg", [])
-    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
-    assert titles == ["force / N"]
-
-
-def test_rows_of_different_mechanics_and_forces_not_reached_are_told():
-    told = [
-        {"angle": angle, "at": "1 N", "status": "done", "mechanics": name}
-        for angle, name in ((10.0, "linear"), (20.0, "lumped"), (30.0, "linear"))
-    ]
-    (said,) = remarks(told, ("angle",))
-    assert said.startswith("The rows are answers of linear, lumped: ")
-    assert "lumped is the finger that was measured" in said
-    assert remarks(told[:1], ("angle",)) == []
-    missed = told[0] | {"at": "50 N", "status": "not reached: force = 2 N at most"}
-    (said,) = remarks([missed], ("angle",))
-    assert said == "angle = 10.0, at 50 N: not reached: force = 2 N at most"

@@ -5,6 +5,7 @@ import pytest
 
 from fefinger import console, study_figures, study_report
 from fefinger.study import Study
+from fefinger.study_grid import remarks
 from fefinger.study_measures import READINGS
 
 
@@ -32,6 +33,13 @@ def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
     ends = [segment[:, 1].tolist() for segment in bars.get_segments()]
     assert ends == [pytest.approx([18, 22]), pytest.approx([0, 75])]
     assert not panel(drawn, "force / N").collections
+
+
+def test_a_measure_that_is_the_same_everywhere_has_no_panel():
+    told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
+    drawn = study_figures.panels(told, "x_deg", [])
+    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
+    assert titles == ["force / N"]
 
 
 def test_what_rounding_leaves_of_symmetry_has_no_panel():
@@ -78,9 +86,23 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     assert "peak pressure" not in page
 
 
+def test_rows_of_different_mechanics_and_forces_not_reached_are_told():
+    told = [
+        {"angle": angle, "at": "1 N", "status": "done", "mechanics": name}
+        for angle, name in ((10.0, "linear"), (20.0, "lumped"), (30.0, "linear"))
+    ]
+    (said,) = remarks(told, ("angle",))
+    assert said.startswith("The rows are answers of linear, lumped: ")
+    assert "lumped is the finger that was measured" in said
+    assert remarks(told[:1], ("angle",)) == []
+    missed = told[0] | {"at": "50 N", "status": "not reached: force = 2 N at most"}
+    (said,) = remarks([missed], ("angle",))
+    assert said == "angle = 10.0, at 50 N: not reached: force = 2 N at most"
+
+
 def test_rows_of_other_meshes_are_told():
     rows = [row(0.0, mesh="coarse"), row(30.0, mesh="standard")]
-    (said,) = study_report.remarks(rows, (X,))
+    (said,) = remarks(rows, (X,))
     assert said.startswith("The rows are answers of linear coarse, linear standard: ")
 
 

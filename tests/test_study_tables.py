@@ -1,6 +1,7 @@
 """The table of a study as files, what is kept of an earlier one, and how it was made."""
 
 import json
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -165,3 +166,14 @@ def test_a_level_that_comes_twice_is_refused():
 
     with pytest.raises(InputError, match="received 1 N again"):
         parse_at(["1N", "1.0 N"])
+
+
+def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
+    from fefinger import provenance
+
+    subprocess.run(["git", "init", "-q", tmp_path], check=True)
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "p.py"))
+    (tmp_path / "installed").mkdir()
+    assert provenance.commit.__wrapped__() == ""
+    monkeypatch.setenv("PATH", "")
+    assert provenance.commit.__wrapped__() == ""

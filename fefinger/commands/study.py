@@ -4,11 +4,16 @@ import math
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from fefinger import console
 from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
+
+
+if TYPE_CHECKING:
+    from fefinger.study import Study
 
 
 @click.command()
@@ -61,7 +66,7 @@ def study(
     from fefinger.study import AT
     from fefinger.study import study as answer
     from fefinger.study_grid import parse_over
-    from fefinger.study_tables import NAMES, check, write
+    from fefinger.study_tables import check, write
 
     over, changed = parse_over(grid), settings(changes)
     for file in tables:
@@ -84,13 +89,9 @@ def study(
             click.echo("the same command goes on from the scenes that are finished", err=True)
         raise
     asked = {"--over": grid, "--at": at, "--set": changes}
-    words = [word for option, texts in asked.items() for text in texts for word in (option, text)]
-    words += ["--mechanics", mechanics] if mechanics else []
-    command = shlex.join(["fefinger", "study", scene, *words])
+    command = _command(scene, asked, mechanics)
     found = replace(found, about={"command": command, **found.about})
-    files = [] if output is None else found.save(output)
-    for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
-        click.echo(f"kept: the table of other scenes that was there is now in {folder}", err=True)
+    files = [] if output is None else _saved(found, output)
     files += [write(found, file, "--table") for file in tables]
     record = console.study_record(found, files)
     if as_json:
@@ -98,3 +99,20 @@ def study(
     else:
         click.echo(console.study_summary(record))
     return FAILED if found.failures else DONE
+
+
+def _command(scene: str, asked: dict[str, tuple[str, ...]], mechanics: str | None) -> str:
+    """Return the command that asks the same again, wherever and with however many processes."""
+    words = [word for option, texts in asked.items() for text in texts for word in (option, text)]
+    words += ["--mechanics", mechanics] if mechanics else []
+    return shlex.join(["fefinger", "study", scene, *words])
+
+
+def _saved(found: "Study", output: str) -> list[str]:
+    """Save a study, and tell where the table of other scenes is that was there."""
+    from fefinger.study_tables import NAMES
+
+    files = found.save(output)
+    for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
+        click.echo(f"kept: the table of other scenes that was there is now in {folder}", err=True)
+    return files
