@@ -37,7 +37,8 @@ def stated(result: Result, where: float) -> dict[str, float]:
     found = dict(rung.errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
     if force[-1] > 0:
         found["force"] = rung.error * float(force.max() / force[-1])
-    return {ERRORS[OF[name]]: error for name, error in found.items() if np.isfinite(error)}
+    known = {name: found[name] for name in OF if np.isfinite(found.get(name, np.nan))}
+    return {ERRORS[OF[name]]: error for name, error in known.items()}
 
 
 def _shallower(result: Result, depth: float) -> Rung:

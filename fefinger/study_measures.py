@@ -55,8 +55,8 @@ def rows(
         "seconds": sum(result.seconds.values()),
         "notes": " ".join(result.spikes.notes) if result.spikes else "",
     }
-    if result.spikes is not None and result.spikes.seed is not None:
-        about["seed"] = result.spikes.seed
+    if result.scene.ask.population is not None:
+        about["seed"] = result.scene.ask.population.seed
     return [
         {"at": time.name, "status": time.missed or "done"}
         | ({} if time.missed else _row(result, seen, time.where, highest.get(time.where)))

@@ -9,6 +9,7 @@ import fefinger as ff
 from fefinger import pressures
 from fefinger.plan import choose
 from fefinger.run import run
+from fefinger.scene import Scatter
 from fefinger.study_columns import ERRORS, error, split, words
 from fefinger.study_hertz import share
 from fefinger.study_measures import rows
@@ -98,3 +99,10 @@ def test_columns_say_their_units_and_errors_are_in_them():
     assert error(row, "contact_area_mm2") is None
     assert error(row, "depth_mm") is None
     assert set(ERRORS.values()) == {name for name in ERRORS.values() if name.endswith("_rel_error")}
+
+
+def test_a_population_tells_the_seed_that_its_places_are_drawn_from():
+    layout = Scatter(radius=1.0, seed=3)
+    ask = ff.Ask(spikes=("SAI",), population=layout, fields=False)
+    scene = ff.Scene(finger=FINGER, motion=ff.RampHold(20, 0.4, hold=0.02), ask=ask)
+    assert [row["seed"] for row in rows(run(scene, mechanics="hertz"))] == [3, 3]
