@@ -1,7 +1,9 @@
 """Stiffness of a press: the slope of its force over its depth, from a fit to the loading around.
 
 The logarithm of the force is fitted by a parabola of that of the depth. A power law of any exponent
-is met exactly, the exponential law of a finger within 1 %, however its steps are spaced.
+is met exactly, an exponential one within 1 % on the way and 3 % at its end, however the steps are
+spaced. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse mesh differs from the
+standard one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 and 5 %.
 """
 
 from typing import NamedTuple
@@ -13,8 +15,9 @@ from fefinger.records import Array
 from fefinger.study_times import at
 
 
-WINDOW = 1.2
-"""Factor of the depth, less and more, within which the loading is fitted."""
+WINDOW = 1.3
+"""Factor of the depth, less and more, within which the loading is fitted; where it ends before, as
+much more is taken below."""
 
 POINTS = 5
 """Time steps within it that a fit takes at least."""
@@ -49,14 +52,15 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
         return Slope(float("nan"), 0, RESTING)
     low, high = _stretch(loading, step)
     depth, force = depth[low:high], force[low:high]
+    away = np.log(np.maximum(depth / here, 1e-300))
+    above = min(np.log(WINDOW), away[-1])
     # a part in 1e9: steps at the ends of the window count, to rounding
-    near = (np.abs(np.log(np.maximum(depth, 1e-300) / here)) <= np.log(WINDOW) + 1e-9) & (force > 0)
+    near = (away >= above - 2 * np.log(WINDOW) - 1e-9) & (away <= above + 1e-9) & (force > 0)
     points = int(near.sum())
     if points < POINTS:
         note = f"not told: {points} steps of the loading within a factor of {WINDOW:g} of the depth"
         return Slope(float("nan"), points, f"{note}, expected {POINTS}")
-    away = np.log(depth[near] / here)
-    size, power, _ = np.polynomial.polynomial.polyfit(away, np.log(force[near]), 2)
+    size, power, _ = np.polynomial.polynomial.polyfit(away[near], np.log(force[near]), 2)
     return Slope(float(power * np.exp(size) / here), points, "")
 
 

@@ -31,8 +31,9 @@ def test_the_slope_is_that_of_the_law_however_the_steps_are(law, kind):
     force, slope = LAWS[law]
     time = steps(kind)
     depth = 10 * time
-    tolerance = 1e-9 if law.startswith("power") else 1e-2
-    for where in (len(time) - 1.0, *(np.searchsorted(depth, (0.5, 0.8, 1.2)) + 0.0)):
+    end = len(time) - 1.0
+    for where in (*(np.searchsorted(depth, (0.4, 0.8, 1.1)) + 0.0), end):
+        tolerance = 1e-9 if law.startswith("power") else 0.03 if where == end else 0.01
         found = stiffness(time, depth, force(depth), where, control="depth")
         assert found.points >= POINTS
         assert found.note == ""
@@ -67,7 +68,7 @@ def test_with_too_few_steps_it_tells_none_and_how_many_there_were():
     assert np.isnan(few.value)
     assert few.points == inside.sum()
     assert few.note.endswith(
-        f"{few.points} steps of the loading within a factor of 1.2 of the depth, expected 5"
+        f"{few.points} steps of the loading within a factor of 1.3 of the depth, expected 5"
     )
 
 
