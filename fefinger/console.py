@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -21,11 +22,18 @@ if TYPE_CHECKING:
     from fefinger.study import Study
 
 
+PAUSE = 2.0
+"""Seconds between lines of progress."""
+
+
 @contextmanager
-def progress() -> "Iterator[Progress | None]":
-    """Yield a progress report that draws bars on standard error, or None if it is no terminal."""
+def progress(pieces: int = 0) -> "Iterator[Progress | None]":
+    """Yield a progress report that draws bars on standard error.
+
+    Where that is no terminal it is None; or for work of many pieces, lines on how many are done.
+    """
     if not sys.stderr.isatty():
-        yield None
+        yield _lines(pieces) if pieces else None
         return
     from rich.console import Console
     from rich.progress import Progress as Bars
@@ -40,6 +48,23 @@ def progress() -> "Iterator[Progress | None]":
             bars.update(tasks[stage], completed=fraction)
 
         yield report
+
+
+def _lines(pieces: int) -> "Progress":
+    """Return a progress report in lines, at most one in PAUSE seconds and one at the end."""
+    started = time.monotonic()
+    last = float("-inf")
+
+    def report(stage: str, fraction: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if fraction < 1 and now - last < PAUSE:
+            return
+        last = now
+        done = round(fraction * pieces)
+        click.echo(f"{stage}: {done} of {pieces} after {now - started:.0f} s", err=True)
+
+    return report
 
 
 def print_json(record: Any) -> None:
@@ -179,7 +204,14 @@ def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
 
 
 STUDY = (
-    *("at", "force_N", "depth_mm", "contact_area_mm2", "peak_pressure_kPa", "shift_distal_mm"),
+    *(
+        "at",
+        "force_N",
+        "depth_mm",
+        "contact_area_mm2",
+        "highest_pressure_1mm2_kPa",
+        "shift_distal_mm",
+    ),
     *("asymmetry", "ellipticity", "stiffness_N_per_mm", "spikes"),
 )
 """Columns of a study that a terminal shows."""

@@ -10,9 +10,6 @@ if TYPE_CHECKING:
     from fefinger.records import Plan, Progress, Response, Result
     from fefinger.scene import Scene
 
-PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
-"""Packages whose versions a result records."""
-
 
 def run(
     scene: "Scene | str | Path",
@@ -149,17 +146,7 @@ def _status(response: "Response", spikes: "SpikeTrains | None") -> str:
 def _provenance(scene: "Scene") -> dict[str, Any]:
     """Return what is needed to make the same result again."""
     import hashlib
-    import platform
-    from datetime import UTC, datetime
-    from importlib.metadata import version
 
-    from fefinger.version import VERSION
+    from fefinger.provenance import software
 
-    return {
-        "fefinger": VERSION,
-        "python": platform.python_version(),
-        "system": platform.platform(),
-        "packages": {package: version(package) for package in PACKAGES},
-        "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest(),
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
+    return {**software(), "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest()}

@@ -6,7 +6,7 @@
 Scenes that are finished stay in the folder, under the hash of all that decides them, and are not
 answered again; a scene that fails costs itself alone. `study_grid.py` reads the grid,
 `study_tasks.py` makes the scenes, `study_workers.py` answers them, `study_measures.py` says what is
-told of each, `study_report.py` makes the page.
+told of each, `study_tables.py` and `study_report.py` write the table and the page.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
     from fefinger.records import Progress
     from fefinger.scene import Scene
@@ -44,37 +45,55 @@ class Study:
     about: dict[str, Any]
 
     def table(self) -> "pd.DataFrame":
-        """Return a table with one row per scene and time, units in the names of its columns."""
+        """Return a table with one row per scene and time, units in the names of its columns.
+
+        Its `attrs` say how to make it again.
+        """
         import pandas as pd
 
+        from fefinger.page import flat
+
         plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
-        return pd.DataFrame(plain, columns=list(dict.fromkeys(key for row in plain for key in row)))
+        columns = list(dict.fromkeys(key for row in plain for key in row))
+        found = pd.DataFrame(plain, columns=columns)
+        found.attrs = {"scene": self.name, **dict(flat(self.about))}
+        return found
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the table as arrays over the fields of the grid and over `at`."""
+        from fefinger.study_tables import dataset
+
+        return dataset(self)
+
+    def write(self, path: str | Path) -> str:
+        """Write the table to a .csv, .parquet or .nc file and return its path.
+
+        InputError for another ending, or where the extra `parquet` is needed and not installed.
+        """
+        from fefinger.study_tables import write
+
+        return write(self, path)
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write table.csv, study.json, report.html and, with pyarrow, table.parquet."""
-        import json
-        from importlib.util import find_spec
+        """Write table.csv, study.json and report.html into a folder, and return their paths.
 
+        The table of other scenes that is there already, with its page, is moved into a folder
+        beside it, whose files are returned too.
+        """
+        import json
+
+        from fefinger import study_tables
         from fefinger.files import output_folder
         from fefinger.study_report import html
         from fefinger.study_tasks import write
 
-        place, table = output_folder(folder), self.table()
+        place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
-        texts = {
-            "table.csv": table.to_csv(index=False),
-            "study.json": json.dumps(record, indent=1, allow_nan=False) + "\n",
-            "report.html": html(self),
-        }
-        for name, text in texts.items():
-            write(place / name, text)
-        written = list(texts)
-        if find_spec("pyarrow"):
-            new = place / ".table.parquet.new"
-            table.to_parquet(new, index=False)
-            new.replace(place / "table.parquet")
-            written.append("table.parquet")
-        return [str(place / name) for name in written]
+        aside = study_tables.set_aside(self, place)
+        study_tables.write(self, place / "table.csv")
+        write(place / "study.json", json.dumps(record, indent=1, allow_nan=False) + "\n")
+        write(place / "report.html", page)
+        return [*(str(place / name) for name in study_tables.NAMES), *aside]
 
 
 def study(
@@ -138,7 +157,7 @@ def study(
         answers = {i: answer for i, answer in found if answer is not None}
     reused = len(answers)
     for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
-        answers[i] = study_tasks.clean(answer)
+        answers[i] = {**study_tasks.clean(answer), **study_tasks.made()}
         if place is not None and "rows" in answer:
             study_tasks.keep(place, tasks[i], answers[i])
         if progress is not None:
@@ -170,7 +189,7 @@ def _collected(
     reused: int,
 ) -> Study:
     """Return the rows in the order of the grid, with what each scene is."""
-    from fefinger.study_tasks import key
+    from fefinger.study_tasks import key, provenance
 
     one, points = next(iter(tasks.values()))["scene"], asked.points
     columns = asked.columns(one["motion"]["kind"])
@@ -178,7 +197,7 @@ def _collected(
     failed = {**unusable, **lost}
     rows: list[dict[str, Any]] = []
     for i, values in enumerate(points):
-        own = {columns[field]: value for field, value in values.items()}
+        own = {columns[field]: _entry(value) for field, value in values.items()}
         none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
         told = none if i in failed else answers[i]["rows"]
         last = {"scene": key(tasks[i])} if i in tasks else {}
@@ -190,5 +209,10 @@ def _collected(
         failures=tuple((points[i], failed[i]) for i in sorted(failed)),
         scenes=len(points),
         reused=reused,
-        about=asked.told(),
+        about={**asked.told(), **provenance(list(answers.values()), reused)},
     )
+
+
+def _entry(value: Any) -> Any:
+    """Return a value of a field as an entry of a table: a list as text."""
+    return str(value) if isinstance(value, list | tuple | dict) else value

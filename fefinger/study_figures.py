@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures
+from fefinger import figures, quantities
 from fefinger.records import Array
+from fefinger.study_columns import MEASURES, error, split, words
 
 
 Rows = Sequence[Mapping[str, Any]]
@@ -17,22 +18,8 @@ Rows = Sequence[Mapping[str, Any]]
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#1f2933", "#8b98a5")
 """Okabe and Ito (2008), as the colors of the afferents."""
 
-PANELS = {
-    "force_N": "force / N",
-    "depth_mm": "depth / mm",
-    "contact_area_mm2": "contact area / mm²",
-    "peak_pressure_kPa": "peak pressure / kPa",
-    "shift_distal_mm": "centroid shift / mm, distal",
-    "asymmetry": "asymmetry of the force",
-    "ellipticity": "ellipticity 1 - b/a",
-    "stiffness_N_per_mm": "stiffness / N/mm",
-    "reach_distal_mm": "reach of 4 kPa, distal / mm",
-    "reach_proximal_mm": "reach of 4 kPa, proximal / mm",
-}
-"""Measures with their axis labels."""
-
 SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
-    "sensor_": ("--", "as the array sees it", {"peak_pressure_kPa": "sensor_peak_kPa"}),
+    "sensor_": ("--", "as the array sees it", {"highest_pressure_1mm2_kPa": "sensor_peak_kPa"}),
     "hertz_": (":", "elliptic Hertz at that depth", {}),
 }
 """Prefixes of columns that are drawn in the same panel: line style, label, other names."""
@@ -41,6 +28,9 @@ LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 
 SAME = 0.005
 """Part of a measure by which it may vary and count as the same."""
+
+NOTHING = 1e-9
+"""Measure in its unit up to which it counts as none: what rounding leaves of symmetry."""
 
 STEP = 4.0
 """kPa between isobars, as in Figure 3-3."""
@@ -58,9 +48,10 @@ def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
 def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) -> Any:
     """Draw every measure of `rows` against the column `x`, one color per series.
 
+    Bars are the stated errors where the rows have them.
     A measure that is the same everywhere, as the depth at the end of equal presses, is left out.
     """
-    known = [name for name in PANELS if name not in skip and _varies(rows, name)]
+    known = [name for name in MEASURES if name not in skip and _varies(rows, name)]
     count = max(-(-len(known) // 3), 1)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.7 + 2.15 * count)
@@ -71,32 +62,53 @@ def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) 
             axis.set_axis_off()
         for column in axes.T:
             for axis in [axis for axis in column if axis.axison][-1:]:
-                axis.set_xlabel(_words(x))
+                axis.set_xlabel(words(x))
                 axis.tick_params(labelbottom=True)
         _legend(drawn, rows, series)
         return drawn
 
 
 def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> None:
-    """Draw one measure, and the same of the array and of Hertz, where they are known."""
+    """Draw one measure with its stated errors, and the same of the array and of Hertz."""
     styles = [("-", name)]
     for prefix, (style, _, others) in SHARED.items():
         styles.append((style, others.get(name, prefix + name)))
     for number, group in enumerate(grouped(rows, series).values()):
+        color = PALETTE[number % len(PALETTE)]
+        _bars(axis, group, x, name, number)
         for style, column in styles:
             found = [row for row in group if _number(row, LINES.get(column, column))]
             axis.plot(
                 [row[x] for row in found],
                 [row[LINES.get(column, column)] for row in found],
                 style,
-                color=PALETTE[number % len(PALETTE)],
+                color=color,
                 marker="o" if style == "-" else None,
                 markersize=2.5,
                 linewidth=1.6 if style == "-" else 1.1,
             )
-    axis.set_title(PANELS[name])
+    axis.set_title(words(name))
     if name in ("asymmetry", "shift_distal_mm"):
         axis.axhline(0, color=figures.STEEL, linewidth=0.7)
+
+
+def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
+    """Draw the stated errors of a measure, no lower than 0; caps grow with the series' number."""
+    found = [row for row in group if _number(row, name) and error(row, name) is not None]
+    if not found:
+        return
+    values = np.array([row[name] for row in found])
+    size = np.array([error(row, name) for row in found], float)
+    axis.errorbar(
+        [row[x] for row in found],
+        values,
+        yerr=[np.minimum(size, np.abs(values)), size],
+        fmt="none",
+        ecolor=PALETTE[number % len(PALETTE)],
+        elinewidth=0.9,
+        capsize=2 + 1.5 * (number % len(PALETTE)),
+        alpha=0.6,
+    )
 
 
 def grouped(rows: Rows, series: Sequence[str]) -> dict[str, list[Mapping[str, Any]]]:
@@ -114,9 +126,9 @@ def _legend(drawn: Any, rows: Rows, series: Sequence[str]) -> None:
     handles = [
         Line2D([], [], color=PALETTE[i % len(PALETTE)], label=name) for i, name in enumerate(names)
     ]
-    for prefix, (style, words, _) in SHARED.items():
+    for prefix, (style, said, _) in SHARED.items():
         if any(_number(row, name) for row in rows for name in row if name.startswith(prefix)):
-            handles.append(Line2D([], [], color=figures.INK, linestyle=style, label=words))
+            handles.append(Line2D([], [], color=figures.INK, linestyle=style, label=said))
     if handles:
         drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4))
 
@@ -128,15 +140,10 @@ def _number(row: Mapping[str, Any], name: str) -> bool:
 
 
 def _varies(rows: Rows, name: str) -> bool:
-    """Return whether a column has numbers, and not one and the same within SAME."""
+    """Return whether a column has numbers, and not one and the same within SAME, nor NOTHING."""
     found = [row[name] for row in rows if _number(row, name)]
-    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > SAME * np.abs(found).max())
-
-
-def _words(column: str) -> str:
-    """Return an axis label from the name of a column."""
-    name, _, unit = column.rpartition("_")
-    return f"{name} / {unit}" if name and "." not in unit else column
+    most = max(SAME * np.abs(found).max(initial=0.0), NOTHING)
+    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > most)
 
 
 def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
@@ -151,7 +158,7 @@ def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
                 counts = [row[f"spikes_{kind}"] for row in found]
                 color = PALETTE[number % len(PALETTE)]
                 axis.plot([row[x] for row in found], counts, "o-", color=color, markersize=2.5)
-            axis.set(title=f"{kind}: spikes", xlabel=_words(x))
+            axis.set(title=f"{kind}: spikes", xlabel=words(x))
             axis.set_ylim(bottom=0)
         return drawn
 
@@ -159,26 +166,46 @@ def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
 def isobars(rows: Rows, x: str, readings: str) -> Any:
     """Draw what the 8 x 8 array reads at each row, tip up, as isobars 4 kPa apart.
 
-    A cross marks first touch.
+    Colors are the same in all panels. A cross marks first touch.
     """
     from fefinger.theory.sensor import ArraySensor
 
-    across = 5
+    across = min(len(rows), 5)
     count = -(-len(rows) // across)
     line = np.unique(ArraySensor().positions[:, 0])
+    top = max(max(row[readings]) for row in rows)
+    levels = np.arange(STEP, max(top, 2.5 * STEP), STEP)
     with figures.style():
-        drawn = figures.figure(figures.WIDE, 2.1 * count)
+        drawn = figures.figure(figures.WIDE, 0.5 + 2.1 * count)
         axes = drawn.subplots(count, across, squeeze=False, sharex=True, sharey=True)
         for axis, row in zip(axes.flat, rows, strict=False):
             middle = row["sensor_middle_distal_mm"]
             felt: Array = np.reshape(row[readings], (len(line), len(line)))
-            levels = np.arange(STEP, felt.max(), STEP)
-            if len(levels):
-                axis.contour(line, line + middle, felt.T, levels, cmap="viridis", linewidths=0.9)
+            shown = levels[levels < felt.max()]
+            if len(shown):
+                spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}
+                axis.contour(line, line + middle, felt.T, shown, linewidths=0.9, **spread)
             axis.plot(0, 0, "+", color="#D55E00", markersize=8)
-            axis.set(aspect="equal", title=f"{row[x]:g}", xlim=(-7, 7), ylim=(-8, 8))
+            axis.set(aspect="equal", title=_named(row, x), xlim=(-7, 7), ylim=(-8, 8))
         for axis in axes.flat[len(rows) :]:
             axis.set_axis_off()
         drawn.supxlabel("sideways / mm", fontsize=9)
         drawn.supylabel("distal from first touch / mm", fontsize=9)
+        _color_bar(drawn, axes, levels)
         return drawn
+
+
+def _named(row: Mapping[str, Any], x: str) -> str:
+    """Return the value that a panel is of, with its unit."""
+    return f"{row[x]:g} {split(x)[1]}".strip()
+
+
+def _color_bar(drawn: Any, axes: Any, levels: Array) -> None:
+    """Draw one bar for the colors of isobars at levels in kPa."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    colors = ScalarMappable(Normalize(levels[0], levels[-1]), quantities.EVEN)
+    drawn.colorbar(
+        colors, ax=axes, ticks=levels, label="pressure on the array / kPa", shrink=0.8, aspect=30
+    )

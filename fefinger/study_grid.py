@@ -3,7 +3,7 @@
 import itertools
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from fefinger.checks import InputError, number
@@ -18,22 +18,6 @@ AT = "expected a force or a depth, as in 1N or 0.5mm"
 
 DIGITS = 12
 """Digits that the steps of a range keep, so that 0.1 steps by 0.1."""
-
-UNITS = {
-    **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
-    **dict.fromkeys(("width", "thickness", "pad_radius", "radius", "radii", "at"), "mm"),
-    **dict.fromkeys(("corner", "hold", "settle", "seconds"), "s"),
-    **dict.fromkeys(("period", "ridge", "spacing", "depth", "SAI", "SAII", "FAI", "FAII"), "mm"),
-    "modulus": "kPa",
-    "speed": "mm_per_s",
-    "force": "N",
-    "loading_rate": "N_per_s",
-    "frequency": "Hz",
-}
-"""Units of the fields of a scene, by the last part of their names."""
-
-IN_OTHERS = {"indenter.corner": "mm", "motion.amplitude": "mm", "ask.population.densities": ""}
-"""Units of fields whose last part means something else elsewhere."""
 
 
 def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
@@ -108,7 +92,7 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
     Raises
     ------
     InputError
-        A text that is neither.
+            A text that is neither, or the same twice.
     """
     found: dict[str, list[float]] = {"N": [], "mm": []}
     for text in texts:
@@ -120,7 +104,11 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
         if unit is None:
             msg = f"--at {text!r}: {AT}"
             raise InputError(msg)
-        found[unit].append(number(f"--at {text!r}", value, above=0, unit=unit))
+        level = number(f"--at {text!r}", value, above=0, unit=unit)
+        if f"{level:g}" in [f"{other:g}" for other in found[unit]]:
+            msg = f"--at {text!r}: expected every level once, received {level:g} {unit} again"
+            raise InputError(msg)
+        found[unit].append(level)
     return tuple(found["N"]), tuple(found["mm"])
 
 
@@ -131,29 +119,26 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 
 def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
     """Return sentences on forces and depths not reached, and on rows of different mechanics."""
-    found = [
-        f"{', '.join(f'{name} = {row[name]}' for name in over)}, at {row['at']}: {row['status']}"
-        for row in rows
-        if row["status"].startswith("not reached")
-    ]
-    used = list(dict.fromkeys(row["mechanics"] for row in rows if row.get("mechanics")))
+    found = list(_not_reached(rows, over))
+    names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in rows if row.get("mechanics")]
+    used = list(dict.fromkeys(name.strip() for name in names))
     if len(used) > 1:
         other = "; lumped is the finger that was measured, the others one of the scene's tissue"
         found.append(
             f"The rows are answers of {', '.join(used)}: what changes between them may be the "
-            f"mechanics{other if 'lumped' in used else ''}. --mechanics NAME takes one for all."
+            f"mechanics or its mesh{other if 'lumped' in used else ''}. --mechanics NAME takes one "
+            "for all, --set finger.resolution=NAME one mesh."
         )
     return found
 
 
-def column(field: str, kind: str = "") -> str:
-    """Return the name of the column of a field of the scene, with its unit.
-
-    `kind` is that of the motion, whose amplitude is a force or a depth.
-    """
-    unit = IN_OTHERS.get(field, UNITS.get(field.rpartition(".")[2], ""))
-    if field == "motion.amplitude" and kind.startswith("force"):
-        unit = "N"
-    if field == "ask.seconds" or not unit:
-        return field + ("_s" if unit else "")
-    return f"{field}_{unit}"
+def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iterator[str]:
+    """Give a sentence for each level that some row did not reach."""
+    levels: dict[str, list[str]] = {}
+    for row in rows:
+        if row["status"].startswith("not reached"):
+            where = ", ".join(f"{name} = {row[name]}" for name in over)
+            levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
+    for at, missed in levels.items():
+        many = f"{len(missed)} scenes have no row at {at}, the first of them: "
+        yield f"{many if len(missed) > 1 else ''}{missed[0]}"

@@ -4,7 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fefinger import page, study_figures
+from fefinger.study_columns import ERRORS, MEASURES
 from fefinger.study_grid import remarks
+from fefinger.study_slope import POINTS, WINDOW
+from fefinger.text import percent
 
 
 if TYPE_CHECKING:
@@ -14,9 +17,12 @@ MEANING = (
     "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "
     "the object. Asymmetry is the force distal of first touch less that proximal of it, over both; "
     "ellipticity is 1 - b/a from the second moments of the pressure. Rows at a force or a depth "
-    "are met on the loading, between two time steps along straight lines in time. Stiffness is the "
-    "slope of the force over the depth in that step, where the indenter is no slower than half its "
-    "top speed."
+    "are met on the loading, between two time steps along straight lines in time. The highest "
+    "pressure is the largest mean over 1 mm² (by a Gaussian), not that of a point of the mesh; the "
+    "strain the root mean square, over the end organs, of the tensor's Frobenius norm. "
+    f"Stiffness is the slope of the force over the depth, fitted to the loading within a factor of "
+    f"{WINDOW:g} of the depth, to {POINTS} time steps at least; the column stiffness_note says why "
+    "there is none."
 )
 
 ARRAY = (
@@ -26,13 +32,18 @@ ARRAY = (
     "of the skin, fitted within 2 mm of first touch, at the same depths, on a relaxing half-space."
 )
 
-SHOWN = (
-    *("at", "force_N", "depth_mm", "contact_area_mm2", "peak_pressure_kPa", "shift_distal_mm"),
-    *("asymmetry", "ellipticity", "stiffness_N_per_mm", "reach_distal_mm", "reach_proximal_mm"),
-    *("sensor_peak_kPa", "sensor_asymmetry", "hertz_contact_area_mm2", "spikes", "mechanics"),
-    *("stated_error", "seconds"),
+MAIN = (
+    *("at", "force_N", "force_rel_error", "depth_mm", "contact_area_mm2"),
+    *("contact_area_rel_error", "highest_pressure_1mm2_kPa", "highest_pressure_rel_error"),
+    *("strain_rms_percent", "strain_rel_error", "stiffness_N_per_mm", "spikes", "mechanics"),
+    *("mesh", "seconds"),
 )
-"""Columns of the table on the page; the files have all."""
+SHAPE = (
+    *("at", "shift_distal_mm", "asymmetry", "ellipticity", "reach_distal_mm", "reach_proximal_mm"),
+    *("sensor_peak_kPa", "sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2"),
+    *("hertz_highest_pressure_1mm2_kPa",),
+)
+"""Columns of the tables on the page; the files have all."""
 
 MOST = 15
 """Maps of the array on the page."""
@@ -46,8 +57,9 @@ def html(study: "Study") -> str:
         "study.html",
         data=("table.csv", "study.json"),
         title=f"{study.name} over {', '.join(study.about['grid'])}",
-        answer=f"{done} of {study.scenes} scenes were answered: {swept}.",
-        lines=(MEANING, ARRAY),
+        answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
+        notes=remarks(study.rows, study.over),
+        lines=(errors(study.rows), MEANING, ARRAY),
         parts=list(_parts(study)),
         provenance=list(page.flat(study.about)),
     )
@@ -68,7 +80,30 @@ def text(value: Any) -> str:
     """Return a value with four digits at most."""
     if value is None:
         return ""
+    if isinstance(value, float) and abs(value) < study_figures.NOTHING:
+        return "0"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def errors(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return what the bars of the figures are, with the range of each stated error."""
+    told = [row for row in rows if row["status"] == "done"]
+    said, unknown = [], []
+    for name, column in ERRORS.items():
+        if any(row.get(name) is not None for row in told):
+            found = [row[column] for row in told if row.get(column) is not None]
+            ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
+            said += [f"{MEASURES[name]} {' to '.join(ends)}"] if found else []
+            less = len(told) - len(found)
+            unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
+    known = (
+        f"Bars are the stated errors, relative to the value: {', '.join(said)}. They are of mesh, "
+        "time steps and model (what the mechanics leaves out), not of the tissue or the shape of "
+        "the finger. On loading they are those of a press to the depth of the row, after the "
+        "largest force those of the whole press, of the force a share of the largest."
+    )
+    some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
+    return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
 
 
 def _values(name: str, values: Sequence[Any]) -> str:
@@ -85,9 +120,6 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
             for values, error in study.failures
         ]
         yield part("What failed", "These scenes have no numbers.", bullets=failed)
-    said = remarks(study.rows, study.over)
-    if said:
-        yield part("To be known", "Before the figures are compared.", bullets=said)
     told = [row for row in study.rows if row["status"] == "done"]
     numeric = [name for name in study.over if not isinstance(told[0][name], str)] if told else []
     x = (numeric or list(study.over))[0]
@@ -95,7 +127,7 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
     for at in dict.fromkeys(row["at"] for row in told):
         rows = [row for row in told if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
-        where = f"at {at}" if " " in at else f"at the {at}"
+        where = {"peak": "at the largest force", "end": "at the end"}.get(at, f"at {at}")
         picture = page.svg(study_figures.panels(rows, x, series, skip))
         yield part(f"The contact {where}", picture=picture)
     ends = [row for row in told if row["at"] == "end"]
@@ -104,7 +136,9 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
             "Spikes of the whole scene", picture=page.svg(study_figures.spikes(ends, x, series))
         )
     yield from maps(told, x)
-    yield part("Rows", "All columns are in table.csv.", table=table(told, (*study.over, *SHOWN)))
+    said = "All columns are in table.csv."
+    yield part("Rows: contact, and stated errors", said, table=table(told, (*study.over, *MAIN)))
+    yield part("Rows: shape, array, Hertz", said, table=table(told, (*study.over, *SHAPE)))
 
 
 def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
@@ -121,7 +155,7 @@ def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
         return
     yield part(
         f"What the array reads at {times[0]}",
-        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}; the tip is up, and "
-        "the cross is first touch.",
+        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}, in the same colors "
+        "in all panels; the tip is up, and the cross is first touch.",
         picture=page.svg(study_figures.isobars(picked, x, READINGS)),
     )

@@ -14,14 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.checks import InputError
-from fefinger.study_grid import column, parse_at, product
+from fefinger.study_columns import column
+from fefinger.study_grid import parse_at, product
 from fefinger.version import VERSION
 
 
 if TYPE_CHECKING:
     from fefinger.scene import Scene
 
-FORMAT = 1
+FORMAT = 2
 """Raised when the measures change, so that scenes are answered again."""
 
 LEAN = {"ask.fields": False}
@@ -76,7 +77,6 @@ class Asked:
             "changes": dict(self.changes),
             "mechanics": self.mechanics or "the cheapest that does not refuse",
             "at": list(self.at),
-            "fefinger": VERSION,
         }
 
 
@@ -124,7 +124,40 @@ def kept(folder: Path, task: Task) -> Answer | None:
         found = json.loads((folder / f"{key(task)}.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) and "rows" in found else None
+    whole = isinstance(found, dict) and {"rows", "date", "commit"} <= found.keys()
+    return found if whole else None
+
+
+def made() -> dict[str, str]:
+    """Return when and by which commit answers are made, which is kept with them."""
+    from fefinger.provenance import software
+
+    now = software()
+    return {"date": now["date"], "commit": now["commit"]}
+
+
+def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
+    """Return what made the answers of a study, the last of them now: program, dates and seeds."""
+    from fefinger.provenance import software
+
+    told: dict[str, Any] = software()
+    dates = sorted(answer["date"] for answer in answers)
+    commits = sorted({answer["commit"] for answer in answers})
+    seeds = sorted(
+        {
+            row["seed"]
+            for answer in answers
+            for row in answer.get("rows", ())
+            if row.get("seed") is not None
+        }
+    )
+    told["answers"] = {
+        "finished_before": f"{reused} of {len(answers)}",
+        "dates": " to ".join(dict.fromkeys(dates[:1] + dates[-1:])),
+        "commits": ", ".join(filter(None, commits)),
+        "seeds": ", ".join(map(str, seeds)) or "none: nothing is drawn at random",
+    }
+    return told
 
 
 def clean(value: Any) -> Any:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import study_figures, study_tasks, study_workers
+from fefinger import study_tasks, study_workers
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.run import run
-from fefinger.study_grid import column, parse_at, parse_over, product, remarks
+from fefinger.study_columns import column
+from fefinger.study_grid import parse_at, parse_over, product
 from fefinger.study_measures import rows
 from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
@@ -92,7 +93,8 @@ def pressed():
     return run(scene, mechanics="linear")
 
 
-@pytest.mark.parametrize(("mechanics", "tolerance"), [("hertz", 1e-3), ("linear", 1e-2)])
+# Pressure over 1 mm² is summed on a pad: that of `hertz` is as large as its deepest contact.
+@pytest.mark.parametrize(("mechanics", "tolerance"), [("hertz", 4e-3), ("linear", 1e-2)])
 def test_a_force_on_the_way_is_what_a_run_under_force_control_gives(pressed, mechanics, tolerance):
     moved = run(pressed.scene, mechanics="hertz") if mechanics == "hertz" else pressed
     passed = rows(moved, forces=(0.2,))[2]
@@ -101,7 +103,8 @@ def test_a_force_on_the_way_is_what_a_run_under_force_control_gives(pressed, mec
     assert passed["force_N"] == pytest.approx(0.2)
     assert held["force_N"] == pytest.approx(0.2)
     assert passed["depth_mm"] == pytest.approx(held["depth_mm"], rel=1e-3)
-    assert passed["peak_pressure_kPa"] == pytest.approx(held["peak_pressure_kPa"], rel=tolerance)
+    pressure = "highest_pressure_1mm2_kPa"
+    assert passed[pressure] == pytest.approx(held[pressure], rel=tolerance)
     if mechanics == "hertz":
         assert passed["contact_area_mm2"] == pytest.approx(held["contact_area_mm2"], rel=1e-3)
     else:
@@ -120,7 +123,7 @@ def test_the_columns_of_a_press(pressed):
     assert end["shift_side_mm"] == pytest.approx(0, abs=1e-9)
     assert end["long_axis_deg"] == pytest.approx(0, abs=1e-6)
     step = np.diff(pressed.force)[-1] / np.diff(pressed.depth)[-1]
-    assert end["stiffness_N_per_mm"] == pytest.approx(step)
+    assert end["stiffness_N_per_mm"] == pytest.approx(step, rel=0.03)
     load = pressed.pressure[-1] * pressed.pad.areas
     distal = pressed.pad.points @ [np.cos(np.radians(30)), 0, np.sin(np.radians(30))]
     assert end["shift_distal_mm"] == pytest.approx(load @ distal / load.sum(), abs=0.02)
@@ -143,7 +146,7 @@ def test_the_array_blurs_but_keeps_force_and_center(pressed):
     row = rows(pressed)[1]
     assert row["sensor_force_N"] == pytest.approx(row["force_N"], rel=0.03)
     assert row["sensor_shift_distal_mm"] == pytest.approx(row["shift_distal_mm"], abs=0.05)
-    assert row["sensor_peak_kPa"] < row["peak_pressure_kPa"]
+    assert row["sensor_peak_kPa"] < row["highest_pressure_1mm2_kPa"]
     assert row["sensor_area_mm2"] > row["contact_area_mm2"]
     assert len(row["readings_kPa"]) == len(ArraySensor().positions)
 
@@ -377,24 +380,3 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     assert len(none.failures) == 2
     none.save(tmp_path)
     assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()
-
-
-def test_a_measure_that_is_the_same_everywhere_has_no_panel():
-    told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
-    drawn = study_figures.panels(told, "x_deg", [])
-    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
-    assert titles == ["force / N"]
-
-
-def test_rows_of_different_mechanics_and_forces_not_reached_are_told():
-    told = [
-        {"angle": angle, "at": "1 N", "status": "done", "mechanics": name}
-        for angle, name in ((10.0, "linear"), (20.0, "lumped"), (30.0, "linear"))
-    ]
-    (said,) = remarks(told, ("angle",))
-    assert said.startswith("The rows are answers of linear, lumped: ")
-    assert "lumped is the finger that was measured" in said
-    assert remarks(told[:1], ("angle",)) == []
-    missed = told[0] | {"at": "50 N", "status": "not reached: force = 2 N at most"}
-    (said,) = remarks([missed], ("angle",))
-    assert said == "angle = 10.0, at 50 N: not reached: force = 2 N at most"

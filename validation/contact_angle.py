@@ -76,7 +76,7 @@ def _rounded(row: dict[str, Any]) -> dict[str, Any]:
 
 def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
     """Return the rows without what is long: notes, readings and where the error is from."""
-    long = ("notes", "evidence", "scene")
+    long = ("notes", "evidence", "scene", "stiffness_note")
     plain = [
         {k: v for k, v in row.items() if not isinstance(v, list) and k not in long} for row in rows
     ]

@@ -23,7 +23,7 @@ from fefinger.validation.contact_angle_sure import experiment, sure
 from fefinger import page, study_figures
 from fefinger.figures import COLORS
 from fefinger.study_measures import READINGS
-from fefinger.study_report import ARRAY, MEANING, part, table
+from fefinger.study_report import ARRAY, MEANING, errors, part, table
 
 
 def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
@@ -33,7 +33,7 @@ def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
         data=("contact-angle.csv",),
         title="Contact angle, 0 to 60 degrees",
         answer=answer(rows),
-        lines=(MEANING, ARRAY),
+        lines=(errors(rows), MEANING, ARRAY),
         parts=list(_parts(rows)),
         provenance=list(page.flat(provenance)),
     )
@@ -136,13 +136,13 @@ def _predicted(rows: Rows) -> Iterator[str]:
         "and by its symmetry no shift and no asymmetry at any angle."
     )
     depth = curve(rows, MAIN["1 N"], "1 N", "depth_mm")
-    peak = curve(rows, MAIN["1 N"], "1 N", "peak_pressure_kPa")
+    peak = curve(rows, MAIN["1 N"], "1 N", "highest_pressure_1mm2_kPa")
     near, far = min(depth, key=depth.__getitem__), max(depth, key=depth.__getitem__)
     flat, sharp = min(peak, key=peak.__getitem__), max(peak, key=peak.__getitem__)
     yield (
         f"At a fixed force of 1 N the depth is {depth[near]:.2f} mm at {near:g} degrees and "
-        f"{depth[far]:.2f} mm at {far:g}; the peak pressure rises from {peak[flat]:.0f} kPa at "
-        f"{flat:g} to {peak[sharp]:.0f} kPa at {sharp:g} degrees."
+        f"{depth[far]:.2f} mm at {far:g}; the highest pressure over 1 mm² rises from "
+        f"{peak[flat]:.0f} kPa at {flat:g} to {peak[sharp]:.0f} kPa at {sharp:g} degrees."
     )
 
 

@@ -26,7 +26,7 @@ MEASURES = {
     "shift_distal_mm": "shift / mm",
     "asymmetry": "asymmetry",
     "ellipticity": "ellipticity",
-    "peak_pressure_kPa": "peak / kPa",
+    "highest_pressure_1mm2_kPa": "highest pressure over 1 mm² / kPa",
 }
 
 

@@ -121,7 +121,7 @@ def experiment(rows: Rows) -> Iterator[str]:
         f"changes the centroid by {_blur(rows, 'shift_distal_mm', 0, 60):.2f} mm at most and the "
         f"asymmetry by {_blur(rows, 'asymmetry', 0, 45):.3f} up to 45 degrees; by "
         f"{_blur(rows, 'asymmetry', 50, 60):.3f} beyond, where the contact is small. It does not "
-        "keep the peak pressure, the contact area and the ellipticity, which ask for optics or "
+        "keep the highest pressure, the contact area and the ellipticity, which ask for optics or "
         "finer elements."
     )
     tissues = [curve(rows, case, "1 mm", "asymmetry")[40.0] for case in TISSUES]

@@ -1,9 +1,19 @@
 """`fefinger study`: answer a grid of scenes side by side."""
 
+import math
+import shlex
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
 from fefinger import console
 from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
+
+
+if TYPE_CHECKING:
+    from fefinger.study import Study
 
 
 @click.command()
@@ -26,6 +36,13 @@ from fefinger.commands.options import DONE, FAILED, changes_option, json_option,
 @click.option("--mechanics", metavar="NAME", help="Use this mechanics, not the cheapest.")
 @click.option("--workers", type=int, metavar="N", help="Processes, by default one per core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler to use instead.")
+@click.option(
+    "--table",
+    "tables",
+    multiple=True,
+    metavar="FILE",
+    help="Write the table to this .csv, .parquet or .nc file too (repeatable).",
+)
 @output_option("the table, its report and the finished scenes")
 @json_option
 def study(
@@ -36,6 +53,7 @@ def study(
     mechanics: str | None,
     workers: int | None,
     scheduler: str | None,
+    tables: tuple[str, ...],
     output: str | None,
     as_json: bool,
 ) -> int:
@@ -48,10 +66,13 @@ def study(
     from fefinger.study import AT
     from fefinger.study import study as answer
     from fefinger.study_grid import parse_over
+    from fefinger.study_tables import check, write
 
     over, changed = parse_over(grid), settings(changes)
+    for file in tables:
+        check(file, "--table")
     try:
-        with console.progress() as report:
+        with console.progress(math.prod(map(len, over.values()))) as report:
             found = answer(
                 scene,
                 over,
@@ -67,10 +88,31 @@ def study(
         if output is not None:
             click.echo("the same command goes on from the scenes that are finished", err=True)
         raise
-    files = [] if output is None else found.save(output)
+    asked = {"--over": grid, "--at": at, "--set": changes}
+    command = _command(scene, asked, mechanics)
+    found = replace(found, about={"command": command, **found.about})
+    files = [] if output is None else _saved(found, output)
+    files += [write(found, file, "--table") for file in tables]
     record = console.study_record(found, files)
     if as_json:
         console.print_json(record)
     else:
         click.echo(console.study_summary(record))
     return FAILED if found.failures else DONE
+
+
+def _command(scene: str, asked: dict[str, tuple[str, ...]], mechanics: str | None) -> str:
+    """Return the command that asks the same again, wherever and with however many processes."""
+    words = [word for option, texts in asked.items() for text in texts for word in (option, text)]
+    words += ["--mechanics", mechanics] if mechanics else []
+    return shlex.join(["fefinger", "study", scene, *words])
+
+
+def _saved(found: "Study", output: str) -> list[str]:
+    """Save a study, and tell where the table of other scenes is that was there."""
+    from fefinger.study_tables import NAMES
+
+    files = found.save(output)
+    for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
+        click.echo(f"kept: the table of other scenes that was there is now in {folder}", err=True)
+    return files

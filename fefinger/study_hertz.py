@@ -1,0 +1,72 @@
+"""Elliptic Hertz beside the rows of a study: a half-space with the curvatures at first touch."""
+
+from typing import Any
+
+import numpy as np
+
+from fefinger.mesh.local import Touch
+from fefinger.pressures import SPREAD
+from fefinger.records import Array, Result
+from fefinger.scene import Flat, Sphere
+from fefinger.study_times import SAME, until
+from fefinger.theory.elliptic import LONGEST, Elliptic
+from fefinger.theory.relaxation import hereditary_integral
+from fefinger.units import NEWTON_PER_MILLINEWTON
+
+
+NODES = 64, 32
+"""Gauss points along the radius and over a quarter turn; more change the mean by less than 1e-6 for
+half axes of up to 50 mm."""
+
+
+def hertz(result: Result, touch: Touch, where: float) -> dict[str, Any]:
+    """Return the columns of elliptic Hertz on the curvatures at first touch, at the same depths.
+
+    The half-space has the mean compliance of skin and pulp and relaxes as the finger does: its
+    modulus is the relaxed one, over G(infinity) at once. Nothing is told of a hollow skin, of an
+    object that is neither plate nor sphere, or once the contact has shrunk.
+    """
+    from fefinger.mechanics.hertz import tissue
+
+    scene, indenter = result.scene, result.scene.indenter
+    if not isinstance(indenter, Flat | Sphere):
+        return {}
+    own = 1 / indenter.radius if isinstance(indenter, Sphere) else 0.0
+    (low, high), axes = np.linalg.eigh(touch.curvature + own * np.eye(2))
+    depth = until(result.depth, where)
+    if low <= 0 or high / low > LONGEST or (np.diff(depth) < -SAME * depth.max()).any():
+        return {}
+    unit = Elliptic(1 / low, 1 / high, 1 / high, *tissue(scene.finger))
+    time, part = until(result.time, where), np.maximum(depth, 0.0) * high
+    mean = np.sqrt(part) * share(np.sqrt(part)[:, None] * unit.semi_axes)
+    prony = scene.finger.prony
+    force, peak, highest = (
+        hereditary_integral(prony, time, elastic)[-1] / prony.long_time
+        for elastic in (part**1.5, np.sqrt(part), mean)
+    )
+    distal, side = (1 / (k + own) for k in np.diag(touch.curvature))
+    return {
+        "hertz_radius_distal_mm": float(distal),
+        "hertz_radius_side_mm": float(side),
+        "hertz_force_N": float(force * unit.force) * NEWTON_PER_MILLINEWTON,
+        "hertz_contact_area_mm2": float(part[-1] * unit.area),
+        "hertz_highest_pressure_1mm2_kPa": float(highest * unit.peak_pressure),
+        "hertz_peak_pressure_kPa": float(peak * unit.peak_pressure),
+        "hertz_ellipticity": 1 - unit.axis_ratio,
+        "hertz_long_axis_deg": float((np.degrees(np.arctan2(*axes[::-1, 0])) + 90) % 180 - 90),
+    }
+
+
+def share(semi_axes: Array) -> Array:
+    """Return the mean over 1 mm² about the middle, of the pressure there, for axes (n, 2) in mm.
+
+    The mean is weighted by the Gaussian of `pressures.peaks`.
+    """
+    (s, ds), (t, dt) = (np.polynomial.legendre.leggauss(count) for count in NODES)
+    near, turn = (s + 1) / 2, np.pi / 4 * (t + 1)  # dense about the middle; the angle
+    height = 1 - near**2  # pressure over its peak
+    weights = np.outer(height**2 * near * ds, np.pi * dt)  # four quarters
+    a, b = semi_axes.T
+    across = (np.outer(a, np.cos(turn)) ** 2 + np.outer(b, np.sin(turn)) ** 2) / (2 * SPREAD**2)
+    falls = np.exp(-(1 - height[:, None] ** 2) * across[:, None, :])
+    return np.asarray(a * b * np.einsum("nst,st->n", falls, weights) / (2 * np.pi * SPREAD**2))

@@ -1,0 +1,159 @@
+"""The table of a study as a file, by its ending: CSV, Parquet or netCDF; and what was there before.
+
+CSV has the numbers alone; Parquet and netCDF have with them what it takes to make them again.
+"""
+
+import json
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fefinger.checks import InputError
+from fefinger.study_columns import MEASURES, split
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from fefinger.study import Study
+
+ENDINGS = ".csv", ".parquet", ".nc"
+
+NAMES = "table.csv", "study.json", "report.html"
+"""Files of a saved study, besides the answers to its scenes."""
+
+READINGS = "readings_kPa"
+
+
+def check(path: str | PathLike[str], option: str) -> None:
+    """Raise InputError if no table can be written to `path`, which the user gave as `option`."""
+    path = Path(path)
+    if path.suffix.lower() not in ENDINGS:
+        listed = ", ".join(ENDINGS)
+        msg = f"{option}: expected a file that ends in one of {listed}, received {path.name!r}"
+        raise InputError(msg)
+    if not path.parent.is_dir():
+        msg = f"{option}: expected a file in a folder that exists, received {str(path)!r}"
+        raise InputError(msg)
+    if path.suffix.lower() == ".parquet":
+        try:
+            import pyarrow  # noqa: F401
+        except ImportError:
+            msg = (
+                f"{option}: a Parquet file needs pyarrow, which is not installed; "
+                "run `pip install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
+            )
+            raise InputError(msg) from None
+
+
+def write(study: "Study", path: str | PathLike[str], option: str = "table") -> str:
+    """Write the table of a study to a file that ends in one of ENDINGS, and return its path.
+
+    The file appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        Another ending, a folder that does not exist, or Parquet without the extra `parquet`.
+    """
+    check(path, option)
+    path = Path(path)
+    new = path.with_name(f".{path.stem}.new{path.suffix}")
+    try:
+        if path.suffix.lower() == ".csv":
+            study.table().to_csv(new, index=False)
+        elif path.suffix.lower() == ".parquet":
+            _uniform(study.table()).to_parquet(new, engine="pyarrow", index=False)
+        else:
+            found = dataset(study)
+            plain = {name: {"_FillValue": None} for name in found.variables}
+            found.to_netcdf(new, engine="h5netcdf", encoding=plain)
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
+    return str(path)
+
+
+def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
+    """Return the table with columns of one type each: those that are no numbers are texts."""
+    from pandas.api.types import is_numeric_dtype
+
+    for name in table:
+        if not is_numeric_dtype(table[name]):
+            table[name] = table[name].map(lambda value: value if value is None else str(value))
+    return table
+
+
+def dataset(study: "Study") -> "xr.Dataset":
+    """Return the rows of a study as arrays over the fields of its grid and over `at`.
+
+    What a scene that failed would have told is nan or empty.
+    """
+    import pandas as pd
+    import xarray as xr
+
+    keys = [*study.over, "at"]
+    rows = [row for row in study.rows if row["at"]]
+    axes = {name: _axis(study.rows if name != "at" else rows, name) for name in keys}
+    every = pd.MultiIndex.from_product(axes.values())
+    table = study.table()
+    told = table[table["at"] != ""]
+    told = told.drop(columns=keys).set_axis(pd.MultiIndex.from_frame(told[keys])).reindex(every)
+    told["status"] = told["status"].fillna("failed")
+    shape = tuple(len(values) for values in axes.values())
+    arrays = {name: (keys, _plain(told[name]).reshape(shape), _about(name)) for name in told}
+    read = [row for row in rows if row.get(READINGS)]
+    if read:
+        felt = np.full((*shape, len(read[0][READINGS])), np.nan)
+        for row in read:
+            felt[tuple(axes[name].index(row[name]) for name in keys)] = row[READINGS]
+        about = {"units": "kPa", "long_name": "what the array reads, row by row of its elements"}
+        arrays[READINGS] = ([*keys, "element"], felt, about)
+    coordinates = {name: (name, values, _about(name)) for name, values in axes.items()}
+    return xr.Dataset(arrays, coordinates, table.attrs)
+
+
+def _axis(rows: Any, name: str) -> list[Any]:
+    """Return the values of a column in their order, each once."""
+    return list(dict.fromkeys(row[name] for row in rows))
+
+
+def _plain(column: "pd.Series") -> Any:
+    """Return a column as an array of numbers, or of texts."""
+    from pandas.api.types import is_numeric_dtype
+
+    if is_numeric_dtype(column):
+        return column.to_numpy()
+    return column.fillna("").astype(str).to_numpy(dtype=object)
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of a column."""
+    short, unit = split(name)
+    units = {"units": unit.replace("²", "2")} if unit else {}
+    return {"long_name": MEASURES.get(name, short), **units}
+
+
+def set_aside(study: "Study", folder: Path) -> list[str]:
+    """Move the table of other scenes out of the way of that of a study; return the new paths.
+
+    One whose scenes are all among those of the study, as when it is asked again or grows, stays
+    and will be replaced.
+    """
+    try:
+        before = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        scenes = {row.get("scene") for row in before["rows"]} - {None}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+    if scenes <= {row.get("scene") for row in study.rows}:
+        return []
+    count = 1
+    while (folder / f"earlier-{count}").exists():
+        count += 1
+    aside = folder / f"earlier-{count}"
+    aside.mkdir()
+    moved = [name for name in NAMES if (folder / name).exists()]
+    return [str((folder / name).rename(aside / name)) for name in moved]

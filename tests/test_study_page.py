@@ -1,0 +1,121 @@
+"""The page of a study: bars, isobars, what is told on top, tables that fit; and its progress."""
+
+import numpy as np
+import pytest
+
+from fefinger import console, study_figures, study_report
+from fefinger.study import Study
+from fefinger.study_grid import remarks
+from fefinger.study_measures import READINGS
+
+
+X = "indenter.angle_deg"
+
+
+def row(angle, **more):
+    """Return a row at the end of a press."""
+    return {X: angle, "at": "end", "status": "done", "mechanics": "linear", **more}
+
+
+def panel(drawn, title):
+    """Return the axes of a title."""
+    return next(axis for axis in drawn.axes if axis.get_title(loc="left") == title)
+
+
+def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
+    rows = [
+        row(0, highest_pressure_1mm2_kPa=20.0, highest_pressure_rel_error=0.1, force_N=1.0),
+        row(30, highest_pressure_1mm2_kPa=30.0, highest_pressure_rel_error=1.5, force_N=2.0),
+        row(60, highest_pressure_1mm2_kPa=40.0, force_N=3.0),
+    ]
+    drawn = study_figures.panels(rows, X, [])
+    (bars,) = panel(drawn, "highest pressure over 1 mm² / kPa").collections
+    ends = [segment[:, 1].tolist() for segment in bars.get_segments()]
+    assert ends == [pytest.approx([18, 22]), pytest.approx([0, 75])]
+    assert not panel(drawn, "force / N").collections
+
+
+def test_a_measure_that_is_the_same_everywhere_has_no_panel():
+    told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
+    drawn = study_figures.panels(told, "x_deg", [])
+    titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
+    assert titles == ["force / N"]
+
+
+def test_what_rounding_leaves_of_symmetry_has_no_panel():
+    rows = [row(angle, asymmetry=1e-16 * angle, force_N=1.0 + angle) for angle in (0, 30)]
+    titles = [axis.get_title(loc="left") for axis in study_figures.panels(rows, X, []).axes]
+    assert "force / N" in titles
+    assert "asymmetry of the force" not in titles
+    assert study_report.text(1e-17) == "0"
+
+
+def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_the_unit():
+    peak = np.exp(-((np.arange(8) - 3.5) ** 2) / 6)
+    rows = [
+        row(angle, sensor_middle_distal_mm=0.0, **{READINGS: (top * np.outer(peak, peak)).ravel()})
+        for angle, top in ((0, 9.0), (30, 30.0), (60, 3.0))
+    ]
+    *maps, bar = study_figures.isobars(rows, X, READINGS).axes
+    assert bar.get_ylabel() == "pressure on the array / kPa"
+    assert bar.get_ylim() == (4, 24)
+    assert [axis.get_title(loc="left") for axis in maps] == ["0 deg", "30 deg", "60 deg"]
+    low, high = (axis.collections[0] for axis in maps[:2])
+    assert low.get_clim() == high.get_clim() == (4, 24)
+    assert not maps[2].collections
+
+
+def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
+    told = [
+        row(0.0, force_N=1.0, force_rel_error=0.1, contact_area_mm2=3.0),
+        row(30.0, force_N=1.0, force_rel_error=0.2, contact_area_mm2=3.0),
+    ]
+    missed = [
+        {X: angle, "at": "50 N", "status": "not reached: force = 2 N at most", "mechanics": name}
+        for angle, name in ((0.0, "linear"), (30.0, "solid"))
+    ]
+    about = {"grid": {"indenter.angle": [0, 30]}}
+    page = study_report.html(Study("press", (X,), (*told, *missed), (), 2, 0, about))
+    top, _, rest = page.partition("<section")
+    assert "2 scenes have no row at 50 N, the first of them: " in top
+    assert "The rows are answers of linear, solid: " in top
+    assert "force 10 % to 20 %. They are of mesh, time steps and model" in top
+    assert "not of the tissue" in top
+    assert "No error is known of: contact area in 2 of 2 rows." in top
+    assert "force_<wbr>rel_<wbr>error" in rest
+    assert "peak pressure" not in page
+
+
+def test_rows_of_different_mechanics_and_forces_not_reached_are_told():
+    told = [
+        {"angle": angle, "at": "1 N", "status": "done", "mechanics": name}
+        for angle, name in ((10.0, "linear"), (20.0, "lumped"), (30.0, "linear"))
+    ]
+    (said,) = remarks(told, ("angle",))
+    assert said.startswith("The rows are answers of linear, lumped: ")
+    assert "lumped is the finger that was measured" in said
+    assert remarks(told[:1], ("angle",)) == []
+    missed = told[0] | {"at": "50 N", "status": "not reached: force = 2 N at most"}
+    (said,) = remarks([missed], ("angle",))
+    assert said == "angle = 10.0, at 50 N: not reached: force = 2 N at most"
+
+
+def test_rows_of_other_meshes_are_told():
+    rows = [row(0.0, mesh="coarse"), row(30.0, mesh="standard")]
+    (said,) = remarks(rows, (X,))
+    assert said.startswith("The rows are answers of linear coarse, linear standard: ")
+
+
+def test_progress_of_many_scenes_is_lines_in_a_pipe(capsys, monkeypatch):
+    now = iter((0.0, 1.0, 1.5, 4.0, 4.5))
+    monkeypatch.setattr(console.time, "monotonic", lambda: next(now))
+    with console.progress(4) as report:
+        for done in range(1, 5):
+            report("scenes", done / 4)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines() == [
+        "scenes: 1 of 4 after 1 s",
+        "scenes: 3 of 4 after 4 s",
+        "scenes: 4 of 4 after 4 s",
+    ]

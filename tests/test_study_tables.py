@@ -1,0 +1,179 @@
+"""The table of a study as files, what is kept of an earlier one, and how it was made."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import fefinger as ff
+from fefinger import study_tables
+from fefinger.__main__ import main
+from fefinger.checks import InputError
+
+
+LEAN = {
+    "ask.spikes": [],
+    "ask.pressure": False,
+    "ask.strain": False,
+    "motion.speed": 10,
+    "motion.hold": 0.05,
+}
+"""A force alone, which `lumped` answers at once."""
+
+
+def asked(over, **options):
+    return ff.study("flat-press", over, changes=LEAN, mechanics="lumped", workers=1, **options)
+
+
+@pytest.fixture(scope="module")
+def grid():
+    """Return a study over angles and names, of which a whole row of the grid fails."""
+    return asked({"motion.depth": (0.4, 9, 0.2), "finger.subject": ("a.h.", "d.p.")}, at=("0.1mm",))
+
+
+def test_a_netcdf_has_the_grid_as_axes_with_units_and_what_made_it(grid, tmp_path):
+    file = tmp_path / "study.nc"
+    assert grid.write(file) == str(file)
+    with xr.open_dataset(file) as data:
+        assert data["force_N"].dims == ("motion.depth_mm", "finger.subject", "at")
+        assert data["at"].values.tolist() == ["peak", "end", "0.1 mm"]
+        assert data["force_N"].attrs == {"long_name": "force", "units": "N"}
+        assert data["motion.depth_mm"].attrs["units"] == "mm"
+        for row in grid.rows:
+            if row["at"]:
+                place = {"motion.depth_mm": row["motion.depth_mm"]}
+                place |= {"finger.subject": row["finger.subject"], "at": row["at"]}
+                assert data["force_N"].sel(place).item() == row["force_N"]
+        assert np.isnan(data["force_N"].sel({"motion.depth_mm": 9})).all()
+        assert (data["status"].sel({"motion.depth_mm": 9}) == "failed").all()
+        assert data.attrs["fefinger"] == ff.__version__
+        assert data.attrs["grid.motion.depth"] == "[0.4, 9, 0.2]"
+
+
+def test_what_the_array_reads_is_an_array_too():
+    row = {"x_mm": 1.0, "at": "end", "status": "done", "readings_kPa": [1.0, 2.0]}
+    none = {"x_mm": 2.0, "at": "end", "status": "done"}
+    data = study_tables.dataset(_study([row, none]))
+    assert data["readings_kPa"].dims == ("x_mm", "at", "element")
+    assert data["readings_kPa"].sel(x_mm=1.0).values.tolist() == [[1.0, 2.0]]
+    assert np.isnan(data["readings_kPa"].sel(x_mm=2.0)).all()
+
+
+def _study(rows):
+    from fefinger.study import Study
+
+    return Study("made-up", ("x_mm",), tuple(rows), (), len(rows), 0, {"grid": {"x": [1, 2]}})
+
+
+@pytest.mark.parametrize(("ending", "read"), [("csv", pd.read_csv), ("parquet", pd.read_parquet)])
+def test_a_table_comes_back_as_it_was(grid, tmp_path, ending, read):
+    if ending == "parquet":
+        pytest.importorskip("pyarrow", reason="needs the extra 'parquet'")
+    again = read(grid.write(tmp_path / f"study.{ending}"))
+    wanted = grid.table()
+    assert again.columns.tolist() == wanted.columns.tolist()
+    assert again["force_N"].to_numpy() == pytest.approx(wanted["force_N"].to_numpy(), nan_ok=True)
+    assert again["finger.subject"].tolist() == wanted["finger.subject"].tolist()
+    if ending == "parquet":
+        assert again.attrs == wanted.attrs
+        assert again.attrs["mechanics"] == "lumped"
+
+
+def test_values_that_are_lists_or_of_several_kinds_are_columns_too(tmp_path):
+    pytest.importorskip("pyarrow", reason="needs the extra 'parquet'")
+    mixed = _study([{"x_mm": 1.0, "at": "end", "status": "done"}])
+    mixed = replace(mixed, rows=(*mixed.rows, {"x_mm": "wide", "at": "end", "status": "done"}))
+    assert pd.read_parquet(mixed.write(tmp_path / "m.parquet"))["x_mm"].tolist() == ["1.0", "wide"]
+    over = {"indenter.at": ([0.0, 0.0], [1.0, 0.0])}
+    found = ff.study("sphere-press", over, changes={"ask.spikes": []}, mechanics="lumped")
+    assert found.table()["indenter.at_mm"].unique().tolist() == ["[0.0, 0.0]", "[1.0, 0.0]"]
+
+
+def test_other_endings_and_folders_and_parquet_without_its_extra_are_refused_before_any_work(
+    grid, tmp_path, capsys, monkeypatch
+):
+    with pytest.raises(InputError, match=r"ends in one of \.csv, \.parquet, \.nc, received 'a.xls"):
+        grid.write(tmp_path / "a.xlsx")
+    with pytest.raises(InputError, match="a file in a folder that exists"):
+        grid.write(tmp_path / "none" / "a.csv")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    command = ["study", "flat-press", "--over", "indenter.angle=20,30", "--table"]
+    assert main([*command, str(tmp_path / "a.parquet")]) == 2
+    assert "pip install 'fefinger[parquet]'" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
+    large = asked({"motion.depth": (0.4, 0.3, 0.2)}, folder=tmp_path)
+    assert len(large.save(tmp_path)) == 3
+    before = (tmp_path / "table.csv").read_text()
+    again = asked({"motion.depth": (0.4, 0.3, 0.2)}, folder=tmp_path)
+    assert again.reused == 3
+    again.save(tmp_path)
+    assert not (tmp_path / "earlier-1").exists()
+    command = ["study", "flat-press", "--over", "motion.depth=0.4,0.3", "--mechanics", "lumped"]
+    for field, value in LEAN.items():
+        command += ["--set", f"{field}={json.dumps(value)}"]
+    assert main([*command, "-o", str(tmp_path)]) == 0
+    out, err = capsys.readouterr()
+    assert "2 of 2 scenes, 2 of them from before" in out
+    assert f"kept: the table of other scenes that was there is now in {tmp_path}/earlier-1" in err
+    assert (tmp_path / "earlier-1" / "table.csv").read_text() == before
+    assert (tmp_path / "earlier-1" / "report.html").exists()
+    asked({"motion.depth": (0.4, 0.3, 0.1)}, folder=tmp_path).save(tmp_path)
+    assert not (tmp_path / "earlier-2").exists()
+
+
+def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
+    command = ["study", "flat-press", "--over", "motion.depth=0.4,0.3", "--mechanics", "lumped"]
+    for field, value in LEAN.items():
+        command += ["--set", f"{field}={json.dumps(value)}"]
+    assert main([*command, "--at", "0.2mm", "-o", str(tmp_path)]) == 0
+    capsys.readouterr()
+    record = json.loads((tmp_path / "study.json").read_text())
+    assert record["command"].startswith(
+        "fefinger study flat-press --over motion.depth=0.4,0.3 --at 0.2mm --set"
+    )
+    assert record["answers"]["finished_before"] == "0 of 2"
+    assert record["answers"]["seeds"] == "none: nothing is drawn at random"
+    page = (tmp_path / "report.html").read_text()
+    for text in ("fefinger study flat-press --over", record["date"], ff.__version__):
+        assert text in page
+    for name in ("commit", "packages.numpy", "answers.seeds", "date"):
+        assert f"<th>{name}</th>" in page
+
+
+def test_seeds_are_told_where_something_is_drawn():
+    from fefinger.study_tasks import provenance
+
+    made = {"date": "2026-01-01T00:00:00+00:00", "commit": "abc"}
+    rows = [{"seed": 7}, {"seed": 7}]
+    later = {**made, "date": "2026-02-01T00:00:00+00:00", "commit": "abd"}
+    told = provenance([{"rows": rows, **made}, {"error": "x", **later}], 1)["answers"]
+    assert told["seeds"] == "7"
+    assert told["finished_before"] == "1 of 2"
+    assert told["dates"] == f"{made['date']} to {later['date']}"
+    assert told["commits"] == "abc, abd"
+
+
+def test_a_level_that_comes_twice_is_refused():
+    from fefinger.study_grid import parse_at
+
+    with pytest.raises(InputError, match="received 1 N again"):
+        parse_at(["1N", "1.0 N"])
+
+
+def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
+    from fefinger import provenance
+
+    subprocess.run(["git", "init", "-q", tmp_path], check=True)
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "p.py"))
+    (tmp_path / "installed").mkdir()
+    assert provenance.commit.__wrapped__() == ""
+    monkeypatch.setenv("PATH", "")
+    assert provenance.commit.__wrapped__() == ""
