@@ -198,6 +198,7 @@ def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
         "reused": study.reused,
         "failed": [{"scene": values, "error": error} for values, error in study.failures],
         "over": list(study.over),
+        "chosen": study.about.get("chosen", ""),
         "rows": list(study.rows),
         "files": files,
     }
@@ -227,7 +228,8 @@ def study_summary(record: dict[str, Any]) -> str:
         ("failed", ", ".join(f"{k} = {v}" for k, v in each["scene"].items()), each["error"])
         for each in record["failed"]
     ]
-    below += [("to be known", said, "") for said in remarks(record["rows"], record["over"])]
+    notes = [record["chosen"], *remarks(record["rows"], record["over"])]
+    below += [("to be known", said, "") for said in notes if said]
     below += [("file", file, "") for file in record["files"]]
     done = record["scenes"] - len(record["failed"])
     said = f"{done} of {record['scenes']} scenes, {record['reused']} of them from before"

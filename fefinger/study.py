@@ -10,7 +10,7 @@ told of each, `study_tables.py` and `study_report.py` write the table and the pa
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -122,7 +122,8 @@ def study(
     at
         Forces and depths at which rows are told, as "1N" and "0.5mm", on the loading branch.
     mechanics
-        Name of the mechanics; by default the cheapest that does not refuse, scene by scene.
+        Name of the mechanics; by default one for all scenes, the cheapest that refuses none of
+        them, on one mesh; "each" takes the cheapest for every scene, and its mesh.
     folder
         Where finished scenes are kept and looked for; None keeps none.
     workers
@@ -141,15 +142,19 @@ def study(
     from fefinger.checks import InputError, choice, number
     from fefinger.files import output_folder
     from fefinger.mechanics import names
-    from fefinger.study_grid import checked
+    from fefinger.study_choice import agreed
+    from fefinger.study_grid import EACH, checked
 
     if mechanics is not None:
-        choice("mechanics", mechanics, names())
+        choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
     asked = study_tasks.Asked(scene, checked(over), changes or {}, mechanics, at)
     tasks, failed = asked.tasks()
     if not tasks:
         raise InputError(next(iter(failed.values())))
+    chosen = ""
+    if mechanics is None:
+        tasks, chosen = agreed(tasks)
     answers: dict[int, Answer] = {}
     place = None if folder is None else output_folder(output_folder(folder) / "scenes")
     if place is not None:
@@ -162,7 +167,8 @@ def study(
             study_tasks.keep(place, tasks[i], answers[i])
         if progress is not None:
             progress("scenes", (len(answers) + len(failed)) / len(asked.points))
-    return _collected(asked, tasks, failed, answers, reused)
+    done = _collected(asked, tasks, failed, answers, reused)
+    return replace(done, about={**done.about, "chosen": chosen}) if chosen else done
 
 
 def _answered(

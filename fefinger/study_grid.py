@@ -9,6 +9,9 @@ from typing import Any
 from fefinger.checks import InputError, number
 
 
+EACH = "each"
+"""Instead of a mechanics: the cheapest, scene by scene."""
+
 MOST = 10_000
 """Scenes of one study: at seconds each they take hours."""
 
@@ -123,11 +126,10 @@ def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]
     names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in rows if row.get("mechanics")]
     used = list(dict.fromkeys(name.strip() for name in names))
     if len(used) > 1:
-        other = "; lumped is the finger that was measured, the others one of the scene's tissue"
         found.append(
             f"The rows are answers of {', '.join(used)}: what changes between them may be the "
-            f"mechanics or its mesh{other if 'lumped' in used else ''}. --mechanics NAME takes one "
-            "for all, --set finger.resolution=NAME one mesh."
+            "mechanics or its mesh. --mechanics NAME takes one for all, --set "
+            "finger.resolution=NAME one mesh."
         )
     return found
 

@@ -58,7 +58,7 @@ def html(study: "Study") -> str:
         data=("table.csv", "study.json"),
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
-        notes=remarks(study.rows, study.over),
+        notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
         lines=(errors(study.rows), MEANING, ARRAY),
         parts=list(_parts(study)),
         provenance=list(page.flat(study.about)),

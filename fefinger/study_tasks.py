@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from fefinger.checks import InputError
 from fefinger.study_columns import column
-from fefinger.study_grid import parse_at, product
+from fefinger.study_grid import EACH, parse_at, product
 from fefinger.version import VERSION
 
 
@@ -53,7 +53,8 @@ class Asked:
     def tasks(self) -> tuple[dict[int, Task], dict[int, str]]:
         """Return the tasks by their place in the grid, and why the others are none."""
         forces, depths = parse_at(self.at)
-        shared = {"mechanics": self.mechanics, "forces": list(forces), "depths": list(depths)}
+        named = None if self.mechanics == EACH else self.mechanics
+        shared = {"mechanics": named, "forces": list(forces), "depths": list(depths)}
         tasks: dict[int, Task] = {}
         unusable: dict[int, str] = {}
         for i, values in enumerate(self.points):
@@ -75,7 +76,7 @@ class Asked:
         return {
             "grid": grid,
             "changes": dict(self.changes),
-            "mechanics": self.mechanics or "the cheapest that does not refuse",
+            "mechanics": self.mechanics or "the cheapest that refuses no scene",
             "at": list(self.at),
         }
 

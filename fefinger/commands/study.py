@@ -33,7 +33,11 @@ if TYPE_CHECKING:
     help="Tell of this force or depth on loading too, by default 1N and 1mm (repeatable).",
 )
 @changes_option
-@click.option("--mechanics", metavar="NAME", help="Use this mechanics, not the cheapest.")
+@click.option(
+    "--mechanics",
+    metavar="NAME|each",
+    help="Use this one, not the cheapest that answers all; each: the cheapest, scene by scene.",
+)
 @click.option("--workers", type=int, metavar="N", help="Processes, by default one per core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler to use instead.")
 @click.option(

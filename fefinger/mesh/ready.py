@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from functools import lru_cache
 from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
@@ -69,10 +70,16 @@ def sha256(finger: Any) -> str | None:
 
 def shipped_path(recipe: Recipe) -> Path | None:
     """Return the file of the shipped mesh of a recipe, or None."""
-    for sidecar in sorted(data_folder().glob("*.json")):
-        if json.loads(sidecar.read_text(encoding="utf-8")).get("recipe") == recipe.to_dict():
-            return sidecar.with_suffix(".vtu")
-    return None
+    wanted = recipe.to_dict()
+    return next((path for known, path in _shipped(data_folder()) if known == wanted), None)
+
+
+@lru_cache(maxsize=1)
+def _shipped(folder: Path) -> tuple[tuple[dict[str, Any], Path], ...]:
+    """Return the recipes of the meshes in a folder, with their files."""
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.json"))}
+    found = ((json.loads(text).get("recipe"), path) for path, text in texts.items())
+    return tuple((recipe, path.with_suffix(".vtu")) for recipe, path in found)
 
 
 def data_folder() -> Path:
