@@ -3,8 +3,8 @@
 A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
 its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
 the finger. The stated error lies between those of its neighbors, numerical and model error added,
-with margins for what lies between presses, for motions and for other fingers. So it is for the
-force and for what else is STATED.
+with margins for what lies between presses, for motions, for other fingers and for the draw of the
+mesh. So it is for the force and for what else is STATED.
 """
 
 import math
@@ -25,6 +25,12 @@ from fefinger.text import percent
 Array = NDArray[np.float64]
 
 REPORT = "tradeoff.json"
+
+SCATTER = "mesh-scatter.json"
+"""What answers differ by on meshes of one finger, which are drawn at random."""
+
+DRAWN = 2.0
+"""Standard deviations of that in a stated error."""
 
 CONTRAST = 1.1
 """Factor of the ratio of the moduli within which a finger counts as measured, a convention."""
@@ -285,11 +291,23 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
     margins = known["margins"][candidate][quantity]
     margin = moving(margins["motion"], names) * sum(found)
     margin += 0.0 if own and len(names) == 1 else margins["between"]
+    margin += DRAWN * scatter(candidate, deepest, quantity)
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
         f"{percent(model)} of the model, {percent(margin)} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
+
+
+def scatter(candidate: str, part: float, quantity: str) -> float:
+    """Return the standard deviation of a quantity over meshes of one finger, at a depth over it.
+
+    The larger of the presses that were measured; that of the fine mesh is taken for as large as
+    that of the standard one. None without a mesh.
+    """
+    mesh = candidate.partition(" ")[2].replace("fine", "standard")
+    rows = loads(report(SCATTER))["rows"].get(mesh, {}).values()
+    return max((float(np.interp(part, row["part"], row[quantity])) for row in rows), default=0.0)
 
 
 def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
