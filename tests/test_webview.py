@@ -81,12 +81,19 @@ def test_compared_results_have_one_scale_and_limits_are_kept(
     response = dataclasses.replace(synthetic.response, fields=fields)
     strong = dataclasses.replace(synthetic, response=response)
     _, alone, _ = page(synthetic, tmp_path)
-    _, both, _ = page([synthetic, strong], tmp_path, field="strain zz", limits=(-4.0, 6.0))
+    _, both, _ = page([synthetic, strong], tmp_path, field="strain zz", limits=(-4.0, 6.0),
+                         folders=("one", "two"))  # fmt: skip
     assert len(both["scenes"]) == 2
     assert both["fields"]["tensile strain"]["high"] > 2 * alone["fields"]["tensile strain"]["high"]
     chosen = both["fields"]["strain zz"]
     assert (chosen["low"], chosen["high"], chosen["unit"]) == (-4.0, 6.0, "%")
     assert both["field"] == "strain zz"
+    # Zero keeps the middle color: of the map, the page holds the part from -4 to 6 of -6 to 6.
+    colors = np.array(both["maps"][chosen["colors"]]).reshape(-1, 3)
+    symmetric = np.array(both["maps"]["coolwarm"]).reshape(-1, 3)
+    assert np.abs(colors[round(0.4 * 255)] - symmetric[127]).max() <= 3
+    assert np.abs(colors[-1] - symmetric[-1]).max() == 0
+    assert [scene["words"].split(":")[0] for scene in both["scenes"]] == ["one", "two"]
 
 
 def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_path: Path) -> None:

@@ -37,8 +37,8 @@ class Active(NamedTuple):
 
     flexibility (n, n); inverse (n, n), the leading block of which is H; where (n,) the active
     vertices in the order of H, place (n,) where in it a vertex stands or -1; x and moved = F x
-    (n,); wrong (n,) marks; work (2, n); counts (5,); held (2, n) and stood (2, n), x and moved, where
-    and place as `hold` found them.
+    (n,); wrong (n,) marks; work (2, n); counts (5,); held and stood (2, n), x and moved, where and
+    place as `hold` found them.
     """
 
     flexibility: Array
