@@ -1,6 +1,5 @@
 """`fefinger view`: look at the strain or the pressure in DIR."""
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -30,15 +29,17 @@ def view(
     """
     from fefinger import films, quantities, stored, webview
     from fefinger import view as pictures
-    from fefinger.files import check_ending, load, output_folder
+    from fefinger.files import check_ending, load, output_file
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
         return
     shown = quantities.named("--field", quantities.DEFAULT if field is None else field)
-    for path, option, ending in ((screenshot, "--screenshot", ".png"), (html, "--html", ".html")):
-        if path is not None:
-            check_ending(path, option, ending)
+    wanted = {"--screenshot": screenshot, "--movie": movie, "--html": html}
+    files = {option: path for option, path in wanted.items() if path is not None}
+    for option, ending in (("--screenshot", ".png"), ("--html", ".html")):
+        if option in files:
+            check_ending(files[option], option, ending)
     if movie is not None:
         films.check(movie, "--movie")
     span = None if limits is None else quantities.limits(limits)
@@ -48,8 +49,8 @@ def view(
     stored.check("--time", results, at)
     for sentence in [] if at is None else stored.told(results, folders, at):
         click.echo(sentence, err=True)
-    for path in filter(None, (screenshot, movie, html)):
-        output_folder(Path(path).parent)
+    for option, path in files.items():
+        output_file(path, option)
     how: dict[str, Any] = {"field": shown, "limits": span, "folders": folders}
     if screenshot is not None:
         pictures.screenshot(results, screenshot, time=at, **how)
@@ -57,7 +58,7 @@ def view(
         pictures.movie(results, movie, **how)
     if html is not None:
         webview.write(results, html, time=at, **how)
-    for path in filter(None, (screenshot, movie, html)):
+    for path in files.values():
         click.echo(path)
-    if not (screenshot or movie or html):
+    if not files:
         pictures.show(results, time=at, **how)
