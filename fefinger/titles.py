@@ -9,7 +9,8 @@ from fefinger.records import Result
 
 
 MOST = 3  # differences that a title has room for
-ABSENT = "none"
+LONG = 24  # letters of a value that it has room for
+SHOWN = ("finger.", "indenter.", "motion.")  # what is asked of them is no matter of a picture
 
 
 def titles(
@@ -28,8 +29,11 @@ def titles(
         names = [folder if folder == name else f"{folder}: {name}"
                  for folder, name in zip(own, names, strict=True)]  # fmt: skip
     tables = [dict(_flat(result.scene.to_dict())) for result in results]
-    every = dict.fromkeys(key for table in tables for key in table if key != "name")
+    every = dict.fromkeys(key for table in tables for key in table if key.startswith(SHOWN))
     varied = [key for key in every if len({repr(table.get(key)) for table in tables}) > 1]
+    kinds = {key.removesuffix("kind") for key in varied if key.endswith(".kind")}
+    # What is of another kind has other values, and no need to name them.
+    varied = [key for key in varied if key.endswith(".kind") or not key.startswith(tuple(kinds))]
     return tuple(
         ", ".join([name, *_told(table, varied)]) for name, table in zip(names, tables, strict=True)
     )
@@ -37,8 +41,9 @@ def titles(
 
 def _told(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[str]:
     for key in varied[:MOST]:
-        value = table.get(key, ABSENT)
-        yield f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}"
+        value = table.get(key, "none")
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        yield f"{key} {text}" if len(text) <= LONG else f"another {key}"
     if len(varied) > MOST:
         yield f"{len(varied) - MOST} more"
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from fefinger import figures, marks, page, pieces, quantities, section, stored
 from fefinger.neural.trains import FEW
-from fefinger.profiles import Plane
+from fefinger.profiles import Ellipsoid, Plane
 from fefinger.quantities import Span
 from fefinger.records import Array, Fields, Integers, Result
 from fefinger.titles import titles
@@ -158,7 +158,8 @@ def _scene(result: Result, title: str, blob: Blob) -> dict[str, Any]:
     moved = [fields.points + shift for shift in fields.displacement]
     depth = np.interp(fields.times, result.time, result.depth)
     return {
-        "words": f"{title}, {result.plan.mechanics} ({quantities.measure(result)})",
+        "title": title,
+        "words": f"{result.plan.mechanics} ({quantities.measure(result)})",
         "times": fields.times.tolist(),
         "depth": depth.tolist(),
         "force": _force(result, fields.times),
@@ -236,20 +237,25 @@ def _indenter(result: Result, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
     pose = section.pose(result, 0.0)
     count = 2 if isinstance(pose.profile, Plane) else GRID
-    line = np.linspace(-REACH, REACH, count)
+    line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
-    places = pose.places(across).reshape(-1, 3)
-    height = (places - pose.origin) @ pose.axis
+    reach = np.full(2, REACH)
+    if isinstance(pose.profile, Ellipsoid):  # a disk of the square, so that its rim is round
+        across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
+        reach = np.minimum(REACH, pose.profile.radii[:2])
+    places = pose.places(reach * across).reshape(-1, 3)
+    seen = np.asarray(np.isfinite(places).all(axis=1))
+    places = np.where(seen[:, None], places, 0.0)
+    seen &= (places - pose.origin) @ pose.axis > -REACH
     corner = np.arange(count * count).reshape(count, count)
     a, b, c, d = (corner[i : count - 1 + i, j : count - 1 + j].ravel() for i in (0, 1)
                   for j in (0, 1))  # fmt: skip
     triangles = np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
-    seen = np.isfinite(height) & (height > -REACH)
     triangles = triangles[seen[triangles].all(axis=1)]
     return {
-        "points": blob.add(np.where(np.isfinite(places), places, 0.0), "f4"),
+        "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles), "u4"),
+        "rim": blob.add(_rim(triangles) if isinstance(pose.profile, Plane) else [], "u4"),
         "axis": pose.axis.tolist(),
     }
 

@@ -44,7 +44,9 @@ def view(
         films.check(movie, "--movie")
     span = None if limits is None else quantities.limits(limits)
     results = [load(folder) for folder in folders]
-    for result in results:
+    for folder, result in zip(folders, results, strict=True):
+        if result.fields is None:
+            click.echo(f"{folder} has nothing to view:", err=True)
         quantities.fields_of(result)
     stored.check("--time", results, at)
     for sentence in [] if at is None else stored.told(results, folders, at):

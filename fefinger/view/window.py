@@ -14,6 +14,7 @@ from fefinger.view.stage import Stage
 
 SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
 BOX = 22  # pixels of a box
+ABOVE = (0.0, -0.12)  # of the middle of the window, for what is below
 SLIDER: dict[str, Any] = {
     "color": figures.INK,
     "style": "modern",
@@ -89,6 +90,8 @@ class Controls:
     def add_widgets(self) -> None:
         """Add the sliders below and the boxes on the left."""
         times = self.times
+        for column in range(len(self.stages)):
+            self.plotter.renderers[column].camera.SetWindowCenter(*ABOVE)
         if len(times) > 1:
             now = 1 + int(np.argmin(np.abs(times - self.time)))
             self.plotter.subplot(0, 0)
