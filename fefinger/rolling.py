@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
-from fefinger.checks import number
+from fefinger.checks import InputError, number
 from fefinger.fem import active, loop, turning
 from fefinger.fem.body import Reduced
 from fefinger.fem.condense import reduce
@@ -65,7 +65,11 @@ class Rolling:
         sites: Sites,
     ) -> None:
         self.deepest = number("deepest", deepest, above=0, unit="mm")
-        self.sites, self.angles = sites, (min(angles), max(angles))
+        if not len(angles):
+            message = "angles: expected the degrees between which the plate turns, received none"
+            raise InputError(message)
+        turned = [Flat(angle).angle for angle in angles]
+        self.sites, self.angles = sites, (min(turned), max(turned))
         solid = self.solid = _operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
         skin = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(-1, 2)

@@ -115,6 +115,14 @@ def test_a_folder_in_the_place_of_a_file_is_refused(
     assert not list((tmp_path / name).iterdir())
 
 
+@pytest.mark.parametrize("name", ["", "a/b", "../a"])
+def test_a_name_of_files_is_no_path(capsys, monkeypatch, tmp_path, name):
+    suites = pytest.importorskip("fefinger.validation.suites")
+    monkeypatch.setattr(suites, "run", lambda *a, **k: pytest.fail("work began"))
+    err = refused(capsys, ["validate", "--quick", "--name", name, "-o", str(tmp_path)])
+    assert f"--name: expected a name of files, as validation, received {name!r}" in err
+
+
 @pytest.mark.parametrize("command", ["run", "explain", "mesh"])
 def test_an_empty_name_is_no_scene(capsys, command):
     assert "scene: expected a TOML file or one of edge-press" in refused(capsys, [command, ""])

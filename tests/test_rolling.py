@@ -109,6 +109,12 @@ def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: Rolling) 
         rolling.step(3.0, 20.0, 1e-3)
 
 
+@pytest.mark.parametrize("angles", [(), (np.nan, 30.0), (10.0, 95.0)], ids=str)
+def test_angles_that_no_plate_has_get_a_sentence(angles: tuple) -> None:
+    with pytest.raises(InputError, match=r"angles?: expected"):
+        Rolling(FINGER, angles=angles, deepest=1.2, sites=SITES)
+
+
 def test_a_refused_step_leaves_the_finger_as_it_was(rolling: Rolling) -> None:
     for depth, angle in ((0.4, 20.0), (0.7, 24.0)):
         before = copy.deepcopy(rolling.step(depth, angle, 5e-3))

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from fefinger import console
+from fefinger.checks import InputError
 from fefinger.commands.options import DONE, FAILED, json_option, output_option, silent
 
 
@@ -32,6 +33,9 @@ def validate(
     from fefinger import files
     from fefinger.validation import suites as known
 
+    if not name.strip() or Path(name).name != name:
+        message = f"--name: expected a name of files, as validation, received {name!r}"
+        raise InputError(message)
     written: list[str] = []
     with files.output(output) as folder:
         for suite in known.left_out(suites, quick=quick, every=every):
