@@ -98,4 +98,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return [*globals(), *_HOME]
+    own = [name for name in globals() if name.startswith("__")]
+    return sorted([*own, *__all__])

@@ -58,8 +58,9 @@ def number(
 
 def nearest(name: str, options: Iterable[str]) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string."""
-    close = difflib.get_close_matches(str(name), list(options), n=1, cutoff=0.5)
-    return f" Did you mean {close[0]!r}?" if close else ""
+    known = {option.lower(): option for option in options}
+    close = difflib.get_close_matches(str(name).lower(), list(known), n=1, cutoff=0.5)
+    return f" Did you mean {known[close[0]]!r}?" if close else ""
 
 
 def choice(name: str, value: Any, options: Iterable[str]) -> str:

@@ -12,7 +12,8 @@ import dataclasses
 import json
 import os
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -150,8 +151,22 @@ def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
         raise InputError(message)
 
 
+def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Path:
+    """Return the file that the user gave as `option`, its folder created; InputError otherwise."""
+    if ending:
+        check_ending(path, option, ending)
+    if Path(path).is_dir():
+        message = f"{option}: expected a file, received the folder {str(path)!r}; choose another"
+        raise InputError(message)
+    output_folder(Path(path).parent)
+    return Path(path)
+
+
 def output_folder(folder: str | PathLike[str]) -> Path:
     """Create `folder` if needed and return it; InputError when files cannot be written there."""
+    if not os.fspath(folder).strip():
+        message = "output folder: expected a name, received an empty one; this folder is called ."
+        raise InputError(message)
     path = Path(folder)
     advice = "choose another"
     if path.exists() and not path.is_dir():
@@ -169,6 +184,22 @@ def output_folder(folder: str | PathLike[str]) -> Path:
         )
         raise InputError(message) from None
     return path
+
+
+@contextmanager
+def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
+    """Create a folder as `output_folder` for the work inside; an error leaves no empty one."""
+    if folder is None:
+        yield None
+        return
+    made = [path for path in (Path(folder), *Path(folder).parents) if not path.exists()]
+    try:
+        yield output_folder(folder)
+    except BaseException:  # as KeyboardInterrupt
+        for path in made:
+            with suppress(OSError):  # something is in it
+                path.rmdir()
+        raise
 
 
 def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:

@@ -54,8 +54,9 @@ def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:
     every = [Image.fromarray(picture) for picture in pictures]
     some = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
     # By coverage: rare colors, such as the ends of the color bars, keep their own.
-    palette = some.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    first, *others = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in every]
+    palette = some.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1)
+    # Dithered, as 256 colors of three maps and their shades would show as bands.
+    first, *others = [p.quantize(palette=palette) for p in every]
     duration = round(1000 / fps)
     first.save(path, save_all=True, append_images=others, duration=duration, loop=0)
 

@@ -184,3 +184,21 @@ class Finger:
             )
             raise InputError(msg)
         return cls(**(values | {"subject_name": name}))
+
+
+def own(finger: Finger) -> tuple[str, ...]:
+    """Return a sentence on the values of a subject's finger that are not those of the subject."""
+    row = library.pawluk_bulk().get(str(finger.subject_name))
+    if row is None or finger.surface is not None:
+        return ()
+    measured = Finger.subject(str(finger.subject_name), tissue=finger.tissue)
+    changed = [
+        f"{size} {getattr(finger, size):g} mm in place of {getattr(measured, size):g} mm"
+        for size in ("width", "thickness", "pad_radius")
+        if getattr(finger, size) != getattr(measured, size)
+    ]
+    if finger.prony != measured.prony:
+        changed.append("another relaxation")
+    if not changed:
+        return ()
+    return (f"The finger is not that of subject {finger.subject_name}: {', '.join(changed)}.",)

@@ -76,9 +76,17 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
     return Fit(time, position, force, *found)
 
 
-def read(file: str | Path) -> tuple[Array, Array, Array]:
-    """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked."""
+def read(
+    file: str | Path, *, fewest: int = 2 * ramphold.FEWEST, of: str = "a ramp and hold"
+) -> tuple[Array, Array, Array]:
+    """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked.
+
+    It needs the `fewest` rows of what it is a record `of`.
+    """
     time, position, force = columns(file, UNITS).T
+    if len(time) < fewest:
+        msg = f"{file}: expected at least {fewest} rows of {of}, received {len(time)}"
+        raise InputError(msg)
     for name, values in zip(UNITS, (time, position, force), strict=True):
         _check_unit(str(file), name, values)
     _check_signs(str(file), position, force)
@@ -169,6 +177,9 @@ def _check_unit(file: str, name: str, values: Array) -> None:
     size = float(np.abs(values).max() if name == "force" else np.ptp(values))
     if low <= size <= high:
         return
+    if np.ptp(values) == 0:
+        msg = f"{file}: {name}: expected numbers that change, received {values[0]:g} in every row"
+        raise InputError(msg)
     likely = next(unit for unit, least, most in others if least <= size <= most)
     msg = (
         f"{file}: {name}: expected {UNITS[name]}, with a {what} of {low:g} to {high:g}, received "

@@ -8,7 +8,6 @@ import json
 import platform
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,9 @@ import numpy as np
 
 REPORTED = 0.068
 """Seconds of the work on the machine of the reports, for those that do not say."""
+
+_unkept: dict[str, Any] = {}
+"""What was measured here and could not be kept: `seconds`, and the `reason`."""
 
 ROUNDS = 5
 """Times that the work is done; the fastest counts."""
@@ -62,16 +64,24 @@ def seconds(*, now: bool = True) -> float | None:
 
     None where it is not kept and is not to be measured.
     """
-    known = kept()
-    if known is not None or not now:
-        return known
+    found = known()
+    if found is not None or not now:
+        return found
     measured = measure()
-    with suppress(OSError):  # without a cache it is measured again the next time
+    try:
         kept_path().parent.mkdir(parents=True, exist_ok=True)
         new = kept_path().with_suffix(".new")
         new.write_text(json.dumps({"machine": _name(), "seconds": measured}), encoding="utf-8")
         new.replace(kept_path())
+    except OSError as error:  # without a cache another process measures it again
+        _unkept.update(seconds=measured, reason=error.strerror or str(error))
     return measured
+
+
+def known() -> float | None:
+    """Return the time of this machine, kept or measured by this process before, or None."""
+    found = kept()
+    return _unkept.get("seconds") if found is None else found
 
 
 def kept() -> float | None:
@@ -85,20 +95,24 @@ def kept() -> float | None:
 
 def slowness(report: Mapping[str, Any]) -> float:
     """Return by what the times of a report are to be multiplied on this machine; 1 if not known."""
-    here = kept()
+    here = known()
     return 1.0 if here is None else here / float(report.get("machine_seconds", REPORTED))
 
 
 def sentence() -> str:
     """Return what expected times stand for."""
-    here = kept()
+    here = known()
     if here is None:
         return (
             "Times are those of the machine of the reports; `fefinger explain` measures this one."
         )
+    where = f"kept in {kept_path()}"
+    if kept() is None:
+        where = f"measured again every time, as {kept_path()} cannot be written: "
+        where += _unkept["reason"]
     return (
         f"Times are for this machine, which takes {here:.2g} s for a piece of work that took "
-        f"{REPORTED:.2g} s on the machine of the reports (kept in {kept_path()})."
+        f"{REPORTED:.2g} s on the machine of the reports ({where})."
     )
 
 

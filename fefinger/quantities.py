@@ -5,7 +5,7 @@ finger. The maps are even to the eye and keep their order with every color visio
 """
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,9 +41,22 @@ ABOUT = {
     "displacement": "length of the displacement",
     "pressure": "contact pressure on the pad",
 }  # fmt: skip
+OTHERWISE = {
+    **dict.fromkeys(("sed", "strain energy", "energy", "strain energy density"), ENERGIES[::-1]),
+    **dict.fromkeys(("mises", "equivalent strain", "von mises"), ("von Mises strain",)),
+    **dict.fromkeys(("strain", "compression"), ("compressive strain",)),
+    **dict.fromkeys(("tension", "stretch"), ("tensile strain",)),
+    **dict.fromkeys(("max principal strain", "maximum principal strain"), PRINCIPAL[:1]),
+    **dict.fromkeys(("min principal strain", "minimum principal strain"), PRINCIPAL[2:]),
+    **{f"{prefix}{each}": (f"strain {each}",) for prefix in ("e", "") for each in COMPONENTS},
+    "u": ("displacement",),
+    "p": ("pressure",),
+}
+"""Fields that others call so."""
 EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
 """Color maps: fields from 0, with both signs, the pressure on the skin, spike rates."""
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
+SHADES = 256  # of a color bar
 HIGHEST = 99.5  # percent of the values that the colors cover: the rest sits at edges
 
 
@@ -57,9 +70,37 @@ class Span(NamedTuple):
 
     def beyond(self, unit: str) -> str:
         """Return what the ends of the bar stand for too, where values lie beyond them."""
-        low, high = f"at most {self.low:.3g} {unit}", f"{self.high:.3g} {unit} and more"
-        said = {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
-        return f"end of the colors: {said}" if said else ""
+        low, high = f"first color: {self.low:.3g} {unit} and less", f"last color: {self.high:.3g}"
+        high = f"{high} {unit} and more"
+        return {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
+
+    @property
+    def part(self) -> tuple[float, float]:
+        """Return the part of its map that the bar shows: zero is the middle of a diverging one."""
+        if self.colors != DIVERGING:
+            return 0.0, 1.0
+        most = 2 * max(abs(self.low), abs(self.high))
+        return 0.5 + self.low / most, 0.5 + self.high / most
+
+    def map(self) -> Any:
+        """Return the colors of the bar as a matplotlib Colormap."""
+        from matplotlib import colormaps
+        from matplotlib.colors import ListedColormap
+
+        return ListedColormap(colormaps[self.colors](np.linspace(*self.part, SHADES)))
+
+
+def named(name: str, field: str) -> str:
+    """Return the field; InputError with the nearest ones if it is unknown. `name`: who gave it."""
+    if field in FIELDS:
+        return field
+    meant = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
+    if meant is None:
+        return choice(name, field, FIELDS)
+    known, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, meant))
+    known = known.replace(" or ", ", ")
+    message = f"{name}: expected one of {known}, received {field!r}. Did you mean {nearest}?"
+    raise InputError(message)
 
 
 def unit(field: str) -> str:
@@ -100,7 +141,7 @@ def values(result: Result, field: str, frame: int) -> Array:
 
     Raises InputError if the field is unknown or there are none.
     """
-    choice("field", field, FIELDS)
+    named("field", field)
     fields = fields_of(result)
     if field == "pressure":
         return fields.pressure[frame]
@@ -136,9 +177,12 @@ def tensors(six: Array) -> Array:
 def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None = None) -> Span:
     """Return the colors for all of several arrays: up to the next round number.
 
-    The highest half percent of each lies beyond, where it sticks out. `limits` are kept as given.
+    The highest half percent of each lies beyond, where it sticks out. `limits` are kept as given;
+    those on one side of zero get the even map.
     """
     colors = DIVERGING if signed(field) else SKIN_DEEP if field == "pressure" else EVEN
+    if limits and signed(field) and limits[0] * limits[1] > 0:
+        colors = EVEN
     lowest, highest, top = 0.0, 0.0, 1e-9
     for each in shown:
         if not each.size:

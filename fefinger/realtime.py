@@ -167,6 +167,8 @@ class Condensed:
     def step(self, depth: float, dt: float) -> Step:
         """Move the indenter to `depth` mm in `dt` s and return what the finger feels.
 
+        A step that is refused leaves the finger as it was.
+
         Raises
         ------
         InputError
@@ -211,7 +213,9 @@ class Condensed:
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self._output
-        loop.check(loop.advance(state, memory, output, dt, target, by_force, stiffening))
+        loop.check(
+            loop.advance(state, memory, output, dt, target, by_force, stiffening), self.deepest
+        )
         return self._read()
 
     def _stiffness(self, depth: float) -> float:
@@ -231,13 +235,6 @@ class Condensed:
 
     def _read(self) -> Step:
         now, summary = self.now, self._output.summary
-        if summary[loop.RIM] > 0.0:
-            message = (
-                f"step: expected contact inside the candidates for a depth of {self.deepest:g} mm, "
-                "but it reaches their rim; make the finger with a larger `deepest`, press less, or "
-                "take a larger indenter"
-            )
-            raise InputError(message)
         now.depth = float(self._memory.depth[0])
         now.force = summary[loop.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
         now.contact_area, now.x, now.y = summary[loop.AREA], summary[loop.X], summary[loop.Y]
@@ -339,5 +336,5 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> lo
         chosen=np.zeros(count, dtype=np.int64),
         factor=np.zeros(count, dtype=kind),
         strain=np.zeros(len(reduced.strain), dtype=kind),
-        summary=np.zeros(5),
+        summary=np.zeros(4),
     )

@@ -64,8 +64,12 @@ class Rolling:
         deepest: float = 1.5,
         sites: Sites,
     ) -> None:
-        number("deepest", deepest, above=0, unit="mm")
-        self.sites, self.angles = sites, (min(angles), max(angles))
+        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        if not len(angles):
+            message = "angles: expected the degrees between which the plate turns, received none"
+            raise InputError(message)
+        turned = [Flat(angle).angle for angle in angles]
+        self.sites, self.angles = sites, (min(turned), max(turned))
         solid = self.solid = _operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
         skin = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(-1, 2)
@@ -84,13 +88,13 @@ class Rolling:
         self._both = replace(every[0], vertices=both, loads=loads, places=places)
         reduced, n = self._reduced(sites.points), len(self.vertices)
         self._rows = np.ascontiguousarray(reduced.strain.T)
-        self._plate = turning.plate(reduced.flexibility.reshape(2, n, 2, n), moments, weights)
+        flexibility, rim = reduced.flexibility.reshape(2, n, 2, n), np.flatnonzero(self._on_rim())
+        self._plate = turning.plate(flexibility, moments, weights, rim)
         self._state = active.active(np.zeros((n, n)))  # made when the plate has an angle
         prony, nothing = finger.prony, np.zeros(2 * n)
         factors = np.array(prony.weights[1:]) / prony.weights[0]
         self._memory = loop.memory(nothing, nothing, factors, np.array(prony.v))
         self._along = solid.space.points[self.vertices, 0]
-        self._rim = np.flatnonzero(self._on_rim())
         self._strain = np.zeros(6 * len(sites.points))
         strain = self._strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
@@ -114,6 +118,8 @@ class Rolling:
     def step(self, depth: float, angle: float, dt: float) -> Step:
         """Move the plate to `depth` mm beyond its first touch at `angle` degrees in `dt` s.
 
+        A step that is refused leaves the finger as it was.
+
         Raises
         ------
         InputError
@@ -127,7 +133,7 @@ class Rolling:
         first = float((self._outline @ normal).min())
         x, z = normal.tolist()
         state, memory, plate = self._state, self._memory, self._plate
-        loop.check(turning.step(state, memory, plate, dt, x, z, first + depth))
+        loop.check(turning.step(state, memory, plate, dt, x, z, first + depth), self.deepest)
         turning.strains(memory, plate, self._rows, self._strain)
         return self._read(depth)
 
@@ -138,9 +144,6 @@ class Rolling:
 
     def _read(self, depth: float) -> Step:
         now, plate = self.now, self._plate
-        if (now.pressure[self._rim] > 0).any():
-            message = "step: contact reached the rim of the candidates; make `deepest` larger"
-            raise InputError(message)
         weights = now.pressure * plate.weights
         total = float(weights.sum())
         now.depth, now.force = depth, 2 * total * NEWTON_PER_MILLINEWTON

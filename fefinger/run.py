@@ -49,9 +49,9 @@ def run(
     plan = choose(scene, mechanics)
     chosen, solved = get(plan.mechanics), settled(scene, plan)
     try:
-        response = _warned(scene, chosen.respond(solved, progress))
+        response = _noted(scene, chosen.respond(solved, progress))
     except Stopped as stop:
-        raise Stopped(str(stop), _kept(scene, plan, _warned(scene, stop.reached))) from stop
+        raise Stopped(str(stop), _kept(scene, plan, _noted(scene, stop.reached))) from stop
     stages = Stages(progress)
     with stages.stage("neural"):
         spikes = fire(scene, response) if scene.ask.spikes else None
@@ -69,13 +69,14 @@ def run(
     )
 
 
-def _warned(scene: "Scene", response: "Response") -> "Response":
-    """Return the response with a note where it was not slow enough for statics."""
+def _noted(scene: "Scene", response: "Response") -> "Response":
+    """Return the response with notes on a subject's other sizes, and where statics do not hold."""
     from dataclasses import replace
 
+    from fefinger.finger import own
     from fefinger.waves import quasistatic
 
-    found = quasistatic(scene, response.time, response.depth)
+    found = own(scene.finger) + quasistatic(scene, response.time, response.depth)
     return replace(response, notes=response.notes + found)
 
 

@@ -132,8 +132,9 @@ class Pose(NamedTuple):
     def places(self, across: Array) -> Array:
         """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
         height = self.profile.height(across)[0]
-        frame = self.frame
-        return np.asarray(self.origin + across @ frame[:2] - height[..., None] * frame[2])
+        frame, there = self.frame, np.isfinite(height)[..., None]
+        back = np.where(there, height[..., None], 0.0) * frame[2]
+        return np.where(there, self.origin + across @ frame[:2] - back, np.inf)
 
     def outline(self, reach: float) -> Array:
         """Return the indenter's outline (n, 2) in the medial plane, x and z in mm.

@@ -16,6 +16,7 @@ from fefinger.checks import ConvergenceError, InputError, number
 from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Indenter
+from fefinger.theory.lumped import LARGEST
 from fefinger.theory.relaxation import Prony, exprel
 
 
@@ -38,10 +39,17 @@ class Stiffening:
         """Check the numbers."""
         number("stiffening.b", self.b, above=0, unit="1/mm")
         number("stiffening.m", self.m, at_least=0, unit="1/mm")
+        number("stiffening.misfit", self.misfit, at_least=0)
 
     def __call__(self, depth: float) -> float:
         """Return t at a depth in mm; 0 out of contact."""
-        into = max(depth, 0.0)
+        into = max(number("depth", depth, unit="mm"), 0.0)
+        if self.m * into > LARGEST:
+            message = (
+                f"stiffening: expected m times depth of at most {LARGEST:g}, received "
+                f"{self.m:g} 1/mm times {into:g} mm; press less deep"
+            )
+            raise InputError(message)
         return self.b * into * float(exprel(self.m * into))
 
     @classmethod
@@ -92,7 +100,7 @@ def _check(depth: Array, force: Array) -> None:
     if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
         message = (
             "stiffening: expected as many forces as depths, two or more of them above 0, "
-            f"received {depth.shape} depths and {force.shape} forces"
+            f"received depths of shape {depth.shape} and forces of shape {force.shape}"
         )
         raise InputError(message)
     if not (np.isfinite(depth).all() and np.isfinite(force).all() and force.max() > 0):

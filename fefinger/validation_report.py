@@ -167,12 +167,13 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def _number(value: float | None, tolerance: float) -> str:
-    """Return a value with the digits that its tolerance can tell apart, six at most."""
+    """Return a value with the digits that its tolerance can tell apart, three at least."""
     if value is None:
         return "none"
     if not math.isfinite(value) or not tolerance > 0:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(tolerance))
     if digits <= 6:
-        return f"{value:.{max(digits, 0)}f}"
+        enough = abs(value) >= 10.0 ** (2 - digits)
+        return f"{value:.{max(digits, 0)}f}" if enough else f"{value:.3g}"
     return f"{value:.6g}" if abs(value) > tolerance else f"{value:.2g}"

@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, marks, page, pieces, quantities, section
-from fefinger.checks import choice
+from fefinger import figures, marks, page, pieces, quantities, section, stored
 from fefinger.neural.trains import FEW
-from fefinger.profiles import Plane
+from fefinger.profiles import Ellipsoid, Plane
+from fefinger.quantities import Span
 from fefinger.records import Array, Fields, Integers, Result
+from fefinger.titles import titles
 
 
 FRONT = "other half"
@@ -26,7 +27,8 @@ OUTER = ("skin", pieces.PAD, FRONT)
 LEVELS = 65535  # of a value on its range
 GRID = 61  # points along and across an indenter that is not plane
 REACH = 7.0  # mm of it to either side
-MAPS = (quantities.EVEN, quantities.DIVERGING, quantities.SKIN_DEEP, quantities.RATES)
+PRESSED = "pressure on the pad"  # which keeps its colors under another field
+RATED = Span(0.0, 1.0, quantities.RATES, "neither")
 
 
 @dataclass
@@ -56,25 +58,31 @@ def write(
     field: str = quantities.DEFAULT,
     time: float | None = None,
     limits: tuple[float, float] | None = None,
+    folders: Sequence[str] = (),
 ) -> None:
     """Write the page on one result, or several side by side, to the HTML file `path`.
 
     It opens with `field` at the stored time next to `time` s (by default of the first one's largest
     force); `limits` are those of the color bar of that field. Other fields get the range of all
-    results at all times. Raises InputError if a result has no fields or the field is unknown.
+    results at all times. Several stand under the names of their `folders`. Raises InputError if a
+    result has no fields, the field is unknown or the time is after the end.
     """
     shown = [results] if isinstance(results, Result) else list(results)
-    choice("field", field, quantities.FIELDS)
+    quantities.named("field", field)
     wholes = [_whole(result) for result in shown]
-    blob = Blob()
+    stored.check("time", shown, time)
+    heads, blob = titles(shown, folders), Blob()
+    spans = {
+        name: _span(wholes, name, limits if name == field else None) for name in quantities.FIELDS
+    } | {PRESSED: _span(wholes, "pressure", None)}
+    bars = {name: _bar(spans[name], name) for name in quantities.FIELDS}
     data = {
         "field": field,
         "time": section.peak_time(shown[0]) if time is None else time,
-        "scenes": [_scene(result, blob) for result in wholes],
-        "fields": {name: _span(wholes, name, limits if name == field else None)
-                   for name in quantities.FIELDS},
-        "pressure": _span(wholes, "pressure", None),
-        "maps": {name: _colors(name) for name in MAPS},
+        "scenes": [_scene(result, head, blob) for result, head in zip(wholes, heads, strict=True)],
+        "fields": bars,
+        "pressure": _bar(spans[PRESSED], "pressure"),
+        "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
         "rate": quantities.round_up(max(map(marks.highest_rate, wholes)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
@@ -82,7 +90,7 @@ def write(
     html = page.render(
         "viewer.html",
         title=", ".join(result.scene.name for result in shown),
-        fields=[(name, quantities.label(name), quantities.ABOUT[name]) for name in data["fields"]],
+        fields=[(name, quantities.label(name), quantities.ABOUT[name]) for name in bars],
         script=page.source("viewer.js"),
         data=page.raw(json.dumps(data).replace("<", "\\u003c")),
         blob=blob.text(),
@@ -99,10 +107,10 @@ def _whole(result: Result) -> Result:
     return replace(result, response=replace(result.response, fields=fields))
 
 
-def _span(results: Sequence[Result], name: str, limits: tuple[float, float] | None) -> Any:
-    """Return the color bar of a field over all results and times."""
+def _span(results: Sequence[Result], name: str, limits: tuple[float, float] | None) -> Span:
+    """Return the colors of a field over all results and times."""
     soft = [_soft(quantities.fields_of(result)) for result in results]
-    span = quantities.span(
+    return quantities.span(
         (
             quantities.values(result, name, frame)[inside]
             for result, inside in zip(results, soft, strict=True)
@@ -111,22 +119,30 @@ def _span(results: Sequence[Result], name: str, limits: tuple[float, float] | No
         name,
         limits,
     )
-    return span._asdict() | {"unit": quantities.unit(name)}
+
+
+def _bar(span: Span, name: str) -> dict[str, Any]:
+    """Return what the page knows of the color bar of a field."""
+    return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
+
+
+def _map(span: Span) -> str:
+    """Return what the page calls the colors of a bar: the name of the map, and the part of it."""
+    low, high = span.part
+    return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
 
 def _soft(fields: Fields) -> Any:
     return np.unique(fields.cells[fields.region != section.BONE])
 
 
-def _colors(name: str) -> list[int]:
-    """Return a color map as 256 times red, green and blue."""
-    from matplotlib import colormaps
-
-    table = colormaps[name](np.arange(256))[:, :3]
+def _colors(span: Span) -> list[int]:
+    """Return the colors of a bar as 256 times red, green and blue."""
+    table = span.map()(np.arange(quantities.SHADES))[:, :3]
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
-def _scene(result: Result, blob: Blob) -> dict[str, Any]:
+def _scene(result: Result, title: str, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
     fields = quantities.fields_of(result)
     mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
@@ -142,7 +158,8 @@ def _scene(result: Result, blob: Blob) -> dict[str, Any]:
     moved = [fields.points + shift for shift in fields.displacement]
     depth = np.interp(fields.times, result.time, result.depth)
     return {
-        "words": f"{result.scene.name}, {result.plan.mechanics} ({quantities.measure(result)})",
+        "title": title,
+        "words": f"{result.plan.mechanics} ({quantities.measure(result)})",
         "times": fields.times.tolist(),
         "depth": depth.tolist(),
         "force": _force(result, fields.times),
@@ -220,20 +237,25 @@ def _indenter(result: Result, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
     pose = section.pose(result, 0.0)
     count = 2 if isinstance(pose.profile, Plane) else GRID
-    line = np.linspace(-REACH, REACH, count)
+    line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
-    places = pose.places(across).reshape(-1, 3)
-    height = (places - pose.origin) @ pose.axis
+    reach = np.full(2, REACH)
+    if isinstance(pose.profile, Ellipsoid):  # a disk of the square, so that its rim is round
+        across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
+        reach = np.minimum(REACH, pose.profile.radii[:2])
+    places = pose.places(reach * across).reshape(-1, 3)
+    seen = np.asarray(np.isfinite(places).all(axis=1))
+    places = np.where(seen[:, None], places, 0.0)
+    seen &= (places - pose.origin) @ pose.axis > -REACH
     corner = np.arange(count * count).reshape(count, count)
     a, b, c, d = (corner[i : count - 1 + i, j : count - 1 + j].ravel() for i in (0, 1)
                   for j in (0, 1))  # fmt: skip
     triangles = np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
-    seen = np.isfinite(height) & (height > -REACH)
     triangles = triangles[seen[triangles].all(axis=1)]
     return {
-        "points": blob.add(np.where(np.isfinite(places), places, 0.0), "f4"),
+        "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles), "u4"),
+        "rim": blob.add(_rim(triangles) if isinstance(pose.profile, Plane) else [], "u4"),
         "axis": pose.axis.tolist(),
     }
 

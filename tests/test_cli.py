@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import tomllib
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
@@ -187,6 +188,45 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
         assert verdict in capsys.readouterr().out
 
 
+def test_validate_says_where_its_files_and_the_index_are(capsys, monkeypatch, tmp_path):
+    suites = pytest.importorskip("fefinger.validation.suites")
+    monkeypatch.setattr(suites, "run", lambda suites, **options: {})
+    told = [f"file  {tmp_path / 'validation'}.{kind}" for kind in ("json", "html")]
+    assert main(["validate", "--quick", "-o", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-2:] == told
+    (tmp_path / "index.html").write_text("")
+    assert main(["validate", "--quick", "-o", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-3:] == [*told, f"file  {tmp_path / 'index.html'}"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError()], ids=repr)
+def test_a_run_that_ends_early_leaves_no_empty_folder(monkeypatch, tmp_path, error):
+    def end(*args, **options):
+        raise error
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", end)
+    (tmp_path / "mine").mkdir()
+    for folder in ("new/deep", "mine"):
+        with suppress(MemoryError):
+            assert main(["run", "flat-press", "-o", str(tmp_path / folder)]) == 130
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+
+
+SIZE = ("--set", "finger.width=20")
+
+
+def test_a_subject_of_another_size_is_told(capsys, tmp_path):
+    said = "The finger is not that of subject a.h.: width 20 mm in place of 14 mm."
+    assert main(["explain", "flat-press", *SIZE]) == 0
+    assert capsys.readouterr().err.strip() == said
+    force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")
+    only = [word for each in force for word in ("--set", f"ask.{each}")]
+    assert main(["run", "flat-press", *only, *SIZE, "--mechanics", "lumped"]) == 0
+    assert said in capsys.readouterr().out
+    assert main(["explain", "flat-press", "--set", "finger.tissue=calibrated_ah"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, monkeypatch):
     suites = pytest.importorskip("fefinger.validation.suites")
     ran = []
@@ -215,10 +255,12 @@ def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     assert main([*command, "--field", "pressure", "--time", "0.5"]) == 0
     (((_, path), options),) = drawn
     assert path == picture
-    assert options == {"field": "pressure", "time": 0.5, "limits": None}
+    folders = (str(tmp_path / "out"),)
+    assert options == {"field": "pressure", "time": 0.5, "limits": None, "folders": folders}
     assert main([*command, "--time", "99"]) == 2
     assert (
-        "--time: expected a finite number in s at least 0 and at most 5" in capsys.readouterr().err
+        "--time: expected a time within the run, from 0 to 5 s, received 99 s"
+        in capsys.readouterr().err
     )
 
 
@@ -239,7 +281,7 @@ def test_ctrl_c_ends_a_run_with_130_and_leaves_nothing_behind(tmp_path, seconds)
         _, err = running.communicate(timeout=30)
     assert running.returncode == 130
     assert err.strip() == "interrupted; nothing was left half-written"
-    assert not out.exists() or not list(out.iterdir())
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["scenes"], ["scenes", "flat-press"]], ids=str)
@@ -266,6 +308,7 @@ def test_every_public_name_can_be_had_from_the_package():
     import fefinger
 
     assert {name for name in fefinger.__all__ if not hasattr(fefinger, name)} == set()
-    assert set(fefinger.__all__) <= set(dir(fefinger))
+    seen = [name for name in dir(fefinger) if not name.startswith("__")]
+    assert seen == fefinger.__all__
     with pytest.raises(AttributeError, match="no attribute 'Fingr'"):
         _ = fefinger.Fingr

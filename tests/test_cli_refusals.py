@@ -101,6 +101,46 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
 
 
 @pytest.mark.parametrize(
+    "option", ["--screenshot a.png", "--html a.html", "--movie a.gif"], ids=str
+)
+def test_a_folder_in_the_place_of_a_file_is_refused(
+    capsys, monkeypatch, tmp_path, synthetic, option
+):
+    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    monkeypatch.chdir(tmp_path)
+    name = option.split()[1]
+    (tmp_path / name).mkdir()
+    err = refused(capsys, ["view", "out", *option.split()])
+    assert f"expected a file, received the folder {name!r}" in err
+    assert not list((tmp_path / name).iterdir())
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "../a"])
+def test_a_name_of_files_is_no_path(capsys, monkeypatch, tmp_path, name):
+    suites = pytest.importorskip("fefinger.validation.suites")
+    monkeypatch.setattr(suites, "run", lambda *a, **k: pytest.fail("work began"))
+    err = refused(capsys, ["validate", "--quick", "--name", name, "-o", str(tmp_path)])
+    assert f"--name: expected a name of files, as validation, received {name!r}" in err
+
+
+@pytest.mark.parametrize("command", ["run", "explain", "mesh"])
+def test_an_empty_name_is_no_scene(capsys, command):
+    assert "scene: expected a TOML file or one of edge-press" in refused(capsys, [command, ""])
+
+
+@pytest.mark.parametrize(
+    "command", [["run", "flat-press"], ["validate"], ["fit", "a.csv"], ["study", "flat-press"]],
+    ids=str,
+)  # fmt: skip
+@pytest.mark.parametrize("path", ["", " "])
+def test_an_empty_path_is_no_folder(capsys, answered, command, path):
+    over = ("--over", "motion.depth=0.5,1") if command[0] == "study" else ()
+    err = refused(capsys, [*command, *over, "-o", path])
+    assert "output folder: expected a name, received an empty one" in err
+    assert not answered
+
+
+@pytest.mark.parametrize(
     ("arguments", "ending"),
     [
         (["view", "out", "--screenshot", "a.xyz"], ".png"),

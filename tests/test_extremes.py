@@ -240,6 +240,20 @@ def test_the_judge_sees_what_fails():
     assert ending(broken(lost=(np.inf, 1.0))).kind == "failed"
 
 
+def test_what_was_checked_is_told_with_its_numbers():
+    end = ending(broken(rising=(0.0, 1e-9), back=(1.23456e-4, 1e-3), finite=(0.0, 0.0)))
+    assert end.text == (
+        "off by rising 0 of 1e-09, back 0.000123 of 0.001, finite 0; nearest to its limit: back"
+    )
+    assert ending(broken()).text == "answered, but nothing was checked of it"
+
+
+def test_a_quick_look_has_a_scene_on_a_mesh_of_each_kind():
+    quick = [trial for trial in extremes.trials(quick=True) if trial.group in extremes_drawn.COUNTS]
+    assert {trial.group for trial in quick} == set(extremes_drawn.COUNTS) - {"layered"}
+    assert len(quick) < 100
+
+
 def raising(error: Exception):
     def ask():
         raise error

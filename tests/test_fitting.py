@@ -104,10 +104,11 @@ TABLES = {
     "outward": (lambda s: changed(s, 1, lambda x: -x), "change its sign"),
     "unsorted": (swap, r"line 103: expected a time above .* received an earlier time"),
     "repeated": (repeat, r"line 102: expected a time above .* received a repeated time"),
-    "few": (lambda s: s[:30], "at least 40 samples|duration"),
+    "few": (lambda s: s[:30], "at least 40 rows of a ramp and hold, received 30"),
     "coarse": (lambda s: s[::200], "ramp in contact: expected at least 20 samples"),
     "no hold": (lambda s: np.column_stack([s[:400, 0] * 5, s[:400, 1:]])[:330], "hold: expected"),
-    "still": (lambda s: changed(s, 1, lambda x: x * 0), "as if it were in m"),
+    "still": (lambda s: changed(s, 1, lambda x: x * 0), "position: expected numbers that change"),
+    "no force": (lambda s: changed(s, 2, lambda f: f * 0), "force: expected numbers that change"),
 }
 
 
@@ -134,6 +135,7 @@ TEXTS = {
     "no rows": (HEAD, "rows below, found none"),
     "no force": ("time,position\n0,1\n", r"one column 'force' \(N\) in the first line, found none"),
     "two forces": ("time,position,force_a,force_b\n0,1,2,3\n", "found 2: force_a, force_b"),
+    "one row": (f"{HEAD}\n0,1,2\n", "expected at least 40 rows of a ramp and hold, received 1"),
     "no header": ("0,1,2\n1,2,3\n", "one column 'time'"),
     "other unit": ("time_ms,position,force\n0,1,2\n", "column 'time_ms': expected time in s"),
     "unequal": (f"{HEAD}\n0,1,2\n1,2\n", "line 3: expected 3 values, received 2"),

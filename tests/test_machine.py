@@ -44,5 +44,12 @@ def test_a_record_that_is_not_of_this_machine_counts_as_none(text, monkeypatch):
 def test_without_a_cache_it_is_measured_again(monkeypatch, tmp_path):
     (tmp_path / "fefinger").write_text("a file in the way")
     monkeypatch.setattr(machine, "measure", lambda: 0.25)
+    monkeypatch.setattr(machine, "_unkept", {})
     assert machine.seconds() == 0.25
     assert machine.kept() is None
+    said = machine.sentence()
+    assert "takes 0.25 s" in said
+    assert f"measured again every time, as {machine.kept_path()} cannot be written: " in said
+    assert machine.slowness({"machine_seconds": 0.1}) == pytest.approx(2.5)
+    monkeypatch.setattr(machine, "measure", lambda: pytest.fail("measured twice"))
+    assert machine.seconds() == 0.25

@@ -242,8 +242,8 @@ def seen(rgb: Array, matrix: Array) -> Array:
 
 def test_what_the_end_colors_stand_for_is_said_where_values_lie_beyond():
     found = quantities.span([np.array([0.0, 50.0])], "compressive strain", (0.0, 40.0))
-    assert found.beyond("%") == "end of the colors: 40 % and more"
+    assert found.beyond("%") == "last color: 40 % and more"
     inside = quantities.span([np.array([0.0, 50.0])], "compressive strain", (0.0, 60.0))
     assert inside.beyond("%") == ""
     both = quantities.span([np.array([-9.0, 9.0])], "strain xx", (-5.0, 5.0))
-    assert both.beyond("%") == "end of the colors: at most -5 %, 5 % and more"
+    assert both.beyond("%") == "first color: -5 % and less, last color: 5 % and more"

@@ -1,5 +1,6 @@
 """A finger that is driven from a loop."""
 
+import copy
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -298,3 +299,31 @@ def test_the_force_asked_for_is_the_force_found(finger: Condensed) -> None:
 def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
     with pytest.raises(InputError, match="reaches their rim"):
         finger.step(3.0, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("refused", "words"),
+    [
+        (lambda f: f.step(3.0, 5e-3), "reaches their rim"),
+        (lambda f: f.step_contact(3.0, 5e-3), "reaches their rim"),
+        (lambda f: f.step_force(50.0, 5e-3), "reaches their rim"),
+    ],
+)
+def test_a_refused_step_leaves_the_finger_as_it_was(
+    finger: Condensed, refused: Callable, words: str
+) -> None:
+    finger.reset()
+    for depth in (0.3, 0.8):
+        before = copy.deepcopy(finger.step(depth, 5e-3))
+    with pytest.raises(InputError, match=words):
+        refused(finger)
+    for name in ("depth", "force", "contact_area", "x", "y", "pressure", "strain"):
+        np.testing.assert_array_equal(getattr(finger.now, name), getattr(before, name))
+    found = copy.deepcopy(finger.step(0.7, 5e-3))
+    finger.reset()
+    for depth in (0.3, 0.8, 0.7):
+        expected = finger.step(depth, 5e-3)
+    assert found.force == pytest.approx(expected.force, rel=1e-12)
+    scale = expected.pressure.max()
+    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-11 * scale)
+    np.testing.assert_allclose(found.strain, expected.strain, atol=1e-12)

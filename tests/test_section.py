@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fefinger import quantities, section
+from fefinger.profiles import Ellipsoid as Ball
 from fefinger.records import Result
 from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
 
@@ -79,3 +80,10 @@ def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic: Resu
     assert radius == pytest.approx(np.sqrt(25 - center[1] ** 2))
     far = pose._replace(origin=pose.origin + np.array([0.0, 20.0, 0.0]))
     assert len(far.outline(20.0)) == 0
+
+
+def test_a_ball_has_no_place_beside_it() -> None:
+    ball = section.Pose(np.zeros(3), np.array([0.0, 0.0, 1.0]), Ball((2.0, 2.0, 2.0)))
+    places = ball.places(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]))
+    np.testing.assert_allclose(places[:2, 2], [0.0, np.sqrt(3) - 2])
+    assert np.isinf(places[2]).all()

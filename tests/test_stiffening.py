@@ -77,3 +77,29 @@ def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
 def test_what_cannot_be_fitted_gets_a_sentence(depths: list, forces: list, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Stiffening.fitted(FINGER, depths, forces)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ((0.0, 1.0), "stiffening.b: expected a finite number in 1/mm above 0"),
+        ((-0.1, 1.0), "stiffening.b"),
+        ((np.nan, 1.0), "stiffening.b"),
+        ((np.inf, 1.0), "stiffening.b"),
+        ((0.1, -1e-9), "stiffening.m: expected a finite number in 1/mm at least 0"),
+        ((0.1, np.nan), "stiffening.m"),
+        ((0.1, np.inf), "stiffening.m"),
+        ((0.1, 1.0, np.nan), "stiffening.misfit"),
+    ],
+)
+def test_parameters_that_are_none_get_a_sentence(numbers: tuple, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Stiffening(*numbers)
+
+
+def test_a_depth_without_a_t_gets_a_sentence() -> None:
+    with pytest.raises(InputError, match="depth: expected a finite number"):
+        Stiffening(0.1, 1.0)(np.nan)
+    with pytest.raises(InputError, match="m times depth of at most 600"):
+        Stiffening(0.1, 1000.0)(2.0)
+    assert Stiffening(0.1, 1000.0)(-2.0) == 0.0

@@ -1,6 +1,7 @@
 """Pictures come out where a renderer exists, and a sentence where none does."""
 
 import dataclasses
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import films, quantities, section, view
+from fefinger import films, quantities, section, stored, view, webview
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Result
+from fefinger.scene import Flat, Sinusoid, Sphere
+from fefinger.titles import titles
 from fefinger.view import pictures, renderer, stage, window
 from fefinger.view.subject import colors, subject
 
@@ -107,7 +110,7 @@ def test_a_rendered_section_looks_like_the_one_of_matplotlib(
 def test_a_view_in_space_shows_something(synthetic: Result, tmp_path: Path, field: str) -> None:
     view.screenshot(synthetic, tmp_path / "a.png", field, 0.0)
     drawn = picture(tmp_path / "a.png")
-    assert drawn.shape == (pictures.SIZE[1], pictures.SIZE[0], 3)
+    assert drawn.shape == (*pictures.size(1)[::-1], 3)
     assert 0.05 < (drawn.min(axis=2) < 0.98).mean() < 0.9
 
 
@@ -117,13 +120,84 @@ def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_
     strong, weak = (colors([each], "tensile strain") for each in both)
     assert weak.high < 0.6 * strong.high
     assert colors(both, "tensile strain") == strong
-    plotter = renderer.plotter((400, 200), 2)
+    plotter = renderer.plotter((400, 200), 2, aside=60)
     stages = pictures.compose(plotter, [synthetic, weaker], "tensile strain")
     assert [each.scales.field for each in stages] == [strong, strong]
     assert next(iter(plotter.scalar_bars.keys())).split() == ["tensile", "strain", "/", "%"]
     plotter.close()
     view.screenshot([synthetic, weaker], tmp_path / "a.png", "tensile strain", limits=(0, 3))
-    assert picture(tmp_path / "a.png").shape[1] == 2 * pictures.SIZE[0]
+    assert picture(tmp_path / "a.png").shape[1] == pictures.size(2)[0]
+
+
+@needs_renderer
+def test_bars_of_all_panels_stand_beside_them_once(synthetic: Result, tmp_path: Path) -> None:
+    silent = dataclasses.replace(synthetic, spikes=None)
+    plotter = renderer.plotter((600, 200), 2, aside=100)
+    stages = pictures.compose(plotter, [synthetic, silent], "tensile strain")
+    named = [" ".join(title.split()) for title in plotter.scalar_bars.keys()]
+    assert named == ["tensile strain / %", "pressure / kPa", "rate / Hz"]
+    drawn = plotter.renderers[2].actors.values()
+    assert all(bar in drawn for bar in plotter.scalar_bars.values())
+    highest = [each.scales for each in stages]
+    assert highest[0] == highest[1]
+    for each in stages:
+        each.show("rates", False)
+    assert [bar.GetVisibility() for bar in plotter.scalar_bars.values()] == [1, 1, 0]
+    plotter.close()
+
+
+@needs_renderer
+def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(
+    controls: window.Controls,
+) -> None:
+    (shown,) = controls.stages
+    lines = next(
+        prop.actor.mapper.dataset
+        for prop in shown.props
+        if prop.needs == ("end organs",) and prop.actor.GetClassName() == "vtkOpenGLActor"
+        and getattr(prop.actor.mapper.dataset, "n_lines", 0) == 4
+    )  # fmt: skip
+    column = lines.points[4:]
+    assert column[:, 2].min() > shown.shown.fields.points[:, 2].max()
+    assert np.abs(np.diff(np.sort(column[:, 2]))).min() > 1.0
+
+
+def turned(result: Result, angle: float) -> Result:
+    scene = dataclasses.replace(result.scene, indenter=Flat(angle))
+    return dataclasses.replace(result, scene=scene)
+
+
+def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result) -> None:
+    both = [turned(synthetic, angle) for angle in (30.0, 20.0)]
+    name = synthetic.scene.name
+    assert titles(both, ["runs/a", "runs/b/result.nc"]) == (
+        f"a: {name}, indenter.angle 30",
+        f"b: {name}, indenter.angle 20",
+    )
+    assert titles(both) == (f"{name}, indenter.angle 30", f"{name}, indenter.angle 20")
+    assert titles(both[:1], ["runs/a"]) == (name,)
+    slow = dataclasses.replace(both[0].scene, motion=Sinusoid(0.3, 5.0, 2))
+    other = [both[1], dataclasses.replace(both[0], scene=slow)]
+    assert titles(other)[1] == f"{name}, indenter.angle 30, motion.kind sinusoid"
+    faces = [dataclasses.replace(each, scene=dataclasses.replace(each.scene, indenter=indenter))
+             for each, indenter in zip(both, (Sphere(3.0), Flat(10.0)), strict=True)]  # fmt: skip
+    assert titles(faces)[0] == f"{name}, indenter.kind sphere"
+    wide = dataclasses.replace(both[0].scene.finger, width=15, thickness=9, pad_radius=12)
+    bare = dataclasses.replace(both[1].scene, finger=wide)
+    far = titles([both[0], dataclasses.replace(both[1], scene=bare)])
+    assert all(re.search(r", \d more$", title) for title in far)
+
+
+@needs_renderer
+def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
+    plotter = renderer.plotter((600, 200), 2, aside=100)
+    both = [synthetic, turned(synthetic, 21.0)]
+    stages = pictures.compose(plotter, both, "pressure", folders=("first", "second"))
+    heads = [stage.words().split("\n")[0] for stage in stages]
+    assert heads[0].startswith("first: ")
+    assert heads[1].startswith("second: ")
+    assert heads[1].endswith("indenter.angle 21")
+    plotter.close()
 
 
 @pytest.fixture
@@ -139,7 +213,7 @@ def weaker(synthetic: Result) -> Result:
 @pytest.fixture
 def controls(synthetic: Result) -> Iterator[window.Controls]:
     """Return the window's controls on an off-screen plotter."""
-    plotter = renderer.plotter((300, 200))
+    plotter = renderer.plotter((400, 200), aside=100)
     yield window.Controls(plotter, [synthetic], "compressive strain")
     plotter.close()
 
@@ -233,8 +307,23 @@ def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path)
     view.movie(synthetic, tmp_path / "a.gif", "pressure")
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames >= 3
-        assert film.size == pictures.SIZE
+        assert film.size == pictures.size(1)
     assert [path.name for path in tmp_path.iterdir()] == ["a.gif"]
+
+
+def test_a_gif_has_no_bands(tmp_path: Path) -> None:
+    """Three maps and their shades: 256 colors have to be mixed."""
+    from matplotlib import colormaps
+
+    value, shade = np.meshgrid(np.linspace(0, 1, 240), np.linspace(0.7, 1.0, 40))
+    maps = [colormaps[name](value)[..., :3] for name in ("viridis", "OrRd", "plasma")]
+    picture = np.concatenate([np.round(255 * shade[..., None] * each) for each in maps])
+    picture = picture.astype(np.uint8)
+    films.write(tmp_path / "a.gif", iter([picture] * 2), 8)
+    with Image.open(tmp_path / "a.gif") as film:
+        back = np.asarray(film.convert("RGB"), float)
+    off = (back - picture).reshape(15, 8, 30, 8, 3).mean(axis=(1, 3))
+    assert np.sqrt(np.mean(off**2)) < 1.0
 
 
 def test_an_mp4_needs_its_extra(
@@ -308,7 +397,12 @@ def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixtu
     ("words", "said"),
     [
         (["--field", "stress"], "--field: expected one of 'compressive strain', 'tensile strain'"),
-        (["--time", "99"], "--time: expected a finite number in s at least 0 and at most 5"),
+        (["--field", "SED"], "Did you mean 'elastic strain energy' or 'relaxed strain energy'?"),
+        (["--field", "Compressive Strain"], "Did you mean 'compressive strain'?"),
+        (["--field", "von_mises"], "Did you mean 'von Mises strain'?"),
+        (["--time", "99"], "--time: expected a time within the run, from 0 to 5 s, received 99 s"),
+        (["--time", "-1"], "--time: expected a finite number in s at least 0, received -1"),
+        (["--time", "nan"], "--time: expected a finite number in s at least 0, received nan"),
         (["--limits", "3"], "--limits: expected LOW:HIGH, such as 0:30, received '3'"),
         (["--movie", "a.avi"], "--movie: expected a file that ends in .gif or .mp4"),
     ],
@@ -318,3 +412,50 @@ def test_the_command_refuses_in_a_sentence(
 ) -> None:
     assert main(["view", "out", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_the_command_says_which_time_is_shown(
+    saved: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fields = saved.fields
+    assert fields is not None
+    page = ["--html", str(tmp_path / "a.html")]
+    assert main(["view", "out", "--time", "2.4", *page]) == 0
+    assert capsys.readouterr().err == (
+        f"out: shown at {fields.times[1]:.6g} s, the nearest to 2.4 s of its 3 stored times\n"
+    )
+    assert main(["view", "out", "--time", str(fields.times[1]), *page]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("draw", [view.screenshot, webview.write])
+def test_a_time_after_the_end_is_refused(
+    synthetic: Result, tmp_path: Path, draw: Callable[..., Any]
+) -> None:
+    with pytest.raises(InputError, match="time: expected a time within the run, from 0 to 5 s"):
+        draw(synthetic, tmp_path / "a.png", time=99.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_time_a_step_after_the_end_is_that_of_the_end(synthetic: Result) -> None:
+    step = synthetic.time[-1] - synthetic.time[-2]
+    stored.check("time", [synthetic], synthetic.time[-1] + 0.9 * step)
+    assert "the last of its 3" in stored.told([synthetic], ["out"], 5.0 + 0.5 * step)[0]
+
+
+@pytest.mark.parametrize("limits", [(-2.0, 6.0), (-6.0, 2.0), (-3.0, 3.0), (0.0, 5.0)])
+def test_zero_has_the_middle_color_whatever_the_limits(limits: tuple[float, float]) -> None:
+    from matplotlib import colormaps
+
+    shown = quantities.span([np.array([-9.0, 9.0])], "strain zz", limits)
+    zero = (0.0 - shown.low) / (shown.high - shown.low)
+    middle = colormaps[quantities.DIVERGING](0.5)
+    assert shown.map()(zero) == pytest.approx(middle, abs=0.02)
+    largest = 1.0 if limits[1] >= -limits[0] else 0.0
+    assert shown.map()(largest) == pytest.approx(colormaps[quantities.DIVERGING](largest))
+
+
+def test_limits_on_one_side_of_zero_take_the_even_map() -> None:
+    shown = quantities.span([np.array([-9.0, 9.0])], "strain zz", (2.0, 6.0))
+    assert shown.colors == quantities.EVEN
+    assert shown.beyond("%") == "first color: 2 % and less, last color: 6 % and more"

@@ -14,7 +14,7 @@ import pytest
 from fefinger import pieces, quantities, section, webview
 from fefinger.checks import InputError
 from fefinger.records import Result
-from fefinger.scene import Grating
+from fefinger.scene import Flat, Grating, Sphere
 
 
 def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:
@@ -81,12 +81,19 @@ def test_compared_results_have_one_scale_and_limits_are_kept(
     response = dataclasses.replace(synthetic.response, fields=fields)
     strong = dataclasses.replace(synthetic, response=response)
     _, alone, _ = page(synthetic, tmp_path)
-    _, both, _ = page([synthetic, strong], tmp_path, field="strain zz", limits=(-4.0, 6.0))
+    _, both, _ = page([synthetic, strong], tmp_path, field="strain zz", limits=(-4.0, 6.0),
+                         folders=("one", "two"))  # fmt: skip
     assert len(both["scenes"]) == 2
     assert both["fields"]["tensile strain"]["high"] > 2 * alone["fields"]["tensile strain"]["high"]
     chosen = both["fields"]["strain zz"]
     assert (chosen["low"], chosen["high"], chosen["unit"]) == (-4.0, 6.0, "%")
     assert both["field"] == "strain zz"
+    # Zero keeps the middle color: of the map, the page holds the part from -4 to 6 of -6 to 6.
+    colors = np.array(both["maps"][chosen["colors"]]).reshape(-1, 3)
+    symmetric = np.array(both["maps"]["coolwarm"]).reshape(-1, 3)
+    assert np.abs(colors[round(0.4 * 255)] - symmetric[127]).max() <= 3
+    assert np.abs(colors[-1] - symmetric[-1]).max() == 0
+    assert [scene["title"].split(":")[0] for scene in both["scenes"]] == ["one", "two"]
 
 
 def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_path: Path) -> None:
@@ -114,3 +121,20 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic: Result, tmp_pa
     with pytest.raises(InputError, match="Did you mean 'pressure'"):
         webview.write(synthetic, tmp_path / "a.html", field="presure")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_ball_is_drawn_round_and_a_plate_with_its_rim(
+    synthetic: Result, tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    for indenter, rim in ((Sphere(3.0), 0), (Flat(30.0), 8)):
+        scene = dataclasses.replace(synthetic.scene, indenter=indenter)
+        _, record, blob = page(dataclasses.replace(synthetic, scene=scene), tmp_path)
+        shown = record["scenes"][0]["indenter"]
+        assert shown["rim"]["count"] == rim
+        if rim == 0:
+            points = read(blob, shown["points"]).reshape(-1, 3)
+            center = np.array([0.0, 0.0, 0.0]) - 3.0 * np.array(shown["axis"])
+            away = np.linalg.norm(points - center, axis=1)
+            np.testing.assert_allclose(away, 3.0, rtol=1e-5)
+            assert shown["triangles"]["count"] == 3 * 2 * (webview.GRID - 1) ** 2
+    assert not recwarn.list

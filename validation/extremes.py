@@ -44,14 +44,22 @@ SOURCES = {
 EVERY = 3
 """Of the trials of QUICK, one in so many is for a quick look."""
 
+MESHED = (
+    ("linear", "time step", "a jump to 0.6 mm"),
+    ("condensed", "time step", "a jump to 0.6 mm"),
+    ("solid", "finite strain", "at 1e4 mm/s"),
+)
+"""Group, edge and name of those on a mesh, the coarse one, that a quick look takes too."""
+
 
 def trials(*, quick: bool) -> tuple[Trial, ...]:
-    """Return all trials; `quick` takes some of those that take milliseconds."""
+    """Return all trials; `quick` takes some of those that take milliseconds, and MESHED."""
     every = tuple(trial for part in PARTS for trial in part())
     if not quick:
         return every
     fast = [trial for trial in every if trial.group in QUICK and trial.edge not in SLOW]
-    return tuple(fast[::EVERY])
+    meshed = [trial for trial in every if (trial.group, trial.edge, trial.name) in MESHED]
+    return (*fast[::EVERY], *meshed)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

@@ -96,14 +96,22 @@ def _run(trial: Trial) -> Ending:
 
 
 def _judged(findings: Findings) -> Ending:
+    if not findings:
+        return Ending(FAILED, WORST, "answered, but nothing was checked of it")
     ratios = {name: _ratio(*found) for name, found in findings.items()}
     worst = max(ratios, key=ratios.__getitem__)
     kind: Kind = ANSWERED if ratios[worst] <= 1 else FAILED
-    text = f"with {', '.join(ratios)}; nearest to its limit: {worst}"
+    checked = ", ".join(f"{name} {_said(*found)}" for name, found in findings.items())
+    text = f"off by {checked}; nearest to its limit: {worst}"
     if kind == FAILED:
         value, limit = findings[worst]
         text = f"answered, but {worst}: {value:.3g} > {limit:.3g}"
     return Ending(kind, ratios[worst], text)
+
+
+def _said(violation: float, limit: float) -> str:
+    """Return a violation with the most that it may be, unless that is nothing."""
+    return f"{violation:.3g} of {limit:.3g}" if limit else f"{violation:.3g}"
 
 
 def _ratio(violation: float, limit: float) -> float:

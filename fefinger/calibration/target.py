@@ -163,7 +163,7 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     InputError
         As `fitting.read`, or where the indenter never comes back.
     """
-    time, position, force = fitting.read(file)
+    time, position, force = fitting.read(file, fewest=FEWEST, of="a motion to predict")
     top = int(np.argmax(position))
     way = float(position[top] - position[0])
     back = float(position[top] - position[top:].min())

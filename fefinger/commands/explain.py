@@ -16,8 +16,12 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     With how well and how fast it would, and why the others would not.
     """
     from fefinger import plan, scenes
+    from fefinger.finger import own
 
-    found = plan.explain(scenes.load(scene, scenes.settings(changes)))
+    asked = scenes.load(scene, scenes.settings(changes))
+    for sentence in own(asked.finger):
+        click.echo(sentence, err=True)
+    found = plan.explain(asked)
     if as_json:
         console.print_json(console.plan_record(found))
     else:

@@ -16,12 +16,12 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
 
     DATA.csv has the columns time (s), position (mm) and force (N).
     """
+    from fefinger import files as outputs
     from fefinger import fitting
-    from fefinger.files import output_folder
 
-    folder = None if output is None else output_folder(output)
-    found = fitting.fit(data, terms=terms)
-    files = [] if folder is None else fitting.save(found, folder)
+    with outputs.output(output) as folder:
+        found = fitting.fit(data, terms=terms)
+        files = [] if folder is None else fitting.save(found, folder)
     if as_json:
         console.print_json(fitting.record(found) | {"files": files})
     else:

@@ -15,8 +15,9 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     Pressure, strain in the medial section and spikes as they are computed. The first time, the
     finger is condensed, which takes about a minute.
     """
+    from fefinger import films
     from fefinger import live as shows
-    from fefinger.files import output_folder
+    from fefinger.files import output_file
     from fefinger.finger import Finger
     from fefinger.live_window import watch
 
@@ -24,7 +25,8 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     if output is None:
         last = watch(finger)
     else:
-        output_folder(Path(output).parent)
+        films.check(output, "-o")
+        output_file(output, "-o")
         last = shows.record(finger, Path(output))
     click.echo(
         f"{last.steps} steps of {1e3 * shows.DT:g} ms at {last.rate:.0f} steps/s, "

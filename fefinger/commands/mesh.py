@@ -1,7 +1,5 @@
 """`fefinger mesh`: build, check and draw a finger mesh."""
 
-from pathlib import Path
-
 import click
 
 from fefinger import console
@@ -28,16 +26,15 @@ def mesh(
     Takes the ready mesh of the finger of SCENE if there is one.
     """
     from fefinger import scenes
-    from fefinger.files import check_ending, output_folder
+    from fefinger.files import output_file
     from fefinger.mesh import files, quality
     from fefinger.mesh.ready import ready
 
     finger = scenes.load(scene, scenes.settings(changes)).finger
+    if output is not None:
+        output_file(output, "-o", ".vtu")
     if picture is not None:
-        check_ending(picture, "--picture", ".png")
-    for path in (output, picture):
-        if path is not None:
-            output_folder(Path(path).parent)
+        output_file(picture, "--picture", ".png")
     built = ready(finger, half=not whole, progress=lambda line: click.echo(line, err=True))
     quality.gate(built.quality)
     if output is not None:

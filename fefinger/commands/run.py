@@ -19,30 +19,26 @@ def run(
     scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
 ) -> None:
     """Answer SCENE: force, pressure, strain and spikes."""
-    from fefinger import scenes
+    from fefinger import files, scenes
     from fefinger.run import run as answer
     from fefinger.waves import quasistatic
 
     asked = scenes.load(scene, scenes.settings(changes))
-    if output is not None:
-        from fefinger.files import output_folder
-
-        output_folder(output)
-    with console.progress() as report:
+    with files.output(output), console.progress() as report:
         try:
             result = answer(asked, mechanics=mechanics, progress=report)
         except Stopped as stop:
             if output is not None:
                 click.echo(f"kept: {', '.join(stop.reached.save(output))}", err=True)
             raise
-        seconds, files = dict(result.seconds), []
+        seconds, written = dict(result.seconds), list[str]()
         if output is not None:
             started = time.perf_counter()
-            files = result.save(output)
+            written = result.save(output)
             seconds["save"] = time.perf_counter() - started
     for warning in quasistatic(asked, result.time, result.depth):
         click.echo(warning, err=True)
     if as_json:
-        console.print_json(console.run_record(result, seconds, files))
+        console.print_json(console.run_record(result, seconds, written))
     else:
-        click.echo(console.run_summary(result, seconds, files))
+        click.echo(console.run_summary(result, seconds, written))

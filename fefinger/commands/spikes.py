@@ -31,13 +31,13 @@ def spikes(
     Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
     stretch of the skin for SAII and FAI.
     """
+    from fefinger import files as outputs
     from fefinger import spikes as series
-    from fefinger.files import output_folder
 
     signals = series.read(source)
-    folder = None if output is None else output_folder(output)
-    trains = series.fire(signals, types, length=length, corners=corners, tolerance=tolerance)
-    files = [] if folder is None else series.save(trains, folder)
+    with outputs.output(output) as folder:
+        trains = series.fire(signals, types, length=length, corners=corners, tolerance=tolerance)
+        files = [] if folder is None else series.save(trains, folder)
     record = console.spikes_record(trains, files)
     if as_json:
         console.print_json(record)

@@ -1,8 +1,12 @@
 """`fefinger validate`: compare with theory and published numbers."""
 
+from pathlib import Path
+from typing import Any
+
 import click
 
 from fefinger import console
+from fefinger.checks import InputError
 from fefinger.commands.options import DONE, FAILED, json_option, output_option, silent
 
 
@@ -24,33 +28,44 @@ def validate(
     """Compare with theory and published numbers.
 
     Runs the SUITES named, or all but the long ones (--all: those too; --quick: all, in seconds).
-    An index.html in the folder is brought up to date.
+    If DIR has an index.html, of all that was validated there, it is brought up to date.
     """
-    from fefinger.files import output_folder
+    from fefinger import files
     from fefinger.validation import suites as known
 
-    folder = None if output is None else output_folder(output)
-    for suite in known.left_out(suites, quick=quick, every=every):
-        said = f"{suite} is left out, because it takes {known.LONG[suite]}"
-        click.echo(f"{said}: name it, or give --all.", err=True)
-    with console.progress() as report:
-        outcomes = known.run(suites, quick=quick, every=every, progress=report or silent)
-    record = known.as_json(outcomes)
-    if folder is not None:
-        from fefinger import validation_report
-        from fefinger.validation import index
-        from fefinger.validation.provenance import provenance
-
-        pictures, findings = known.figures(record), known.findings(record)
-        options = {"--quick": quick, "--all": every}
-        words = ["fefinger validate", *suites, *(key for key, given in options.items() if given)]
-        made = provenance(" ".join(words))
-        validation_report.save(record, folder, pictures, made, name, findings)
-        if (folder / "index.html").exists():
-            index.write(folder)
+    if not name.strip() or Path(name).name != name:
+        message = f"--name: expected a name of files, as validation, received {name!r}"
+        raise InputError(message)
+    written: list[str] = []
+    with files.output(output) as folder:
+        for suite in known.left_out(suites, quick=quick, every=every):
+            said = f"{suite} is left out, because it takes {known.LONG[suite]}"
+            click.echo(f"{said}: name it, or give --all.", err=True)
+        with console.progress() as report:
+            outcomes = known.run(suites, quick=quick, every=every, progress=report or silent)
+        record = known.as_json(outcomes)
+        if folder is not None:
+            options = {"--quick": quick, "--all": every}
+            words = [*suites, *(key for key, given in options.items() if given)]
+            written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
     if as_json:
         console.print_json(record)
     else:
-        click.echo(console.validation_summary(record))
+        click.echo("\n".join([console.validation_summary(record), *written]))
     verdicts = {case["verdict"] for suite in record["suites"] for case in suite["cases"]}
     return FAILED if "fail" in verdicts else DONE
+
+
+def _save(record: dict[str, Any], folder: Path, name: str, command: str) -> list[str]:
+    """Write the record and its page, and return a line for each file, also of the index."""
+    from fefinger import validation_report
+    from fefinger.validation import index, suites
+    from fefinger.validation.provenance import provenance
+
+    pictures, findings = suites.figures(record), suites.findings(record)
+    made = provenance(command)
+    validation_report.save(record, folder, pictures, made, name, findings)
+    files = [folder / f"{name}.json", folder / f"{name}.html"]
+    if (folder / "index.html").exists():
+        files.append(index.write(folder))
+    return [f"file  {file}" for file in files]

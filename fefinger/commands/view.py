@@ -1,6 +1,6 @@
 """`fefinger view`: look at the strain or the pressure in DIR."""
 
-from pathlib import Path
+from typing import Any
 
 import click
 
@@ -27,34 +27,40 @@ def view(
     DIR is a folder that `fefinger run -o` wrote; several stand side by side with the same colors.
     Without --screenshot, --movie or --html a window opens.
     """
-    from fefinger import quantities, webview
+    from fefinger import films, quantities, stored, webview
     from fefinger import view as pictures
-    from fefinger.checks import choice, number
-    from fefinger.files import check_ending, load, output_folder
+    from fefinger.files import check_ending, load, output_file
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
         return
-    shown = choice("--field", quantities.DEFAULT if field is None else field, quantities.FIELDS)
-    for path, option, ending in ((screenshot, "--screenshot", ".png"), (html, "--html", ".html")):
-        if path is not None:
-            check_ending(path, option, ending)
+    shown = quantities.named("--field", quantities.DEFAULT if field is None else field)
+    wanted = {"--screenshot": screenshot, "--movie": movie, "--html": html}
+    files = {option: path for option, path in wanted.items() if path is not None}
+    for option, ending in (("--screenshot", ".png"), ("--html", ".html")):
+        if option in files:
+            check_ending(files[option], option, ending)
+    if movie is not None:
+        films.check(movie, "--movie")
     span = None if limits is None else quantities.limits(limits)
     results = [load(folder) for folder in folders]
-    for result in results:
+    for folder, result in zip(folders, results, strict=True):
+        if result.fields is None:
+            click.echo(f"{folder} has nothing to view:", err=True)
         quantities.fields_of(result)
-    if at is not None:
-        last = max(float(result.time[-1]) for result in results)
-        number("--time", at, at_least=0, at_most=last, unit="s")
-    for path in filter(None, (screenshot, movie, html)):
-        output_folder(Path(path).parent)
+    stored.check("--time", results, at)
+    for sentence in [] if at is None else stored.told(results, folders, at):
+        click.echo(sentence, err=True)
+    for option, path in files.items():
+        output_file(path, option)
+    how: dict[str, Any] = {"field": shown, "limits": span, "folders": folders}
     if screenshot is not None:
-        pictures.screenshot(results, screenshot, field=shown, time=at, limits=span)
+        pictures.screenshot(results, screenshot, time=at, **how)
     if movie is not None:
-        pictures.movie(results, movie, field=shown, limits=span)
+        pictures.movie(results, movie, **how)
     if html is not None:
-        webview.write(results, html, field=shown, time=at, limits=span)
-    for path in filter(None, (screenshot, movie, html)):
+        webview.write(results, html, time=at, **how)
+    for path in files.values():
         click.echo(path)
-    if not (screenshot or movie or html):
-        pictures.show(results, field=shown, time=at, limits=span)
+    if not files:
+        pictures.show(results, time=at, **how)

@@ -25,7 +25,7 @@ RESIDUAL = 1e-13  # of the largest offset, above which a solution is refined
 FALLING = 0.05  # what has to be left of a residual, or H is made anew
 REFINED = 1e-10  # of the largest offset: a residual that no longer falls from there is a failure
 
-DONE, ENDLESS, SINGULAR, MISSED = 0, 1, 2, 3
+DONE, ENDLESS, SINGULAR, MISSED, BEYOND = 0, 1, 2, 3, 4
 
 K, SOLVED, ROUNDS, EXCHANGED, REBUILT = 0, 1, 2, 3, 4
 """Places in `Active.counts`: active vertices; solutions, rounds of exchange in them and vertices
@@ -37,7 +37,8 @@ class Active(NamedTuple):
 
     flexibility (n, n); inverse (n, n), the leading block of which is H; where (n,) the active
     vertices in the order of H, place (n,) where in it a vertex stands or -1; x and moved = F x
-    (n,); wrong (n,) marks; work (2, n); counts (5,).
+    (n,); wrong (n,) marks; work (2, n); counts (5,); held and stood (2, n), x and moved, where and
+    place as `hold` found them.
     """
 
     flexibility: Array
@@ -49,6 +50,8 @@ class Active(NamedTuple):
     wrong: Integers
     work: Array
     counts: Integers
+    held: Array
+    stood: Integers
 
 
 def active(flexibility: Array) -> Active:
@@ -64,6 +67,8 @@ def active(flexibility: Array) -> Active:
         wrong=np.zeros(n, dtype=np.int64),
         work=np.zeros((2, n)),
         counts=np.zeros(5, dtype=np.int64),
+        held=np.zeros((2, n)),
+        stood=np.zeros((2, n), dtype=np.int64),
     )
 
 
@@ -167,6 +172,23 @@ def _rebuild(s: Active) -> bool:
         if not _join(s, s.where[i]):
             return False
     return True
+
+
+@njit(cache=True)
+def hold(s: Active) -> int:
+    """Note the present solution, and return how many vertices are active in it."""
+    s.held[0], s.held[1] = s.x, s.moved
+    s.stood[0], s.stood[1] = s.where, s.place
+    return s.counts[K]
+
+
+@njit(cache=True)
+def restore(s: Active, active: int) -> None:
+    """Return to the solution that `hold` noted; H is made anew, as it may have lost vertices."""
+    s.where[:], s.place[:] = s.stood[0], s.stood[1]
+    s.counts[K] = active
+    _rebuild(s)
+    s.x[:], s.moved[:] = s.held[0], s.held[1]
 
 
 @njit(cache=True)

@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import active as contact
-from fefinger.fem.active import CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active, Floats
+from fefinger.fem.active import BEYOND, CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active, Floats
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH
@@ -70,18 +70,17 @@ def memory(
     )
 
 
-FORCE, AREA, X, Y, RIM = 0, 1, 2, 3, 4
-"""Places in `Output.summary`: mN, mm² of pressed vertices, center of pressure in mm, vertices
-pressed on the rim."""
+FORCE, AREA, X, Y = 0, 1, 2, 3
+"""Places in `Output.summary`: mN, mm² of pressed vertices, center of pressure in mm."""
 
 
 class Output(NamedTuple):
     """What is read off the pad after a step.
 
-    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, rim (n,) whether
-    contact there is more than the patch can answer; elastic (n,) kPa the pressure q of the linear
+    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, rim (n,) where
+    contact is more than the patch can answer; elastic (n,) kPa the pressure q of the linear
     body; rows (n, n_strains) the strains under unit pressures, of either precision, chosen (n,) and
-    factor (n,) those that count; strain (n_strains,); summary (5,).
+    factor (n,) those that count; strain (n_strains,); summary (4,).
     """
 
     areas: Array
@@ -98,7 +97,7 @@ class Output(NamedTuple):
 @njit(cache=True)
 def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
     """Bring the output up to date."""
-    force = area = weight = x = y = rim = 0.0
+    force = area = weight = x = y = 0.0
     k = 0
     for j in range(len(s.x)):
         pressure = s.x[j]
@@ -108,7 +107,6 @@ def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
             weight += out.areas[j] * pressure
             x += out.moments[0, j] * pressure
             y += out.moments[1, j] * pressure
-            rim += out.rim[j]
         out.elastic[j] = m.elastic[j] / stiffening
         if m.elastic[j] != 0.0:
             out.chosen[k] = j
@@ -117,7 +115,7 @@ def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
     out.strain[:] = 0.0
     contact.accumulate(out.strain, out.rows, out.chosen, out.factor, k)
     summary = out.summary
-    summary[FORCE], summary[AREA], summary[RIM] = force, area, rim
+    summary[FORCE], summary[AREA] = force, area
     summary[X] = x / weight if weight > 0.0 else np.nan
     summary[Y] = y / weight if weight > 0.0 else np.nan
 
@@ -126,11 +124,20 @@ def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
 def advance(
     s: Active, m: Memory, out: Output, dt: float, target: float, by_force: bool, stiffening: float
 ) -> int:
-    """Step, and read; return DONE or what failed."""
-    failed = step(s, m, dt, target, by_force, stiffening)
-    if failed == DONE:
-        read(s, m, out, stiffening)
-    return failed
+    """Step, and read; return DONE or what failed, with all as it was before the step."""
+    active, depth = contact.hold(s), m.depth[0]
+    g = recall(m, dt)
+    failed = _find(s, m, g, target, by_force, stiffening)
+    for j in range(len(s.x)):
+        if failed == DONE and out.rim[j] and s.x[j] > 0.0:
+            failed = BEYOND
+    if failed != DONE:
+        contact.restore(s, active)
+        m.depth[0] = depth
+        return failed
+    remember(m, s.x, s.moved, dt, g)
+    read(s, m, out, stiffening)
+    return DONE
 
 
 @njit(cache=True)
@@ -150,14 +157,19 @@ def step(s: Active, m: Memory, dt: float, target: float, by_force: bool, stiffen
     `stiffening` is t at the end of the step; the contact pressure is then in s.x, t q in m.elastic.
     """
     g = recall(m, dt)
-    if by_force:
-        failed = _reach(s, m, g, target)
-    else:
-        m.depth[0] = target
-        failed = _press(s, m, g * stiffening, target)
+    failed = _find(s, m, g, target, by_force, stiffening)
     if failed == DONE:
         remember(m, s.x, s.moved, dt, g)
     return failed
+
+
+@njit(cache=True)
+def _find(s: Active, m: Memory, g: float, target: float, by_force: bool, stiffening: float) -> int:
+    """Find the pressure at a depth or a force, once the past is recalled."""
+    if by_force:
+        return _reach(s, m, g, target)
+    m.depth[0] = target
+    return _press(s, m, g * stiffening, target)
 
 
 @njit(cache=True)
@@ -240,8 +252,8 @@ def _reach(s: Active, m: Memory, g: float, force: float) -> int:
     return MISSED
 
 
-def check(outcome: int) -> None:
-    """Raise ConvergenceError with a sentence for what failed in a step."""
+def check(outcome: int, deepest: float = np.inf) -> None:
+    """Raise the error for what failed in a step of a pad that answers `deepest` mm."""
     messages = {
         ENDLESS: f"contact: no consistent contact set after {contact.EXCHANGES} exchanges; refine "
         "the step",
@@ -249,6 +261,13 @@ def check(outcome: int) -> None:
         MISSED: f"force control: asked for a force that was not reached after {CORRECTIONS} "
         "corrections; take shorter steps",
     }
+    if outcome == BEYOND:
+        message = (
+            f"step: expected contact inside the candidates for a depth of {deepest:g} mm, but it "
+            "reaches their rim; make the finger with a larger `deepest`, press less, or take a "
+            "larger indenter"
+        )
+        raise InputError(message)
     if outcome != DONE:
         raise ConvergenceError(messages[outcome])
 

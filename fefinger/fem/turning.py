@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem import active as contact
-from fefinger.fem.active import DONE, Active
+from fefinger.fem.active import BEYOND, DONE, Active
 from fefinger.fem.loop import Memory, recall, remember
 from fefinger.fem.spaces import Array, Integers
 
@@ -21,14 +21,16 @@ class Plate(NamedTuple):
     """The plate and what the pad does under tractions in the plane, both components in turn.
 
     forms (3, n, n): F_xx, F_xz + F_zx and F_zz; columns (2n, 2n): F of both components; moments (2,
-    n) mm³ and weights (n,) mm² of the pad's vertices; normal (2,); traction and moved (2n,), the
-    last traction and F times it; chosen and factor (2n,) work.
+    n) mm³ and weights (n,) mm² of the pad's vertices; rim (k,) those where contact is more than
+    they can answer; normal (2,); traction and moved (2n,), the last traction and F times it; chosen
+    and factor (2n,) work.
     """
 
     forms: Array
     columns: Array
     moments: Array
     weights: Array
+    rim: Integers
     normal: Array
     traction: Array
     moved: Array
@@ -36,7 +38,7 @@ class Plate(NamedTuple):
     factor: Array
 
 
-def plate(flexibility: Array, moments: Array, weights: Array) -> Plate:
+def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> Plate:
     """Return a plate that has not touched; `flexibility` is (2, n, 2, n)."""
     n = len(weights)
     (xx, xz), (zx, zz) = flexibility.transpose(0, 2, 1, 3)
@@ -45,6 +47,7 @@ def plate(flexibility: Array, moments: Array, weights: Array) -> Plate:
         columns=np.ascontiguousarray(flexibility.reshape(2 * n, 2 * n)),
         moments=np.ascontiguousarray(moments),
         weights=np.ascontiguousarray(weights),
+        rim=np.ascontiguousarray(rim),
         normal=np.zeros(2),
         traction=np.zeros(2 * n),
         moved=np.zeros(2 * n),
@@ -55,11 +58,12 @@ def plate(flexibility: Array, moments: Array, weights: Array) -> Plate:
 
 @njit(cache=True)
 def step(s: Active, m: Memory, p: Plate, dt: float, x: float, z: float, travel: float) -> int:
-    """Move on by `dt` s to a plate with the normal (x, z), `travel` mm along it; DONE or failed.
+    """Move on by `dt` s to a plate with the normal (x, z), `travel` mm along it.
 
-    The contact pressure is then in s.x, the elastic traction in m.elastic.
+    Return DONE: the contact pressure is then in s.x, the elastic traction in m.elastic. Or what
+    failed, BEYOND for contact on the rim, with all as it was before the step.
     """
-    n = len(s.x)
+    n, active, before = len(s.x), contact.hold(s), (p.normal[0], p.normal[1])
     _turn(s, p, x, z)
     g = recall(m, dt)
     offset = m.offset[:n]
@@ -67,10 +71,16 @@ def step(s: Active, m: Memory, p: Plate, dt: float, x: float, z: float, travel: 
         gap = x * p.moments[0, j] + z * p.moments[1, j] - travel * p.weights[j]
         offset[j] = g * gap - (x * m.moved_past[j] + z * m.moved_past[n + j])
     failed = contact.solve(s, offset, m.tolerance[0])
-    if failed == DONE:
-        _press(s, p, x, z)
-        remember(m, p.traction, p.moved, dt, g)
-    return failed
+    for j in p.rim:
+        if failed == DONE and s.x[j] > 0.0:
+            failed = BEYOND
+    if failed != DONE:
+        _turn(s, p, before[0], before[1])
+        contact.restore(s, active)
+        return failed
+    _press(s, p, x, z)
+    remember(m, p.traction, p.moved, dt, g)
+    return DONE
 
 
 @njit(cache=True)

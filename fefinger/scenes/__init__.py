@@ -51,6 +51,9 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
     from fefinger.scene import Scene
     from fefinger.tables import parse, read
 
+    if not str(name).strip():
+        msg = f"scene: expected a TOML file or one of {', '.join(names())}, received no name"
+        raise InputError(msg)
     if str(name) in names():
         tables, folder = parse(text(str(name)), name=str(name)), Path()
     elif Path(name).exists():

@@ -167,8 +167,8 @@ class Scene {
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     // Rows: right, up and towards the eye, which is at -y when nothing is turned.
     this.turn = [[cy, sy, 0], [-sp * sy, sp * cy, cp], [cp * sy, -cp * cy, sp]];
-    const scale = (view.zoom * 1.02 * Math.min(height, 0.8 * width)) / this.reach / 2;
-    this.frameOf = [(2 * scale) / width, (2 * scale) / height, 2 * view.x - 0.12, 2 * view.y + 0.08];
+    const scale = (view.zoom * 1.02 * Math.min(height, 0.72 * width)) / this.reach / 2;
+    this.frameOf = [(2 * scale) / width, (2 * scale) / height, 2 * view.x - 0.16, 2 * view.y + 0.08];
     gl.uniformMatrix3fv(at("turn"), true, this.turn.flat());
     gl.uniform3f(at("center"), ...this.center);
     gl.uniform4f(at("frame"), ...this.frameOf);
@@ -259,15 +259,17 @@ class Scene {
     pen.scale(ratio, ratio);
     pen.fillStyle = INK;
     pen.font = "600 15px system-ui, sans-serif";
-    pen.fillText(`${record.words}: ${field}`, 14, 24);
+    const wide = this.paper.clientWidth - 28;
+    pen.fillText(record.title, 14, 24, wide);
     pen.font = "14px system-ui, sans-serif";
+    pen.fillText(`${record.words}: ${field}`, 14, 44, wide);
     const said = [`t = ${+record.times[frame].toPrecision(4)} s`, `depth ${record.depth[frame].toPrecision(3)} mm`];
     if (record.force) said.push(`force ${record.force[frame].toPrecision(3)} N`);
-    pen.fillText(said.join(",  "), 14, 44);
+    pen.fillText(said.join(",  "), 14, 64, wide);
     const right = this.paper.clientWidth - 84, tall = this.paper.clientHeight;
     const organs = this.marks, rated = organs?.rates && shown.rates;
-    this.bar(pen, right, 64, 0.32 * tall, field, data.fields[field]);
-    const lower = 0.62 * tall, height = 0.26 * tall, pressed = shown.pressure && shown.skin && field !== "pressure";
+    this.bar(pen, right, 84, 0.32 * tall, field, data.fields[field]);
+    const lower = 0.64 * tall, height = 0.26 * tall, pressed = shown.pressure && shown.skin && field !== "pressure";
     if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
     if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
     const few = organs && organs.labels.length <= data.few;
@@ -295,7 +297,7 @@ class Scene {
 
   label(pen, labels, ratio, right) {
     const places = labels.map((words, k) => [words, ...this.project(this.organs, k)]).sort((a, b) => a[2] - b[2]);
-    const left = Math.min(Math.max(...places.map((place) => place[1])) / ratio + 60, right), top = 84;
+    const left = Math.min(Math.max(...places.map((place) => place[1])) / ratio + 60, right), top = 104;
     pen.font = "13px system-ui, sans-serif";
     pen.strokeStyle = INK;
     pen.lineWidth = 0.8;

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import figures, films, medial, quantities, section
-from fefinger.checks import choice
+from fefinger import figures, films, medial, quantities, section, stored
 from fefinger.marks import highest_rate
 from fefinger.quantities import round_up
 from fefinger.records import Array, Fields, Integers, Result
-from fefinger.view import renderer
-from fefinger.view.stage import BAR, Scales, Stage
+from fefinger.titles import titles
+from fefinger.view import bars, renderer
+from fefinger.view.bars import add_bars
+from fefinger.view.stage import Scales, Stage
 from fefinger.view.subject import colors, subject
 
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from fefinger.mesh.record import FingerMesh
 
 
-SIZE = (1100, 780)  # pixels of a view in space
+PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
 PIXELS = 1500  # of the section's longer side
 FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
 LEGEND: dict[str, Any] = {
@@ -74,12 +75,14 @@ def compose(
     results: Sequence[Result],
     field: str,
     limits: tuple[float, float] | None = None,
+    folders: Sequence[str] = (),
 ) -> list[Stage]:
-    """Put results side by side into a plotter of as many columns, with one scale for all.
+    """Put results side by side into a plotter, one scale for all in its last column.
 
     Raises InputError if the field is unknown or a result has no fields.
     """
-    subjects = [subject(result, field) for result in results]
+    named = zip(results, titles(results, folders), strict=True)
+    subjects = [subject(result, field, title) for result, title in named]
     scales = Scales(
         field=colors(subjects, field, limits),
         pressure=round_up(max(float(each.fields.pressure.max()) for each in subjects) or 1.0),
@@ -88,11 +91,16 @@ def compose(
     stages = []
     for column, shown in enumerate(subjects):
         plotter.subplot(0, column)
-        last = column == len(subjects) - 1
-        stages.append(Stage(plotter, shown, field, scales, bars=last))
+        stages.append(Stage(plotter, shown, field, scales))
         stages[-1].look()
-    plotter.link_views()
+    plotter.link_views(range(len(stages)))
+    add_bars(plotter, stages)
     return stages
+
+
+def size(columns: int) -> tuple[int, int]:
+    """Return width and height in pixels of views in space side by side, and their color bars."""
+    return PANEL[0] * columns + bars.WIDTH, PANEL[1]
 
 
 def screenshot(
@@ -101,16 +109,19 @@ def screenshot(
     field: str = quantities.DEFAULT,
     time: float | None = None,
     limits: tuple[float, float] | None = None,
+    folders: Sequence[str] = (),
 ) -> None:
     """Draw the deformed finger in space, colored by `field`, to the PNG file `path`.
 
     Pressure is shown on the whole finger from below, other fields on the half finger behind the
-    medial plane; several results stand side by side with the same colors. The stored frame next to
-    `time` s is drawn, by default that of each one's largest force; `limits` are those of the color
-    bar. Raises InputError if there is no renderer, there are no fields or the field is unknown.
+    medial plane; several results stand side by side with the same colors, under the names of their
+    `folders`. The stored frame next to `time` s is drawn, by default that of each one's largest
+    force; `limits` are those of the color bar. Raises InputError if there is no renderer, there are
+    no fields, the field is unknown or the time is after the end.
     """
     shown = [results] if isinstance(results, Result) else list(results)
-    plotter, stages = _stages(shown, field, limits)
+    stored.check("time", shown, time)
+    plotter, stages = _stages(shown, field, limits, folders)
     for stage in stages:
         stage.at(section.peak_time(stage.shown.result) if time is None else time)
     _finish(plotter, path)
@@ -121,6 +132,7 @@ def movie(
     path: str | PathLike[str],
     field: str = quantities.DEFAULT,
     limits: tuple[float, float] | None = None,
+    folders: Sequence[str] = (),
 ) -> None:
     """Draw a film of all stored times, one picture each, to the GIF or MP4 file `path`.
 
@@ -128,7 +140,7 @@ def movie(
     """
     films.check(path, "--movie")
     shown = [results] if isinstance(results, Result) else list(results)
-    plotter, stages = _stages(shown, field, limits)
+    plotter, stages = _stages(shown, field, limits, folders)
     times = np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
 
     def pictures() -> Iterator[NDArray[np.uint8]]:
@@ -147,15 +159,18 @@ def movie(
 
 
 def _stages(
-    results: Sequence[Result], field: str, limits: tuple[float, float] | None
+    results: Sequence[Result],
+    field: str,
+    limits: tuple[float, float] | None,
+    folders: Sequence[str],
 ) -> tuple[Any, list[Stage]]:
     """Return an off-screen plotter, and the results in it."""
     for result in results:
         quantities.fields_of(result)
-    choice("field", field, quantities.FIELDS)
+    quantities.named("field", field)
     renderer.require()
-    plotter = renderer.plotter((SIZE[0] * len(results), SIZE[1]), len(results))
-    return plotter, compose(plotter, results, field, limits)
+    plotter = renderer.plotter(size(len(results)), len(results), aside=bars.WIDTH)
+    return plotter, compose(plotter, results, field, limits, folders)
 
 
 def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
@@ -164,7 +179,7 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
     Raises InputError where no renderer exists.
     """
     renderer.require()
-    plotter = renderer.plotter(SIZE)
+    plotter = renderer.plotter(size(1))
     behind = mesh.points[mesh.cells][:, :, 1].mean(axis=1) > 0
     body = _grid(mesh.points, mesh.cells[behind])
     body["region"] = mesh.region[behind]
@@ -179,7 +194,7 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
         n_colors=len(kinds),
         show_edges=True,
         edge_color="#6b5d52",
-        scalar_bar_args=BAR | LEGEND,
+        scalar_bar_args=bars.LOOK | LEGEND,
         ambient=0.6,
         diffuse=0.45,
     )
@@ -238,7 +253,7 @@ def _raster(fields: Fields, frame: int, cut: medial.Medial) -> medial.Raster:
     # In front of cells that straddle the plane; without perspective it looks the same.
     face = _face(cut, float(moved[:, 1].min()))
     plotter.add_mesh(
-        face, scalars="field", cmap=cut.span.colors, clim=cut.span[:2], lighting=False,
+        face, scalars="field", cmap=cut.span.map(), clim=cut.span[:2], lighting=False,
         show_scalar_bar=False, interpolate_before_map=True,
     )  # fmt: skip
     middle = ((x0 + x1) / 2, 0.0, (z0 + z1) / 2)

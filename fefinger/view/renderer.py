@@ -46,13 +46,22 @@ def require() -> None:
         raise InputError(message)
 
 
-def plotter(size: tuple[int, int], columns: int = 1, *, off_screen: bool | None = True) -> Any:
-    """Return a plotter with a white background, its parts side by side; size in pixels."""
+def plotter(
+    size: tuple[int, int], columns: int = 1, *, aside: int = 0, off_screen: bool | None = True
+) -> Any:
+    """Return a plotter with a white background, its parts side by side; size in pixels.
+
+    `aside`: pixels of one more, narrow part on the right.
+    """
     import pyvista as pv
 
     _quiet()
     made: Any = pv.Plotter(
-        off_screen=off_screen, window_size=list(size), shape=(1, columns), border=False
+        off_screen=off_screen,
+        window_size=list(size),
+        shape=(1, columns + (aside > 0)),
+        col_weights=[(size[0] - aside) // columns] * columns + [aside] * (aside > 0),
+        border=False,
     )
     made.set_background("white", all_renderers=True)
     return made

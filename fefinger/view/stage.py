@@ -19,21 +19,10 @@ PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates
 BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad are seen from there
 CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does not flicker
 WIDE = 1.35  # width over height of a picture that the finger fills
-ASIDE = (0.14, 0.0)  # of the middle of the picture, for the color bars
 RADIUS, CROWDED = 0.17, 0.1  # mm of the mark of an end organ
-LABELS = (1.2, 3.2, 1.1)  # mm: column of labels beyond the tip, above the highest, line to line
-BAR: dict[str, Any] = {
-    "color": figures.INK,
-    "vertical": True,
-    "position_x": 0.855,
-    "width": 0.05,
-    "fmt": "%.3g",
-    "n_labels": 5,
-    "title_font_size": 20,
-    "label_font_size": 19,
-}
+LABELS = (2.0, 1.0, 1.1)  # mm: column of labels distal of the marks, above the finger, line to line
+WORDS = (0.015, 0.9)  # of a part of the picture, where three lines stand above the finger
 LENGTH = 5.0  # mm of the line that tells the size
-LONG = 23  # letters of a title in one line
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
 
 
@@ -45,6 +34,13 @@ class Prop(NamedTuple):
     without: str | None = None
 
 
+class Key(NamedTuple):
+    """What a color bar explains: a mapper, and which parts it `needs` shown."""
+
+    mapper: Any
+    needs: tuple[str, ...]
+
+
 class Scales(NamedTuple):
     """Colors of the field, highest pressure in kPa and highest rate in Hz of the color bars."""
 
@@ -54,16 +50,17 @@ class Scales(NamedTuple):
 
 
 class Stage:
-    """A finger in the active part of a plotter, which `at` and `show` change."""
+    """A finger in the active part of a plotter, which `at` and `show` change.
 
-    def __init__(
-        self, plotter: Any, shown: Subject, field: str, scales: Scales, *, bars: bool = True
-    ) -> None:
-        self.plotter, self.shown, self.field = plotter, shown, field
-        self.scales, self.bars = scales, bars
+    `keys`: what its colors stand for, by the title of the bar, the field first.
+    """
+
+    def __init__(self, plotter: Any, shown: Subject, field: str, scales: Scales) -> None:
+        self.plotter, self.shown, self.field, self.scales = plotter, shown, field, scales
         self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
         self.props: list[Prop] = []
         self.moves: list[Callable[[int], None]] = []
+        self.keys: dict[str, Key] = {}
         self.hidden: set[str] = set()
         self.frame = 0
         for piece in shown.surfaces:
@@ -74,16 +71,16 @@ class Stage:
             self._add_organs(shown.marks)
         self._add_indenter()
         self._add_length()
-        self._refresh()
+        self.refresh()
 
     def look(self) -> None:
         """Turn the camera to the cut, or to the pad of a whole finger."""
         self.plotter.view_vector(BELOW if self.shown.whole else BEHIND, viewup=(0, 0, 1))
+        left, low, right, high = self.plotter.renderer.GetViewport()
         width, height = self.plotter.window_size
-        share = width / self.plotter.shape[1] / height
+        share = (right - left) * width / ((high - low) * height)
         closer = 1.2 if self.shown.whole else 1.35
         self.plotter.camera.zoom(closer * min(1.0, share / WIDE))
-        self.plotter.camera.SetWindowCenter(*ASIDE)
 
     def at(self, time: float) -> None:
         """Show the stored frame next to a time in s."""
@@ -96,9 +93,9 @@ class Stage:
         """Show or hide one of PARTS."""
         choice("part", part, PARTS)
         (self.hidden.discard if on else self.hidden.add)(part)
-        self._refresh()
+        self.refresh()
 
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
         """Let every actor be seen or not, as its parts are."""
         for prop in self.props:
             covered = prop.without is not None and prop.without not in self.hidden
@@ -107,9 +104,6 @@ class Stage:
     def remove(self) -> None:
         """Take everything out of the plotter."""
         self.plotter.subplot(*self.where)
-        if self.bars:
-            for title in list(self.plotter.scalar_bars.keys()):
-                self.plotter.remove_scalar_bar(title)
         for prop in self.props:
             self.plotter.remove_actor(prop.actor, render=False)
 
@@ -120,7 +114,7 @@ class Stage:
         return [part for part in PARTS if part in found]
 
     def words(self) -> str:
-        """Return what is shown, in two lines."""
+        """Return what is shown, in three lines."""
         result, now = self.shown.result, float(self.shown.fields.times[self.frame])
         said = [f"t = {now:.4g} s", f"depth {self._depth(now):.3g} mm"]
         if result.force is not None:
@@ -129,15 +123,16 @@ class Stage:
         beyond = self.scales.field.beyond(quantities.unit(self.field))
         said += [beyond] if beyond else []
         return (
-            f"{result.scene.name}, {result.plan.mechanics}: {self.field}{kind}\n{',  '.join(said)}"
+            f"{self.shown.title}\n{result.plan.mechanics}: {self.field}{kind}\n{',  '.join(said)}"
         )
 
     def _say(self) -> None:
         """Write `words` above the finger."""
         self.plotter.subplot(*self.where)
         self.plotter.add_text(
-            self.words(), font_size=11, color=figures.INK, name=f"words {self.where[1]}"
-        )
+            self.words(), position=WORDS, font_size=9, color=figures.INK, viewport=True,
+            name=f"words {self.where[1]}",
+        ).prop.SetLineSpacing(1.2)  # fmt: skip
 
     def _depth(self, time: float) -> float:
         return float(np.interp(time, self.shown.result.time, self.shown.result.depth))
@@ -185,7 +180,7 @@ class Stage:
         *,
         flat: bool = False,
     ) -> None:
-        """Add a surface colored by the field or by the pressure, with its bar once.
+        """Add a surface colored by the field or by the pressure.
 
         `flat`: it is drawn without shades, so that its colors are those of the bar.
         """
@@ -194,25 +189,12 @@ class Stage:
             span = quantities.Span(0.0, self.scales.pressure, quantities.SKIN_DEEP, "neither")
             title = quantities.label("pressure")
         actor = self.plotter.add_mesh(
-            mesh, scalars=name, cmap=span.colors, clim=span[:2], show_scalar_bar=False,
+            mesh, scalars=name, cmap=span.map(), clim=span[:2], show_scalar_bar=False,
             **({"lighting": False} if flat else LIT),
         )  # fmt: skip
         actor.prop.interpolation = "Phong"
         self.props.append(Prop(actor, needs, without))
-        self._add_bar(title, actor, needs if name == "pressure" else (), lower=name == "pressure")
-
-    def _add_bar(self, label: str, actor: Any, needs: tuple[str, ...], *, lower: bool) -> None:
-        """Add a color bar, the field's above and the others' below it side by side."""
-        title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
-        if not self.bars or title in self.plotter.scalar_bars:
-            return
-        place: dict[str, Any] = {"position_y": 0.54, "height": 0.36}
-        if lower:
-            place = {"position_y": 0.17, "height": 0.3}
-        if lower and label.startswith("rate"):
-            place["position_x"] = 0.7 if "pressure" in self.parts else BAR["position_x"]
-        bar = self.plotter.add_scalar_bar(title=title, mapper=actor.mapper, **(BAR | place))
-        self.props.append(Prop(bar, needs))
+        self.keys.setdefault(title, Key(actor.mapper, needs if name == "pressure" else ()))
 
     def _add_lines(self, piece: pieces.Piece) -> None:
         """Add the white outlines of the tissues on the cut."""
@@ -272,24 +254,25 @@ class Stage:
             self._add_labels(marks, shown.labels)
 
     def _add_rates(self, balls: Any, needs: tuple[str, ...]) -> Any:
-        """Add the balls colored by their rate, with a bar, and return their actor."""
+        """Add the balls colored by their rate, and return their actor."""
         rated = self.plotter.add_mesh(
             balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
             show_scalar_bar=False, ambient=0.6, diffuse=0.4,
         )  # fmt: skip
         self.props.append(Prop(rated, needs))
-        self._add_bar("rate / Hz", rated, needs, lower=True)
+        self.keys["rate / Hz"] = Key(rated.mapper, needs)
         return rated
 
     def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
-        """Add type and depth of a few end organs, in a column beside the tip, joined to them."""
+        """Add type and depth of a few end organs, in a column above the finger, joined to them."""
         import pyvista as pv
 
         order = np.argsort(-marks.points[:, 2])
         words = [f"  {labels[i]}" for i in order]
-        tip = self.shown.fields.points.max(axis=0)[0] + LABELS[0]
-        down = marks.points[:, 2].max() + LABELS[1] - LABELS[2] * np.arange(len(words))
-        column = np.column_stack([np.full(len(words), tip), np.zeros(len(words)), down])
+        aside, above, line = LABELS  # there the indenter never is
+        distal = marks.points[:, 0].max() + aside
+        level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(words))[::-1]
+        column = np.column_stack([np.full(len(words), distal), np.zeros(len(words)), level])
         pairs = np.stack([np.arange(len(words)), len(words) + np.arange(len(words))], axis=1)
         lines = pv.PolyData(
             np.concatenate([marks.points[order], column]),
@@ -321,9 +304,9 @@ class Stage:
             pv.Line(start, end), color=figures.INK, line_width=3, lighting=False
         )
         told = self.plotter.add_point_labels(
-            (start + end)[None] / 2, [f"{LENGTH:g} mm"], font_size=16, text_color=figures.INK,
-            shape=None, margin=4, show_points=False, always_visible=True, bold=False,
-            justification_horizontal="center", justification_vertical="top",
+            end[None], [f"   {LENGTH:g} mm"], font_size=16, text_color=figures.INK,
+            shape=None, margin=8, show_points=False, always_visible=True, bold=False,
+            justification_vertical="center",
         )  # fmt: skip
         self.props += [Prop(actor, ()) for actor in (line, told)]
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fefinger import marks, pieces, quantities, section
-from fefinger.checks import choice
 from fefinger.records import Fields, Result
 
 
@@ -18,7 +17,8 @@ class Subject:
     """What is drawn of a result with fields.
 
     surfaces: the pieces of the finger; lines: the outlines of the cut, none if the finger is
-    `whole`; marks: of end organs in the cut, or of units on the skin of the whole finger.
+    `whole`; marks: of end organs in the cut, or of units on the skin of the whole finger; title:
+    what is written above.
     """
 
     result: Result
@@ -27,14 +27,17 @@ class Subject:
     lines: pieces.Piece | None
     marks: marks.Marks | None
     whole: bool
+    title: str
 
 
-def subject(result: Result, field: str) -> Subject:
+def subject(result: Result, field: str, title: str = "") -> Subject:
     """Return what is drawn of a result; pressure is shown on the whole finger from below.
+
+    It is called `title`, or as its scene.
 
     Raises InputError if the field is unknown or there are no fields.
     """
-    choice("field", field, quantities.FIELDS)
+    quantities.named("field", field)
     fields, whole = quantities.fields_of(result), field == "pressure"
     if whole:
         fields = section.whole(fields)
@@ -46,6 +49,7 @@ def subject(result: Result, field: str) -> Subject:
         lines=None if whole else pieces.outlines(fields),
         marks=marks.on_skin(result) if whole else marks.in_section(result),
         whole=whole,
+        title=title or result.scene.name,
     )
 
 

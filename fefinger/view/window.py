@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, quantities, section
-from fefinger.checks import InputError, choice
+from fefinger import figures, quantities, section, stored
+from fefinger.checks import InputError
 from fefinger.records import Array, Result
-from fefinger.view import pictures, renderer
+from fefinger.view import bars, pictures, renderer
 from fefinger.view.stage import Stage
 
 
 SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
 BOX = 22  # pixels of a box
+ABOVE = (0.0, -0.12)  # of the middle of the window, for what is below
 SLIDER: dict[str, Any] = {
     "color": figures.INK,
     "style": "modern",
@@ -34,10 +35,14 @@ class Controls:
         *,
         time: float | None = None,
         limits: tuple[float, float] | None = None,
+        folders: Sequence[str] = (),
     ) -> None:
         self.plotter, self.results, self.limits = plotter, list(results), limits
+        self.folders = tuple(folders)
         self.time = section.peak_time(self.results[0]) if time is None else time
-        self.stages: list[Stage] = pictures.compose(plotter, self.results, field, limits)
+        self.stages: list[Stage] = pictures.compose(
+            plotter, self.results, field, limits, self.folders
+        )
         self.hidden: set[str] = set()
         self.move(self.time)
 
@@ -70,9 +75,11 @@ class Controls:
         if field == before[0].field:
             return
         camera = self.plotter.renderers[0].camera
+        for title in list(self.plotter.scalar_bars.keys()):
+            self.plotter.remove_scalar_bar(title)
         for stage in before:
             stage.remove()
-        self.stages = pictures.compose(self.plotter, self.results, field, self.limits)
+        self.stages = pictures.compose(self.plotter, self.results, field, self.limits, self.folders)
         if self.stages[0].shown.whole == before[0].shown.whole:
             for column in range(len(before)):
                 self.plotter.renderers[column].camera = camera
@@ -83,6 +90,8 @@ class Controls:
     def add_widgets(self) -> None:
         """Add the sliders below and the boxes on the left."""
         times = self.times
+        for column in range(len(self.stages)):
+            self.plotter.renderers[column].camera.SetWindowCenter(*ABOVE)
         if len(times) > 1:
             now = 1 + int(np.argmin(np.abs(times - self.time)))
             self.plotter.subplot(0, 0)
@@ -123,25 +132,28 @@ def show(
     field: str = quantities.DEFAULT,
     time: float | None = None,
     limits: tuple[float, float] | None = None,
+    folders: Sequence[str] = (),
 ) -> Any:
     """Open a window, or a view inside a notebook, on one result or several side by side.
 
-    Raises InputError if there is no renderer or no display, or the result has no fields.
+    Several stand under the names of their `folders`. Raises InputError if there is no renderer or
+    no display, the result has no fields, or the time is after its end.
     """
     shown = [results] if isinstance(results, Result) else list(results)
     for result in shown:
         quantities.fields_of(result)
-    choice("field", field, quantities.FIELDS)
+    quantities.named("field", field)
+    stored.check("time", shown, time)
     renderer.require()
     size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
-    plotter = renderer.plotter(size, len(shown), off_screen=None)
+    plotter = renderer.plotter(size, len(shown), aside=bars.WIDTH, off_screen=None)
     if not (plotter.notebook or plotter.off_screen or renderer.has_display()):
         message = (
             "show: expected a display for the window, found none; "
             "use `fefinger view DIR --screenshot PNG` or `--html FILE`, or a notebook"
         )
         raise InputError(message)
-    controls = Controls(plotter, shown, field, time=time, limits=limits)
+    controls = Controls(plotter, shown, field, time=time, limits=limits, folders=folders)
     if not (plotter.notebook or plotter.off_screen):
         controls.add_widgets()
     return plotter.show()

@@ -1,0 +1,56 @@
+"""What is written above results that are shown side by side: their names, and what differs."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from fefinger.records import Result
+
+
+MOST = 3  # differences that a title has room for
+LONG = 24  # letters of a value that it has room for
+SHOWN = ("finger.", "indenter.", "motion.")  # what is asked of them is no matter of a picture
+
+
+def titles(
+    results: Sequence[Result], folders: Sequence[str | PathLike[str]] = ()
+) -> tuple[str, ...]:
+    """Return a title for each result: name of its scene, its folder's where there are several.
+
+    With the values in which the scenes differ, as many as there is room for.
+    """
+    names = [result.scene.name for result in results]
+    if len(results) == 1:
+        return tuple(names)
+    if folders:
+        ours = [Path(folder).resolve() for folder in folders]
+        own = [path.parent.name if path.suffix else path.name for path in ours]
+        names = [folder if folder == name else f"{folder}: {name}"
+                 for folder, name in zip(own, names, strict=True)]  # fmt: skip
+    tables = [dict(_flat(result.scene.to_dict())) for result in results]
+    every = dict.fromkeys(key for table in tables for key in table if key.startswith(SHOWN))
+    varied = [key for key in every if len({repr(table.get(key)) for table in tables}) > 1]
+    kinds = {key.removesuffix("kind") for key in varied if key.endswith(".kind")}
+    # What is of another kind has other values, and no need to name them.
+    varied = [key for key in varied if key.endswith(".kind") or not key.startswith(tuple(kinds))]
+    return tuple(
+        ", ".join([name, *_told(table, varied)]) for name, table in zip(names, tables, strict=True)
+    )
+
+
+def _told(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[str]:
+    for key in varied[:MOST]:
+        value = table.get(key, "none")
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        yield f"{key} {text}" if len(text) <= LONG else f"another {key}"
+    if len(varied) > MOST:
+        yield f"{len(varied) - MOST} more"
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value

@@ -1,0 +1,38 @@
+"""The color bars of all stages of a plotter, in a column of their own beside them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from fefinger import figures
+from fefinger.view.stage import Prop, Stage
+
+
+WIDTH = 220  # pixels of the column
+LOOK: dict[str, Any] = {
+    "color": figures.INK,
+    "vertical": True,
+    "position_x": 0.4,
+    "width": 0.2,
+    "height": 0.25,
+    "fmt": "%.3g",
+    "n_labels": 5,
+    "title_font_size": 18,
+    "label_font_size": 17,
+}
+PLACES = (0.655, 0.345, 0.035)  # of their lower ends: at most a field, the pressure and the rate
+LONG = 23  # letters of a title in one line
+
+
+def add_bars(plotter: Any, stages: Sequence[Stage]) -> None:
+    """Add one bar for each thing that any stage is colored by; the last stage keeps them."""
+    keys = {label: key for stage in reversed(stages) for label, key in stage.keys.items()}
+    first = [label for label in stages[0].keys if label in keys]
+    plotter.subplot(0, len(stages))
+    for place, label in zip(PLACES, dict.fromkeys([*first, *keys]), strict=False):
+        title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
+        key = keys[label]
+        bar = plotter.add_scalar_bar(
+            title=title, mapper=key.mapper, position_y=place, **LOOK, render=False
+        )
+        stages[-1].props.append(Prop(bar, key.needs))
+    stages[-1].refresh()
