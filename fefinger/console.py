@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fefinger.study_grid import remarks
+from fefinger.studies.grid import remarks
 from fefinger.text import table
 
 

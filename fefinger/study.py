@@ -4,9 +4,9 @@
     study.table()                    # pandas, one row per scene and time
 
 Scenes that are finished stay in the folder, under the hash of all that decides them, and are not
-answered again; a scene that fails costs itself alone. `study_grid.py` reads the grid,
-`study_tasks.py` makes the scenes, `study_workers.py` answers them, `study_measures.py` says what is
-told of each, `study_tables.py` and `study_report.py` write the table and the page.
+answered again; a scene that fails costs itself alone. `studies/grid.py` reads the grid,
+`tasks.py` beside it makes the scenes, `workers.py` answers them, `measures.py` says what is told of
+each, `tables.py` and `report.py` write the table and the page.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from fefinger.records import Progress
     from fefinger.scene import Scene
-    from fefinger.study_tasks import Answer, Asked, Task
+    from fefinger.studies.tasks import Answer, Asked, Task
 
 AT = ("1N", "1mm")
 """Force and depth that are told of by default, besides the peak and the end."""
@@ -61,7 +61,7 @@ class Study:
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the table as arrays over the fields of the grid and over `at`."""
-        from fefinger.study_tables import dataset
+        from fefinger.studies.tables import dataset
 
         return dataset(self)
 
@@ -70,7 +70,7 @@ class Study:
 
         InputError for another ending, or where the extra `parquet` is needed and not installed.
         """
-        from fefinger.study_tables import write
+        from fefinger.studies.tables import write
 
         return write(self, path)
 
@@ -82,18 +82,18 @@ class Study:
         """
         import json
 
-        from fefinger import study_tables
         from fefinger.files import output_folder
-        from fefinger.study_report import html
-        from fefinger.study_tasks import write
+        from fefinger.studies import tables
+        from fefinger.studies.report import html
+        from fefinger.studies.tasks import write
 
         place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
-        aside = study_tables.set_aside(self, place)
-        study_tables.write(self, place / "table.csv")
+        aside = tables.set_aside(self, place)
+        tables.write(self, place / "table.csv")
         write(place / "study.json", json.dumps(record, indent=1, allow_nan=False) + "\n")
         write(place / "report.html", page)
-        return [*(str(place / name) for name in study_tables.NAMES), *aside]
+        return [*(str(place / name) for name in tables.NAMES), *aside]
 
 
 def study(
@@ -138,17 +138,17 @@ def study(
     InputError
         A grid or scenes that cannot be used at all; a single one that cannot is listed.
     """
-    from fefinger import study_tasks
     from fefinger.checks import InputError, choice, number
     from fefinger.files import output_folder
     from fefinger.mechanics import names
-    from fefinger.study_choice import agreed
-    from fefinger.study_grid import EACH, checked
+    from fefinger.studies.choice import agreed
+    from fefinger.studies.grid import EACH, checked
+    from fefinger.studies.tasks import Asked, clean, keep, kept, made
 
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
-    asked = study_tasks.Asked(scene, checked(over), changes or {}, mechanics, at)
+    asked = Asked(scene, checked(over), changes or {}, mechanics, at)
     tasks, failed = asked.tasks()
     if not tasks:
         raise InputError(next(iter(failed.values())))
@@ -158,13 +158,13 @@ def study(
     answers: dict[int, Answer] = {}
     place = None if folder is None else output_folder(output_folder(folder) / "scenes")
     if place is not None:
-        found = ((i, study_tasks.kept(place, task)) for i, task in tasks.items())
+        found = ((i, kept(place, task)) for i, task in tasks.items())
         answers = {i: answer for i, answer in found if answer is not None}
     reused = len(answers)
     for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
-        answers[i] = {**study_tasks.clean(answer), **study_tasks.made()}
+        answers[i] = {**clean(answer), **made()}
         if place is not None and "rows" in answer:
-            study_tasks.keep(place, tasks[i], answers[i])
+            keep(place, tasks[i], answers[i])
         if progress is not None:
             progress("scenes", (len(answers) + len(failed)) / len(asked.points))
     done = _collected(asked, tasks, failed, answers, reused)
@@ -175,14 +175,14 @@ def _answered(
     tasks: "Mapping[int, Task]", left: set[int], workers: int | None, scheduler: str | None
 ) -> "Iterator[tuple[int, Answer]]":
     """Give the answers to those tasks that are left, as they come."""
-    from fefinger import study_workers
+    from fefinger.studies.workers import cluster, local
 
     places = sorted(left)
     asked = [tasks[i] for i in places]
     if scheduler is None:
-        answers = study_workers.local(asked, workers)
+        answers = local(asked, workers)
     else:
-        answers = study_workers.cluster(asked, scheduler)
+        answers = cluster(asked, scheduler)
     for i, found in answers:
         yield places[i], found
 
@@ -195,7 +195,7 @@ def _collected(
     reused: int,
 ) -> Study:
     """Return the rows in the order of the grid, with what each scene is."""
-    from fefinger.study_tasks import key, provenance
+    from fefinger.studies.tasks import key, provenance
 
     one, points = next(iter(tasks.values()))["scene"], asked.points
     columns = asked.columns(one["motion"]["kind"])

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from fefinger.validation import contact_angle, contact_angle_page
 
-from fefinger.study_tasks import Asked
-from fefinger.study_workers import answer
+from fefinger.studies.tasks import Asked
+from fefinger.studies.workers import answer
 
 
 REPORTS = Path(__file__).parents[1] / "reports"

@@ -36,7 +36,7 @@ STRANGERS = {
         ("fefinger.fem", "fefinger.mechanics", "fefinger.theory", "fefinger.validation"),
     ),
     **dict.fromkeys(
-        ("fefinger.study_report", "fefinger.study_figures"),
+        ("fefinger.studies.report", "fefinger.studies.figures"),
         ("fefinger.fem", "fefinger.mechanics", "fefinger.mesh"),
     ),
     "fefinger.scene": ("fefinger.mechanics", "fefinger.fem", "fefinger.mesh", "fefinger.records"),
@@ -63,7 +63,7 @@ HEAVY = (
 LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.console", "fefinger.scenes", "fefinger.scene"),
     *("fefinger.records", "fefinger.plan", "fefinger.run", "fefinger.mechanics.linear"),
-    *("fefinger.study", "fefinger.study_tasks", "fefinger.study_workers"),
+    *("fefinger.study", "fefinger.studies.tasks", "fefinger.studies.workers"),
     "fefinger.mechanics.condensed",
     "fefinger.mechanics.hertz",
     "fefinger.mechanics.layered",

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import study_tasks, study_workers
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.run import run
-from fefinger.study_columns import column
-from fefinger.study_grid import parse_at, parse_over, product
-from fefinger.study_measures import rows
+from fefinger.studies import tasks, workers
+from fefinger.studies.columns import column
+from fefinger.studies.grid import parse_at, parse_over, product
+from fefinger.studies.measures import rows
 from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.sensor import ArraySensor
@@ -269,13 +269,13 @@ def test_what_cannot_be_used_at_all_is_refused_before_any_work(capsys):
 
 def test_a_key_follows_everything_that_decides_the_answer(tmp_path, monkeypatch):
     def key(**changes):
-        asked = study_tasks.Asked("flat-press", {"indenter.angle": (30,)}, changes, None, ("1N",))
-        return study_tasks.key(asked.tasks()[0][0])
+        asked = tasks.Asked("flat-press", {"indenter.angle": (30,)}, changes, None, ("1N",))
+        return tasks.key(asked.tasks()[0][0])
 
     assert key() == key()
     assert key() != key(**{"finger.tissue": "saal2017"})
     before = key()
-    monkeypatch.setattr(study_tasks, "VERSION", "0.0.0")
+    monkeypatch.setattr(tasks, "VERSION", "0.0.0")
     assert key() != before
 
 
@@ -316,15 +316,15 @@ def test_a_process_that_dies_costs_one_scene_and_is_replaced(monkeypatch):
         "    if json.loads(line)['dies']: os._exit(3)\n"
         "    print(json.dumps({'rows': []}), flush=True)"
     )
-    monkeypatch.setattr(study_workers, "SERVE", dies)
+    monkeypatch.setattr(workers, "SERVE", dies)
     tasks = [{"dies": False}, {"dies": True}, {"dies": False}]
-    found = dict(study_workers.local(tasks, 1))
+    found = dict(workers.local(tasks, 1))
     assert found[0] == found[2] == {"rows": []}
     assert "ended with status 3" in found[1]["error"]
 
 
 def test_a_process_ends_when_nobody_asks_any_more():
-    worker = study_workers.Worker()
+    worker = workers.Worker()
     process = worker._process
     process.stdin.close()
     assert process.wait(timeout=20) == 0
@@ -332,9 +332,9 @@ def test_a_process_ends_when_nobody_asks_any_more():
 
 
 def test_an_error_of_the_program_is_a_sentence_too():
-    found = study_workers.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
+    found = workers.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
     assert found["error"].startswith("finger: missing")
-    assert study_workers.answer({})["error"] == "unexpected KeyError: 'scene'"
+    assert workers.answer({})["error"] == "unexpected KeyError: 'scene'"
 
 
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
@@ -365,7 +365,7 @@ def test_without_the_extra_the_cluster_is_refused(monkeypatch):
 
 
 def test_cores_are_those_this_process_may_use():
-    assert 1 <= study_workers._cores() <= (os.cpu_count() or 1)
+    assert 1 <= workers._cores() <= (os.cpu_count() or 1)
 
 
 def test_a_page_over_names_and_one_where_all_failed(tmp_path):

@@ -1,9 +1,10 @@
 """All scenes of a study are answered by one mechanics on one mesh, unless it is asked otherwise."""
 
-
 import fefinger as ff
-from fefinger import plan, study_choice, study_tasks
+from fefinger import plan
 from fefinger.records import Plan, Refusal, Rung, Settings
+from fefinger.studies import choice
+from fefinger.studies.tasks import Asked
 
 
 LEAN = {"ask.spikes": [], "ask.strain": False, "ask.pressure": False}
@@ -11,7 +12,7 @@ ANGLES = {"indenter.angle": (15, 30, 45)}
 
 
 def tasks(over, mechanics=None, **changes):
-    asked = study_tasks.Asked("flat-press", over, LEAN | changes, mechanics, ())
+    asked = Asked("flat-press", over, LEAN | changes, mechanics, ())
     return asked.tasks()[0]
 
 
@@ -26,19 +27,19 @@ def planned(monkeypatch, takes, refusing=()):
         rung = Rung(name, 1.0, 0.1, "a report")
         return Plan(name, (rung,), "", reasons, Settings(mesh, None, 2, ("force",), ()))
 
-    monkeypatch.setattr(study_choice, "choose", choose)
+    monkeypatch.setattr(choice, "choose", choose)
 
 
 def test_scenes_that_take_the_same_are_left_as_they_are(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
     asked = tasks(ANGLES)
-    assert study_choice.agreed(asked) == (asked, "")
+    assert choice.agreed(asked) == (asked, "")
 
 
 def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypatch):
     takes = {15: ("lumped", None), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
-    found, said = study_choice.agreed(tasks(ANGLES))
+    found, said = choice.agreed(tasks(ANGLES))
     assert {task["mechanics"] for task in found.values()} == {"linear"}
     assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh; the cheapest ")
@@ -47,17 +48,13 @@ def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypat
 
 def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     planned(monkeypatch, {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)})
-    assert {task["mechanics"] for task in study_choice.agreed(tasks(ANGLES))[0].values()} == {
-        "linear"
-    }
+    assert {task["mechanics"] for task in choice.agreed(tasks(ANGLES))[0].values()} == {"linear"}
     takes = {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)}
     planned(monkeypatch, takes, refusing=("linear",))
-    assert {task["mechanics"] for task in study_choice.agreed(tasks(ANGLES))[0].values()} == {
-        "solid"
-    }
+    assert {task["mechanics"] for task in choice.agreed(tasks(ANGLES))[0].values()} == {"solid"}
     planned(monkeypatch, takes, refusing=("linear", "solid"))
     asked = tasks(ANGLES)
-    assert study_choice.agreed(asked) == (asked, "")
+    assert choice.agreed(asked) == (asked, "")
 
 
 def test_a_study_of_forces_over_angles_is_of_one_mechanics_and_says_so():

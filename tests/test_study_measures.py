@@ -10,9 +10,9 @@ from fefinger import pressures
 from fefinger.plan import choose
 from fefinger.run import run
 from fefinger.scene import Scatter
-from fefinger.study_columns import ERRORS, error, split, words
-from fefinger.study_hertz import share
-from fefinger.study_measures import rows
+from fefinger.studies.columns import ERRORS, error, split, words
+from fefinger.studies.hertz import share
+from fefinger.studies.measures import rows
 from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from fefinger import console, study_figures, study_report
+from fefinger import console
+from fefinger.studies import figures, report
+from fefinger.studies.grid import remarks
+from fefinger.studies.measures import READINGS
 from fefinger.study import Study
-from fefinger.study_grid import remarks
-from fefinger.study_measures import READINGS
 
 
 X = "indenter.angle_deg"
@@ -28,7 +29,7 @@ def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
         row(30, highest_pressure_1mm2_kPa=30.0, highest_pressure_rel_error=1.5, force_N=2.0),
         row(60, highest_pressure_1mm2_kPa=40.0, force_N=3.0),
     ]
-    drawn = study_figures.panels(rows, X, [])
+    drawn = figures.panels(rows, X, [])
     (bars,) = panel(drawn, "highest pressure over 1 mm² / kPa").collections
     ends = [segment[:, 1].tolist() for segment in bars.get_segments()]
     assert ends == [pytest.approx([18, 22]), pytest.approx([0, 75])]
@@ -37,17 +38,17 @@ def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
 
 def test_a_measure_that_is_the_same_everywhere_has_no_panel():
     told = [{"x_deg": x, "depth_mm": 1.5 + 1e-4 * x, "force_N": 1.0 + x} for x in range(3)]
-    drawn = study_figures.panels(told, "x_deg", [])
+    drawn = figures.panels(told, "x_deg", [])
     titles = [axis.get_title(loc="left") for axis in drawn.axes if axis.axison]
     assert titles == ["force / N"]
 
 
 def test_what_rounding_leaves_of_symmetry_has_no_panel():
     rows = [row(angle, asymmetry=1e-16 * angle, force_N=1.0 + angle) for angle in (0, 30)]
-    titles = [axis.get_title(loc="left") for axis in study_figures.panels(rows, X, []).axes]
+    titles = [axis.get_title(loc="left") for axis in figures.panels(rows, X, []).axes]
     assert "force / N" in titles
     assert "asymmetry of the force" not in titles
-    assert study_report.text(1e-17) == "0"
+    assert report.text(1e-17) == "0"
 
 
 def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_the_unit():
@@ -56,7 +57,7 @@ def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_th
         row(angle, sensor_middle_distal_mm=0.0, **{READINGS: (top * np.outer(peak, peak)).ravel()})
         for angle, top in ((0, 9.0), (30, 30.0), (60, 3.0))
     ]
-    *maps, bar = study_figures.isobars(rows, X, READINGS).axes
+    *maps, bar = figures.isobars(rows, X, READINGS).axes
     assert bar.get_ylabel() == "pressure on the array / kPa"
     assert bar.get_ylim() == (4, 24)
     assert [axis.get_title(loc="left") for axis in maps] == ["0 deg", "30 deg", "60 deg"]
@@ -75,7 +76,7 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
         for angle, name in ((0.0, "linear"), (30.0, "solid"))
     ]
     about = {"grid": {"indenter.angle": [0, 30]}}
-    page = study_report.html(Study("press", (X,), (*told, *missed), (), 2, 0, about))
+    page = report.html(Study("press", (X,), (*told, *missed), (), 2, 0, about))
     top, _, rest = page.partition("<section")
     assert "2 scenes have no row at 50 N, the first of them: " in top
     assert "The rows are answers of linear, solid: " in top

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 
 import fefinger as ff
-from fefinger import study_tables
 from fefinger.__main__ import main
 from fefinger.checks import InputError
+from fefinger.studies import tables
 
 
 LEAN = {
@@ -58,7 +58,7 @@ def test_a_netcdf_has_the_grid_as_axes_with_units_and_what_made_it(grid, tmp_pat
 def test_what_the_array_reads_is_an_array_too():
     row = {"x_mm": 1.0, "at": "end", "status": "done", "readings_kPa": [1.0, 2.0]}
     none = {"x_mm": 2.0, "at": "end", "status": "done"}
-    data = study_tables.dataset(_study([row, none]))
+    data = tables.dataset(_study([row, none]))
     assert data["readings_kPa"].dims == ("x_mm", "at", "element")
     assert data["readings_kPa"].sel(x_mm=1.0).values.tolist() == [[1.0, 2.0]]
     assert np.isnan(data["readings_kPa"].sel(x_mm=2.0)).all()
@@ -149,7 +149,7 @@ def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
 
 
 def test_seeds_are_told_where_something_is_drawn():
-    from fefinger.study_tasks import provenance
+    from fefinger.studies.tasks import provenance
 
     made = {"date": "2026-01-01T00:00:00+00:00", "commit": "abc"}
     rows = [{"seed": 7}, {"seed": 7}]
@@ -162,7 +162,7 @@ def test_seeds_are_told_where_something_is_drawn():
 
 
 def test_a_level_that_comes_twice_is_refused():
-    from fefinger.study_grid import parse_at
+    from fefinger.studies.grid import parse_at
 
     with pytest.raises(InputError, match="received 1 N again"):
         parse_at(["1N", "1.0 N"])

@@ -53,8 +53,19 @@ def by_hand(report, weights, candidate, depth, quantity="force", *, between=0, f
     shares = margins["motion"]
     share = max(shares[name] for name in (weights if set(weights) <= set(shares) else shares))
     margin = share * (numerical + model) + between * margins["between"]
+    margin += 2 * _between_draws(candidate, depth, quantity)
     larger = factor * rules["directs"][mechanics][quantity]
     return numerical + larger * model + margin + rules["steps"][mechanics][quantity]
+
+
+def _between_draws(candidate, depth, quantity):
+    """Return the standard deviation over meshes of one finger, 10 mm thick; the larger of two."""
+    measured = json.loads((REPORT.parent / "mesh-scatter.json").read_text(encoding="utf-8"))
+    mesh = {"fine": "standard"}.get(candidate.split()[-1], candidate.split()[-1])
+    if mesh not in measured["rows"]:
+        return 0.0
+    presses = [measured["rows"][mesh][name] for name in ("flat-0", "flat-15")]
+    return max(float(np.interp(depth / 10, row["part"], row[quantity])) for row in presses)
 
 
 def _at(row, candidate, kind, quantity, depth):

@@ -20,10 +20,11 @@ from fefinger.validation.contact_angle_rows import (
 )
 from fefinger.validation.contact_angle_sure import experiment, sure
 
-from fefinger import page, study_figures
+from fefinger import page
 from fefinger.figures import COLORS
-from fefinger.study_measures import READINGS
-from fefinger.study_report import ARRAY, MEANING, errors, part, table
+from fefinger.studies import figures
+from fefinger.studies.measures import READINGS
+from fefinger.studies.report import ARRAY, MEANING, errors, part, table
 
 
 def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
@@ -72,7 +73,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         ]
         how = {"1 mm": "a ramp at 60 mm/s", "1 N": "a ramp of the force at 40 N/s"}[at]
         said = f"On the loading, at {at}: {how}. Coarse mesh, tissue of Maeno et al. (1998)."
-        picture = page.svg(study_figures.panels(chosen, ANGLE, ["case"], [skip]))
+        picture = page.svg(figures.panels(chosen, ANGLE, ["case"], [skip]))
         yield part(
             f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", said, picture=picture
         )
@@ -86,7 +87,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         "What the array of the thesis would read at 1 N",
         "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
         "Subject a.h., without noise.",
-        picture=page.svg(study_figures.isobars(felt, ANGLE, READINGS)),
+        picture=page.svg(figures.isobars(felt, ANGLE, READINGS)),
     )
     yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
     yield from sure(rows)
@@ -169,7 +170,7 @@ def _by_force(rows: Rows) -> Iterator[dict[str, Any]]:
         f"force to the power of {power:.2f}; the angle at which as much of the force is distal as "
         f"proximal of first touch is {turned[FORCES[0]]:.0f} degrees at {FORCES[0]} and "
         f"{turned[FORCES[-1]]:.0f} at {FORCES[-1]}.",
-        picture=page.svg(study_figures.panels(loading(MAIN["1 N"]), ANGLE, ["case"], ["force_N"])),
+        picture=page.svg(figures.panels(loading(MAIN["1 N"]), ANGLE, ["case"], ["force_N"])),
     )
     fired = [row for row in loading(HELD_FORCE) if any(key.startswith("spikes_") for key in row)]
     if fired:
@@ -177,7 +178,7 @@ def _by_force(rows: Rows) -> Iterator[dict[str, Any]]:
             "Spikes against the force",
             "One unit of each type under first touch, up to these forces on the way to 1 N at 2 "
             "N/s: blue, orange and green from the smallest force to the largest.",
-            picture=page.svg(study_figures.spikes(fired, ANGLE, ["case"])),
+            picture=page.svg(figures.spikes(fired, ANGLE, ["case"])),
         )
 
 
@@ -242,7 +243,7 @@ def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
             "mm/s held for 5 s (blue), and to 1 N at 2 N/s held for 2 s (orange). The gains are "
             "those of one press at 30 degrees. The unit follows first touch: a fixed receptor "
             "of the skin would leave the contact as the angle changes.",
-            picture=page.svg(study_figures.spikes(chosen, ANGLE, ["case"])),
+            picture=page.svg(figures.spikes(chosen, ANGLE, ["case"])),
         )
 
 

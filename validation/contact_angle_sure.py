@@ -17,8 +17,9 @@ from fefinger.validation.contact_angle_rows import (
     percent,
 )
 
-from fefinger import page, study_figures
-from fefinger.study_report import part
+from fefinger import page
+from fefinger.studies import figures
+from fefinger.studies.report import part
 from fefinger.theory.sensor import ArraySensor
 
 
@@ -39,7 +40,7 @@ def sure(rows: Rows) -> Iterator[dict[str, Any]]:
         "How sure: mesh, tissue and strain, one change at a time",
         "At 1 mm, on the finger of a.h.; the first line is the coarse mesh at small strain. "
         f"{_summed(rows)}",
-        picture=page.svg(study_figures.panels(chosen, ANGLE, ["case"], ["depth_mm"])),
+        picture=page.svg(figures.panels(chosen, ANGLE, ["case"], ["depth_mm"])),
     )
     for name in ("asymmetry", "force_N", "contact_area_mm2", "ellipticity"):
         base = curve(rows, MAIN["1 mm"], "1 mm", name)

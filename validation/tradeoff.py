@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 from fefinger.validation import tradeoff_held_out as held_out
 from fefinger.validation import tradeoff_rules, tradeoff_runs, tradeoff_scenes, tradeoff_study
-from fefinger.validation.case import Case, Outcome, Told
+from fefinger.validation.case import Case, Outcome
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import _tradeoff
-from fefinger.mechanics._touch import meshed_at
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.text import SAID
 
@@ -45,7 +44,11 @@ RULES = (
     "margins for motions are shares, two presses were added, and errors are those between presses "
     "instead of those of the worse neighbor, but of pressure, area and strain on other fingers, "
     "where the worst of all plates or of two balls counts. Then another draw of scenes on the same "
-    "presses was judged; after it margins for motions were taken by press, and the 6 % added."
+    "presses was judged; after it margins for motions were taken by press, and the 6 % added. The "
+    "mesher draws at random: with other meshes of three plates 94 to 97 % of the errors of force "
+    "and pressure were kept. Since then those meshes are shipped, answers on six meshes of one "
+    "finger were compared (reports/mesh-scatter.json), and twice their standard deviation is "
+    "added; another draw of scenes, that was not looked at before, is judged below."
 )
 
 SHARED = (
@@ -74,7 +77,7 @@ def fresh() -> dict[str, Any]:
         "integrators": tradeoff_study.integrators(),
         "held_out": judged,
         "summary": held_out.summary(judged),
-        "drawn_again": held_out.summary(held_out.all_scenes(tradeoff_scenes.SEED + 1)),
+        "drawn_again": held_out.summary(held_out.all_scenes(tradeoff_scenes.SEED + 2)),
     }
 
 

@@ -67,10 +67,10 @@ def study(
     finished are kept: the same command goes on where it was stopped.
     """
     from fefinger.scenes import settings
+    from fefinger.studies.grid import parse_over
+    from fefinger.studies.tables import check, write
     from fefinger.study import AT
     from fefinger.study import study as answer
-    from fefinger.study_grid import parse_over
-    from fefinger.study_tables import check, write
 
     over, changed = parse_over(grid), settings(changes)
     for file in tables:
@@ -114,7 +114,7 @@ def _command(scene: str, asked: dict[str, tuple[str, ...]], mechanics: str | Non
 
 def _saved(found: "Study", output: str) -> list[str]:
     """Save a study, and tell where the table of other scenes is that was there."""
-    from fefinger.study_tables import NAMES
+    from fefinger.studies.tables import NAMES
 
     files = found.save(output)
     for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):

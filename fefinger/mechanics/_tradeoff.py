@@ -306,8 +306,14 @@ def scatter(candidate: str, part: float, quantity: str) -> float:
     that of the standard one. None without a mesh.
     """
     mesh = candidate.partition(" ")[2].replace("fine", "standard")
-    rows = loads(report(SCATTER))["rows"].get(mesh, {}).values()
+    rows = _scattered().get(mesh, {}).values()
     return max((float(np.interp(part, row["part"], row[quantity])) for row in rows), default=0.0)
+
+
+@cache
+def _scattered() -> dict[str, Any]:
+    rows: dict[str, Any] = loads(report(SCATTER))["rows"]
+    return rows
 
 
 def moving(shares: Mapping[str, float], names: Collection[str]) -> float:

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.checks import InputError
-from fefinger.study_columns import column
-from fefinger.study_grid import EACH, parse_at, product
+from fefinger.studies.columns import column
+from fefinger.studies.grid import EACH, parse_at, product
 from fefinger.version import VERSION
 
 

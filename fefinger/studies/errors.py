@@ -6,8 +6,8 @@ import numpy as np
 
 from fefinger.records import Result, Rung
 from fefinger.scene import Ramp
-from fefinger.study_columns import ERRORS
-from fefinger.study_times import SAME, until
+from fefinger.studies.columns import ERRORS
+from fefinger.studies.times import SAME, until
 
 
 OF = {

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.records import Array
-from fefinger.study_times import at
+from fefinger.studies.times import at
 
 
 WINDOW = 1.3

@@ -14,10 +14,10 @@ from fefinger import pressures
 from fefinger.records import Array, Integers, Result
 from fefinger.scene import Flat
 from fefinger.sensing import response
-from fefinger.study_errors import stated
-from fefinger.study_hertz import hertz
-from fefinger.study_slope import stiffness
-from fefinger.study_times import at, moments
+from fefinger.studies.errors import stated
+from fefinger.studies.hertz import hertz
+from fefinger.studies.slope import stiffness
+from fefinger.studies.times import at, moments
 from fefinger.theory.moments import Moments
 from fefinger.theory.moments import moments as shape_of
 from fefinger.theory.sensor import ArraySensor, isobar

@@ -8,7 +8,7 @@ from fefinger.mesh.local import Touch
 from fefinger.pressures import SPREAD
 from fefinger.records import Array, Result
 from fefinger.scene import Flat, Sphere
-from fefinger.study_times import SAME, until
+from fefinger.studies.times import SAME, until
 from fefinger.theory.elliptic import LONGEST, Elliptic
 from fefinger.theory.relaxation import hereditary_integral
 from fefinger.units import NEWTON_PER_MILLINEWTON

@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fefinger import page, study_figures
-from fefinger.study_columns import ERRORS, MEASURES
-from fefinger.study_grid import remarks
-from fefinger.study_slope import POINTS, WINDOW
+from fefinger import page
+from fefinger.studies import figures
+from fefinger.studies.columns import ERRORS, MEASURES
+from fefinger.studies.grid import remarks
+from fefinger.studies.slope import POINTS, WINDOW
 from fefinger.text import percent
 
 
@@ -80,7 +81,7 @@ def text(value: Any) -> str:
     """Return a value with four digits at most."""
     if value is None:
         return ""
-    if isinstance(value, float) and abs(value) < study_figures.NOTHING:
+    if isinstance(value, float) and abs(value) < figures.NOTHING:
         return "0"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
@@ -128,13 +129,11 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
         rows = [row for row in told if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
         where = {"peak": "at the largest force", "end": "at the end"}.get(at, f"at {at}")
-        picture = page.svg(study_figures.panels(rows, x, series, skip))
+        picture = page.svg(figures.panels(rows, x, series, skip))
         yield part(f"The contact {where}", picture=picture)
     ends = [row for row in told if row["at"] == "end"]
     if any("spikes" in row for row in ends):
-        yield part(
-            "Spikes of the whole scene", picture=page.svg(study_figures.spikes(ends, x, series))
-        )
+        yield part("Spikes of the whole scene", picture=page.svg(figures.spikes(ends, x, series)))
     yield from maps(told, x)
     said = "All columns are in table.csv."
     yield part("Rows: contact, and stated errors", said, table=table(told, (*study.over, *MAIN)))
@@ -143,7 +142,7 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
 
 def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
     """Give the section with what the array reads, of the first series at a force if there is."""
-    from fefinger.study_measures import READINGS
+    from fefinger.studies.measures import READINGS
 
     felt = [row for row in rows if row.get(READINGS)]
     times = sorted({row["at"] for row in felt}, key=lambda at: (not at.endswith("N"), at))
@@ -157,5 +156,5 @@ def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
         f"What the array reads at {times[0]}",
         f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}, in the same colors "
         "in all panels; the tip is up, and the cross is first touch.",
-        picture=page.svg(study_figures.isobars(picked, x, READINGS)),
+        picture=page.svg(figures.isobars(picked, x, READINGS)),
     )

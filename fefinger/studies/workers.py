@@ -14,10 +14,10 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from queue import SimpleQueue
 
 from fefinger.checks import ConvergenceError, InputError
-from fefinger.study_tasks import Answer, Task
+from fefinger.studies.tasks import Answer, Task
 
 
-SERVE = "from fefinger.study_workers import serve; serve()"
+SERVE = "from fefinger.studies.workers import serve; serve()"
 
 
 def answer(task: Task) -> Answer:
@@ -27,7 +27,7 @@ def answer(task: Task) -> Answer:
 
         from fefinger.run import run
         from fefinger.scene import Scene
-        from fefinger.study_measures import rows
+        from fefinger.studies.measures import rows
 
         with threadpool_limits(1, user_api="blas"):
             result = run(Scene.from_dict(task["scene"]), mechanics=task["mechanics"])

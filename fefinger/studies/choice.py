@@ -8,13 +8,13 @@ from fefinger.checks import InputError
 from fefinger.finger import AUTO, RESOLUTIONS
 from fefinger.mechanics import names
 from fefinger.plan import choose
-from fefinger.study_grid import EACH
+from fefinger.studies.grid import EACH
 
 
 if TYPE_CHECKING:
     from fefinger.records import Plan
     from fefinger.scene import Scene
-    from fefinger.study_tasks import Task
+    from fefinger.studies.tasks import Task
 
 MOST = 400
 """Scenes that are asked which mechanics they take; of larger grids a part, evenly."""

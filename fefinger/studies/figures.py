@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger import figures, quantities
 from fefinger.records import Array
-from fefinger.study_columns import MEASURES, error, split, words
+from fefinger.studies.columns import MEASURES, error, split, words
 
 
 Rows = Sequence[Mapping[str, Any]]

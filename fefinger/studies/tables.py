@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.checks import InputError
-from fefinger.study_columns import MEASURES, split
+from fefinger.studies.columns import MEASURES, split
 
 
 if TYPE_CHECKING:
