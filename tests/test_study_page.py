@@ -94,7 +94,7 @@ def test_rows_of_different_mechanics_and_forces_not_reached_are_told():
     ]
     (said,) = remarks(told, ("angle",))
     assert said.startswith("The rows are answers of linear, lumped: ")
-    assert "lumped is the finger that was measured" in said
+    assert "--mechanics NAME takes one for all" in said
     assert remarks(told[:1], ("angle",)) == []
     missed = told[0] | {"at": "50 N", "status": "not reached: force = 2 N at most"}
     (said,) = remarks([missed], ("angle",))
