@@ -212,11 +212,11 @@ def test_a_run_that_ends_early_leaves_no_empty_folder(monkeypatch, tmp_path, err
     assert [path.name for path in tmp_path.iterdir()] == ["mine"]
 
 
-SIZE = ("--set", "finger.width=20")
+SIZE = ("--set", "finger.width=15")
 
 
 def test_a_subject_of_another_size_is_told(capsys, tmp_path):
-    said = "The finger is not that of subject a.h.: width 20 mm in place of 14 mm."
+    said = "The finger is not that of subject a.h.: width 15 mm in place of 14 mm."
     assert main(["explain", "flat-press", *SIZE]) == 0
     assert capsys.readouterr().err.strip() == said
     force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")

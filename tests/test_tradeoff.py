@@ -85,7 +85,9 @@ def test_what_is_identified_is_what_was_put_in():
     true = replace(pressed(), force=0.3 / 0.9 * np.expm1(0.9 * depth))
     found = tradeoff_errors.identify(true, pressed(2.0), 0.5)
     assert (found.b, found.m) == pytest.approx((0.3, 0.9), rel=1e-6)
-    np.testing.assert_allclose(tradeoff_errors.law(found, depth), true.force, rtol=1e-6)
+    np.testing.assert_allclose(
+        tradeoff_errors.law((found.b, found.m), depth), true.force, rtol=1e-6
+    )
     assert found.radius == pytest.approx(9.0)
     hertzian = tradeoff_errors.identify(pressed(0.75), pressed(3.0), 0.5)
     assert hertzian.modulus * 4 / 3 * np.sqrt(9.0) / 0.75 / 1e3 == pytest.approx(0.75)

@@ -4,6 +4,7 @@ What the report says of a finger's pressure, between presses of other pads and e
 measured again by a press of its own on the coarse mesh.
 """
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -22,11 +23,15 @@ from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, layer, line
 from fefinger.calibration.press import press
 from fefinger.calibration.target import Bulk
+from fefinger.data import report
 from fefinger.scene import Finger
 
 
 PRINTED = {"mse": 0.07, "peak": 0.18}
 """Errors of the thesis's own prediction of sinusoids (section 2.4.2), as fractions."""
+
+STANDARD = "calibrated-standard.json"
+"""Presses of the calibrated fingers on the standard mesh (`evidence_standard.py`)."""
 
 MIDDLE = 1
 """Number of the profile at 1.1 N, the middle one of Figure 3-4."""
@@ -67,6 +72,16 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         "1",
         "reports/calibrated.json",
         reason="rounded to the digits that are shipped",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: force of a press on the standard mesh, from a third of its depth on",
+        partial(on_standard, subject),
+        0.0,
+        0.02,
+        "1",
+        f"{STANDARD}, against the curve in the report",
+        reason="the force of a coarse mesh, on which three of them were fitted",
     )
     if not quick:
         yield from _pressed_again(subject)
@@ -215,6 +230,15 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     one, _ = curve(press(own, "solid"))
     factor = found["modulus"].value / finger.subcutaneous.modulus
     return replace(one, q=one.q + np.log(factor))
+
+
+def on_standard(subject: str) -> Told:
+    """Return the largest relative distance of the force on the standard mesh from the report."""
+    row = json.loads(report(STANDARD))["rows"][subject]
+    depth, force, known = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
+    off = np.abs(force / known - 1)[depth > depth[-1] / 3].max()
+    said = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
+    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(said)}.")
 
 
 def again(subject: str) -> float:

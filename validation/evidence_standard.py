@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration_report import calibrated
-from fefinger.validation.calibration_subjects import fresh
+from fefinger.validation.calibration_subjects import STANDARD, fresh
 from fefinger.validation.chain import SUBJECTS
 from fefinger.validation.provenance import provenance
 
@@ -20,8 +20,6 @@ from fefinger.calibration import pad, target
 from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import line
 
-
-REPORT = "calibrated-standard.json"
 
 DEPTHS = 12
 
@@ -65,7 +63,7 @@ def _listed(values: Any) -> list[float]:
 
 
 if __name__ == "__main__":
-    file = Path(sys.argv[1]) / REPORT
+    file = Path(sys.argv[1]) / STANDARD
     rows = json.loads(file.read_text(encoding="utf-8"))["rows"] if file.exists() else {}
     for name in sys.argv[2:] or SUBJECTS:
         rows[name] = row(name)

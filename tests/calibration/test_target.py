@@ -83,7 +83,7 @@ def growing(table):
 
 
 BAD = {
-    "few points": (lambda t: t[:30], "at least 40 samples|duration"),
+    "few points": (lambda t: t[:30], "at least 40 rows|duration"),
     "coarse": (lambda t: t[::200], "ramp in contact: expected at least 20 samples"),
     "no hold": (lambda t: np.column_stack([t[:160, 0] * 9, t[:160, 1:]]), "hold: expected"),
     "unsorted": (swap, "received an earlier time"),

@@ -8,6 +8,7 @@ import pytest
 from fefinger import machine, scenes
 from fefinger.mechanics import _evidence, linear, solid
 from fefinger.scene import Ramp, Scene
+from fefinger.text import percent
 from fefinger.tissue import Tissue
 
 
@@ -27,7 +28,7 @@ def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
     mesh, _ = _evidence.linear_mesh_error(at(last))
     assert error == pytest.approx(mesh + 1 - small / finite, rel=1e-12)
     assert "of the mesh" in source
-    assert "flat-30: 0.3" in source
+    assert f"flat-30: {percent(1 - small / finite)} of small strain" in source
 
 
 def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> None:

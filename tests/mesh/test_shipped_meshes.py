@@ -5,8 +5,9 @@ import pytest
 from fefinger.validation.calibration_report import rows
 
 from fefinger.mesh import files
+from fefinger.mesh.build import touched
 from fefinger.mesh.parametric import parametric, radii
-from fefinger.mesh.plate import PLATE_NORMAL
+from fefinger.mesh.plate import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.quality import (
     MIN_DIHEDRAL,
     RADIUS_ERROR,
@@ -159,9 +160,17 @@ def test_pad_normals_are_unit_smooth_and_point_outward(mesh: FingerMesh) -> None
     assert np.einsum("ij,ij->i", flat, smooth).min() > 0.7
 
 
-def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh) -> None:
+def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh, shape: Shape) -> None:
     limit = {"coarse": 1.0, "standard": 0.5, "fine": 0.36}[mesh.recipe["resolution"]]
-    assert mesh.quality["pad_edge_mean"] < limit
+    touch = mesh.recipe.get("touch")
+    if touch is None:
+        assert mesh.quality["pad_edge_mean"] < limit
+        return
+    corners = mesh.points[mesh.facets["pad"]]
+    near = np.linalg.norm(corners.mean(axis=1) - touched(shape, touch), axis=1) < PATCH_RADIUS
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert edges[near].mean() < limit
+    assert edges[near].mean() < 0.7 * edges[~near].mean()
 
 
 def test_pulp_is_about_half_the_thickness(mesh: FingerMesh) -> None:
