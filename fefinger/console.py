@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fefinger.studies.grid import remarks
-from fefinger.text import table
+from fefinger.text import abridged, table
 
 
 if TYPE_CHECKING:
@@ -225,7 +225,11 @@ def study_summary(record: dict[str, Any]) -> str:
     told = [row for row in record["rows"] if row["status"] == "done"]
     rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in told]
     below = [
-        ("failed", ", ".join(f"{k} = {v}" for k, v in each["scene"].items()), each["error"])
+        (
+            "failed",
+            ", ".join(f"{k} = {v}" for k, v in each["scene"].items()),
+            abridged(each["error"]),
+        )
         for each in record["failed"]
     ]
     notes = [record["chosen"], *remarks(record["rows"], record["over"])]
