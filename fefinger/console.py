@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fefinger.studies.grid import remarks
-from fefinger.text import abridged, table
+from fefinger.text import brief, table
 
 
 if TYPE_CHECKING:
@@ -228,7 +228,7 @@ def study_summary(record: dict[str, Any]) -> str:
         (
             "failed",
             ", ".join(f"{k} = {v}" for k, v in each["scene"].items()),
-            abridged(each["error"]),
+            brief(each["error"]),
         )
         for each in record["failed"]
     ]

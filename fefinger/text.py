@@ -60,7 +60,7 @@ def beyond(value: float, limit: float, unit: str = "") -> str:
     return f"{next((x for x in shown if x > limit), value):.6g}{unit} > {limit:g}{unit}"
 
 
-def abridged(message: str) -> str:
+def brief(message: str) -> str:
     """Return the first and the last line of a message that may have a table between them."""
     lines = message.splitlines()
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"

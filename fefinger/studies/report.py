@@ -8,7 +8,7 @@ from fefinger.studies import figures
 from fefinger.studies.columns import ERRORS, MEASURES
 from fefinger.studies.grid import remarks
 from fefinger.studies.slope import POINTS, WINDOW
-from fefinger.text import abridged, percent
+from fefinger.text import brief, percent
 
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _parts(study: "Study") -> Iterator[dict[str, Any]]:
     """Give the sections: what failed, figures at each time, maps, spikes, and the table."""
     if study.failures:
         failed = [
-            f"{', '.join(f'{field} = {value}' for field, value in values.items())}: {abridged(error)}"
+            f"{', '.join(f'{field} = {value}' for field, value in values.items())}: {brief(error)}"
             for values, error in study.failures
         ]
         yield part("What failed", "These scenes have no numbers.", bullets=failed)
