@@ -5,6 +5,7 @@ of the candidates, to whose error that of their time steps is added, of which ca
 Presses are shared: the scenes differ in depth, speed, motion, tolerance and in what is asked.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,8 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
     """Return the pick, the best possible and the stated and actual errors of a scene."""
     reference = motion.passage(true, scene)
     rows: dict[str, dict[str, Any]] = {}
-    for rung in rungs(scene):
+    ladder = rungs(scene)
+    for rung in ladder:
         name = label(rung)
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
@@ -63,10 +65,17 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
         "asked": [x for x in ("pressure", "strain") if getattr(scene.ask, x)],
         "tolerance": tolerance,
         "pick": pick,
+        "unjudged": _unjudged(ladder) if pick is None else None,
         "best": best,
         "ratio": rows[pick]["seconds"] / rows[best]["seconds"] if pick and best else None,
         "candidates": rows,
     }
+
+
+def _unjudged(ladder: Sequence[Rung]) -> str | None:
+    """Return what the planner takes where none of the judged answers: a fine mesh, if anything."""
+    willing = [rung for rung in ladder if not rung.refusals and np.isfinite(rung.error)]
+    return label(min(willing, key=lambda rung: rung.seconds)) if willing else None
 
 
 def cheapest(rows: dict[str, dict[str, Any]], tolerance: float) -> str | None:
@@ -103,8 +112,11 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "scenes": len(judged),
         "answered": len(picked),
         "refused_although_possible": sum(
-            1 for each in judged.values() if not each["pick"] and each["best"]
+            1
+            for each in judged.values()
+            if each["best"] and not each["pick"] and not each["unjudged"]
         ),
+        "on_a_mesh_that_is_not_judged": sum(1 for each in judged.values() if each["unjudged"]),
         "tolerance_met": _share(
             [row["actual"]["force"] <= each["tolerance"] for each, row in picks]
         ),

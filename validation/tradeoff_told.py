@@ -44,8 +44,10 @@ def texts(found: dict[str, Any]) -> list[str]:
     )
     return [
         f"Of {found['scenes']} scenes that no rule was derived from the planner answers "
-        f"{found['answered']}, and refuses {found['refused_although_possible']} that a candidate "
-        f"would have answered as asked; the rest none can. The tolerance is met by "
+        f"{found['answered']} on the meshes that are judged and "
+        f"{found['on_a_mesh_that_is_not_judged']} on the fine one, which is not; it refuses "
+        f"{found['refused_although_possible']} that a candidate would have answered as asked. The "
+        f"rest none can. The tolerance is met by "
         f"{100 * found['tolerance_met']:.0f} % of its picks.",
         "Stated errors are kept by this share of its picks (of all candidates): "
         f"{_shares(picks, every)}.",
