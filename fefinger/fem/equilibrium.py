@@ -42,6 +42,7 @@ DESCENT = 150  # iterations downhill
 KEPT = 3  # of them on one factor
 CALM = 4  # of them with ever smaller errors, before they are accelerated
 SURE = 1e-3  # error below which they may be
+MOST = 1e30  # mN at a node, of any tissue: more, and the iteration has run away
 SURER = 0.1  # by how much smaller the error has to be before that is tried again
 
 
@@ -163,10 +164,10 @@ class Equilibrium:
         raise _missed(last, count + 1)
 
     def _look(self, state: State, asked: Asked) -> "_Look | None":
-        """Return what an iterate is like; None if a cell is inside out."""
+        """Return what an iterate is like; None if a cell is inside out, or forces have run away."""
         self.iterations += 1
         inner, least = self.body.residual(state.values, asked.memory)
-        if least <= 0 or not np.isfinite(inner).all():
+        if least <= 0 or not np.abs(inner).max() < MOST:  # nor where one is not a number
             return None
         gaps, loads = self.contact.gaps(state.values, state.depth)
         hold = self._hold(state, asked, gaps)

@@ -201,3 +201,17 @@ def test_the_way_downhill_ends_in_the_closed_form(
     material = LAWS[name](Elastic(40.0, poisson))
     force, _, _ = squeezed(material, [0.2, 0.4])
     assert force == pytest.approx(nominal(material, 0.6), rel=1e-5)
+
+
+def test_an_iterate_whose_forces_have_run_away_is_none_like_one_that_is_inside_out():
+    pressed = cube(demiray(Elastic(40.0, 0.49), 1e3))
+    solver, space = pressed.equilibrium, pressed.body.space
+    height = space.node_points[:, 2]
+    asked, flat = Asked("depth", 0.1, pressed.body.at_rest), np.zeros(len(solver.contact))
+    looks = {}
+    for part in (0.01, 0.5):
+        values = np.zeros(space.n_unknowns)
+        values[2 : space.n_displacements : 3] = -part * height
+        looks[part] = solver._look(State(values, flat, 0.0), asked)
+    assert looks[0.01] is not None
+    assert looks[0.5] is None
