@@ -33,7 +33,7 @@ from fefinger.scene import Ask, Finger, RampHold, Scene
 Array = NDArray[np.float64]
 
 
-SEEDS, HALF, FEW = 10, 5, 2
+SEEDS, FEW = 10, 2
 DEPTH = 1.4  # mm
 
 
@@ -94,7 +94,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         "Taylor's theorem",
     )
     if not quick:
-        yield from _other_mesh(HALF)
+        yield from _other_mesh(SEEDS)
         yield Case(
             "calibration",
             "a.h.: force between exponents, one press of four left out",
