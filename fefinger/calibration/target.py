@@ -92,6 +92,12 @@ class Frames:
     distance: Array
 
 
+MESH = 4.3e-3
+"""Standard deviation of a force that the mesh makes, over it: RMS between draws of a coarse mesh,
+beyond first touch (`reports/mesh-scatter.json`; 1.3e-3 of a standard one). Without it averages of
+many samples would be taken for surer than the model is."""
+
+
 def subject(name: str) -> Bulk:
     """Return the target of a subject of Table 2.1, by the lumped model.
 
@@ -151,7 +157,7 @@ def made(name: str, time: Array, position: Array, force: Array) -> Record:
     t, x, f, size = averages(parts)
     stiffness = np.where(x > found.spring.x0, found.spring.stiffness(found.spring.force(x)), 0.0)
     noise = np.hypot(parts.force_noise, stiffness * parts.position_noise)
-    sd = np.maximum(noise, 1e-6 * f.max()) / np.sqrt(size)
+    sd = np.hypot(np.maximum(noise, 1e-6 * f.max()) / np.sqrt(size), MESH * f)
     return Record(name, parts, found, t, x, f, sd)
 
 
