@@ -106,6 +106,7 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         when = result.time[result.force.argmax()]
         rows.append(("peak force", f"{record['peak_force_N']:.4g} N at {when:.4g} s"))
         rows.append(("final force", f"{record['final_force_N']:.4g} N"))
+    rows.append(("final depth", f"{result.depth[-1]:.4g} mm"))
     if record["contact_area_mm2"] is not None:
         x, y = record["centroid_mm"]
         rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm² at the peak"))
@@ -208,6 +209,7 @@ STUDY = (
     *(
         "at",
         "force_N",
+        "force_rel_error",
         "depth_mm",
         "contact_area_mm2",
         "highest_pressure_1mm2_kPa",
@@ -236,7 +238,9 @@ def study_summary(record: dict[str, Any]) -> str:
     below += [("to be known", said, "") for said in notes if said]
     below += [("file", file, "") for file in record["files"]]
     done = record["scenes"] - len(record["failed"])
-    said = f"{done} of {record['scenes']} scenes, {record['reused']} of them from before"
+    used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in told)
+    by = f" by {', '.join(used)}" if used else ""
+    said = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them from before"
     return "\n".join([table(rows, shown), said, *([table(below)] if below else [])])
 
 

@@ -70,7 +70,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
         chosen.refusals,
         settings,
         machine=f"{machine.sentence()} {LEFT_OUT}",
-        trust=trust(chosen, scene.ask),
+        trust=trust(chosen, scene.ask, control=scene.motion.control),
     )
 
 

@@ -66,14 +66,18 @@ def brief(message: str) -> str:
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"
 
 
-def trust(rung: "Rung", ask: "Ask") -> str:
-    """Return how far from the truth each thing that is asked may be, in a sentence or two."""
+def trust(rung: "Rung", ask: "Ask", *, control: str = "depth") -> str:
+    """Return how far from the truth each thing that is asked may be, in a sentence or two.
+
+    Where the motion has "force" control, the error is that of the force at the depth that is found.
+    """
     errors = {"force": rung.error, **rung.errors}
     asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
     wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
     unknown = [SAID[name] for name in wanted if name not in known]
-    told = ", ".join(f"{SAID[name]} {percent(errors[name])}" for name in known)
+    words = SAID | ({"force": "force at the depth that is found"} if control == "force" else {})
+    told = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {told}."] if known else []
     if ask.spikes and "spike count" in errors:
         count, first = percent(errors["spike count"]), duration(errors["first spike"])

@@ -104,6 +104,11 @@ def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
     assert text.trust(rung, scene(**changes).ask) == said
 
 
+def test_where_the_force_is_prescribed_its_error_is_that_at_the_depth_that_is_found():
+    found = plan.choose(scenes.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
+    assert found.trust.startswith("Expected within: force at the depth that is found ")
+
+
 @pytest.mark.parametrize("name", ["hertz", "condensed coarse", "solid standard", "solid fine"])
 def test_spikes_are_trusted_as_far_as_they_were_right_in_the_base_scenes(name):
     report = json.loads(data.report("tradeoff.json"))["scenes"].values()

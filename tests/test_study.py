@@ -223,7 +223,7 @@ def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsy
     page = (tmp_path / "report.html").read_text()
     assert "4 of 4 scenes were answered" in page
     assert main(command) == 0
-    assert "4 of 4 scenes, 4 of them from before" in capsys.readouterr().out
+    assert "4 of 4 scenes by lumped, 4 of them from before" in capsys.readouterr().out
 
 
 def test_a_scene_that_fails_costs_itself_alone(capsys):

@@ -10,7 +10,7 @@ from fefinger import pressures
 from fefinger.plan import choose
 from fefinger.run import run
 from fefinger.scene import Scatter
-from fefinger.studies.columns import ERRORS, error, split, words
+from fefinger.studies.columns import ERRORS, bounds, split, words
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows
 from fefinger.theory.elliptic import Elliptic
@@ -94,10 +94,11 @@ def test_columns_say_their_units_and_errors_are_in_them():
     assert split("finger.subject") == ("finger.subject", "")
     assert words("indenter.angle_deg") == "indenter.angle / deg"
     assert words("highest_pressure_1mm2_kPa") == "highest pressure over 1 mm² / kPa"
-    row = {"force_N": -2.0, "force_rel_error": 0.1, "contact_area_mm2": 5.0}
-    assert error(row, "force_N") == pytest.approx(0.2)
-    assert error(row, "contact_area_mm2") is None
-    assert error(row, "depth_mm") is None
+    row = {"force_N": 2.0, "force_rel_error": 0.1, "contact_area_mm2": 5.0}
+    assert bounds(row, "force_N") == pytest.approx((2 / 1.1, 2 / 0.9))
+    assert bounds(row | {"force_rel_error": 1.2}, "force_N") == pytest.approx((2 / 2.2, 4.0))
+    assert bounds(row, "contact_area_mm2") is None
+    assert bounds(row, "depth_mm") is None
     assert set(ERRORS.values()) == {name for name in ERRORS.values() if name.endswith("_rel_error")}
 
 

@@ -23,7 +23,7 @@ def panel(drawn, title):
     return next(axis for axis in drawn.axes if axis.get_title(loc="left") == title)
 
 
-def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
+def test_bars_hold_what_has_the_stated_error_and_end_at_twice_the_value():
     rows = [
         row(0, highest_pressure_1mm2_kPa=20.0, highest_pressure_rel_error=0.1, force_N=1.0),
         row(30, highest_pressure_1mm2_kPa=30.0, highest_pressure_rel_error=1.5, force_N=2.0),
@@ -32,7 +32,7 @@ def test_bars_are_the_stated_errors_in_the_unit_of_the_measure_and_end_at_0():
     drawn = figures.panels(rows, X, [])
     (bars,) = panel(drawn, "highest pressure over 1 mm² / kPa").collections
     ends = [segment[:, 1].tolist() for segment in bars.get_segments()]
-    assert ends == [pytest.approx([18, 22]), pytest.approx([0, 75])]
+    assert ends == [pytest.approx([20 / 1.1, 20 / 0.9]), pytest.approx([12, 60])]
     assert not panel(drawn, "force / N").collections
 
 
@@ -80,7 +80,7 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     top, _, rest = page.partition("<section")
     assert "2 scenes have no row at 50 N, the first of them: " in top
     assert "The rows are answers of linear, solid: " in top
-    assert "force 10 % to 20 %. They are of mesh, time steps and model" in top
+    assert "force 10 % to 20 %; they end at twice the value told. They are of mesh, " in top
     assert "not of the tissue" in top
     assert "No error is known of: contact area in 2 of 2 rows." in top
     assert "force_<wbr>rel_<wbr>error" in rest

@@ -78,9 +78,17 @@ def words(name: str) -> str:
     return f"{said} / {unit}" if unit else said
 
 
-def error(row: Mapping[str, object], name: str) -> float | None:
-    """Return the stated error of a measure of a row in its unit, None if none is known."""
+TWICE = 2.0
+"""Times the value at which what a measure may be ends, where its error leaves it more or open."""
+
+
+def bounds(row: Mapping[str, object], name: str) -> tuple[float, float] | None:
+    """Return between which values a measure of a row is by its stated error, None if not known.
+
+    The error is one of what is true, so that is value / (1 + error) to value / (1 - error).
+    """
     value, share = row.get(name), row.get(ERRORS.get(name, ""))
     if not isinstance(value, int | float) or not isinstance(share, int | float):
         return None
-    return abs(value) * share
+    most = 1 / (1 - share) if share < 1 else TWICE
+    return value / (1 + share), value * min(most, TWICE)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger import figures, quantities
 from fefinger.records import Array
-from fefinger.studies.columns import MEASURES, error, split, words
+from fefinger.studies.columns import MEASURES, bounds, split, words
 
 
 Rows = Sequence[Mapping[str, Any]]
@@ -93,16 +93,16 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
 
 
 def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
-    """Draw the stated errors of a measure, no lower than 0; caps grow with the series' number."""
-    found = [row for row in group if _number(row, name) and error(row, name) is not None]
+    """Draw what a measure may be by its stated error; caps grow with the series' number."""
+    known = [(row, bounds(row, name)) for row in group if _number(row, name)]
+    found = [(row[x], row[name], ends) for row, ends in known if ends is not None]
     if not found:
         return
-    values = np.array([row[name] for row in found])
-    size = np.array([error(row, name) for row in found], float)
+    values, ends = (np.array([each[i] for each in found], float) for i in (1, 2))
     axis.errorbar(
-        [row[x] for row in found],
+        [each[0] for each in found],
         values,
-        yerr=[np.minimum(size, np.abs(values)), size],
+        yerr=[values - ends[:, 0], ends[:, 1] - values],
         fmt="none",
         ecolor=PALETTE[number % len(PALETTE)],
         elinewidth=0.9,

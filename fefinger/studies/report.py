@@ -98,10 +98,11 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
             less = len(told) - len(found)
             unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
     known = (
-        f"Bars are the stated errors, relative to the value: {', '.join(said)}. They are of mesh, "
-        "time steps and model (what the mechanics leaves out), not of the tissue or the shape of "
-        "the finger. On loading they are those of a press to the depth of the row, after the "
-        "largest force those of the whole press, of the force a share of the largest."
+        f"Bars are what is stated, as errors of the true value: {', '.join(said)}; they end at "
+        "twice the value told. They are of mesh, time steps and model (what the mechanics leaves "
+        "out), not of the tissue or the shape of the finger. On loading they are those of a press "
+        "to the depth of the row, after the largest force those of the whole press, of the force a "
+        "share of the largest."
     )
     some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
     return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
