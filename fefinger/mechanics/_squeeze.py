@@ -151,14 +151,17 @@ class _Passage:
 
 
 class _Rim(Exception):
-    """The contact has met the rim of its candidates: what follows would be solved in vain."""
+    """The contact has met the rim of its candidates, or of the pad: what follows is in vain."""
 
 
 class _Recorder:
-    """Keeps what a response needs of every step, and whole states at some; stops at the rim."""
+    """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, contact: Sliding, places: Array, probe: Any, frames: set[int]) -> None:
-        self.contact, self.places, self.probe, self.wanted = contact, places, probe, frames
+    def __init__(self, finger: Body, contact: Sliding, probe: Any, frames: set[int]) -> None:
+        self.contact, self.probe, self.wanted = contact, probe, frames
+        self.places = finger.space.node_points
+        on = contact.on
+        self.rim = on.edge | np.isin(on.vertices, _placing.border(finger))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -180,7 +183,7 @@ class _Recorder:
         self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
         if number in self.wanted:
             self.frames[number] = state.values
-        if (state.pressure[self.contact.on.edge] > 0).any():
+        if (state.pressure[self.rim] > 0).any():
             raise _Rim
 
     def _moment(self, state: State) -> Array:
@@ -244,7 +247,7 @@ def _followed(
     equilibrium = Equilibrium(elements, contact, finger.system)
     deviatoric = scene.finger.relaxation == "deviatoric"
     history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
-    recorder = _Recorder(contact, finger.space.node_points, probe, frames)
+    recorder = _Recorder(finger, contact, probe, frames)
     halt = ""
     with stages.stage("steps") as report:
         try:

@@ -13,6 +13,7 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
 from fefinger.mechanics import _placing, _press, linear
+from fefinger.mechanics import solid as finite
 from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
@@ -155,6 +156,13 @@ def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
     with pytest.raises(InputError, match="2 mm it reaches the proximal cut, behind which there is"):
         linear.respond(deep)
+
+
+def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut() -> None:
+    asked = ff.Ask(fields=False, strain=False)
+    deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
+    with pytest.raises(InputError, match=r"at a depth of 1\.\d+ mm it reaches the proximal cut"):
+        finite.respond(deep)
 
 
 def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:
