@@ -68,7 +68,7 @@ def again(found: dict[str, Any]) -> str:
     """Return what became of scenes that were drawn anew."""
     return (
         "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
-        "drawn anew on the same presses, looked at once before the last change, the picks meet the "
+        "drawn anew on the same presses, not looked at before, the picks meet the "
         f"tolerance in {100 * found['tolerance_met']:.0f} %, keep what they state of the force in "
         f"{100 * found['stated_kept']['force']:.0f} %, and are within {ENOUGH:g} times in "
         f"{100 * found['within_1.2']:.0f} %."
@@ -113,9 +113,9 @@ def _spikes(found: dict[str, Any]) -> dict[str, Any]:
     heading = ["candidate", "scenes", "count, median", "count, worst", "first spike, worst"]
     caption = (
         "Spikes of the four central afferents in the base scenes, against those of converged "
-        "solid: missing and extra spikes of all, and the largest difference of a first spike. No "
-        "error of spikes is stated by the planner: spikes are thresholds, and what was found in "
-        "few scenes does not carry to others."
+        "solid: missing and extra spikes of all, and the largest difference of a first spike. The "
+        "planner tells the worst, as of scenes like these: spikes are thresholds, and what was "
+        "found in few scenes is no bound for others."
     )
     return {"caption": caption, "heading": heading, "rows": rows}
 
