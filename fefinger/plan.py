@@ -131,6 +131,8 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
     seconds, (error, evidence) = candidate.cost(scene), candidate.error(scene)
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
+    elif math.isinf(error):
+        refusals = (*refusals, Refusal(name, "accuracy", f"its error has no limit: {evidence}"))
     elif error > asked.rel_error:
         reason = f"expected relative error = {beyond(error, asked.rel_error)} (ask.rel_error)"
         refusals = (*refusals, Refusal(name, "accuracy", reason))

@@ -166,6 +166,8 @@ def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
 
 def _with_small_strain(scene: Scene, mesh: float, source: str) -> tuple[float, str]:
     strain = small_strain_error(scene)
+    if np.isinf(mesh):
+        return mesh, f"{source}: the mesh is too coarse for it"
     both = (
         f"{source}: {percent(mesh)} of the mesh; reports/{SOLID_REPORT}, {solid_press(scene)}: "
         f"{percent(strain)} of small strain"
