@@ -257,7 +257,18 @@ def validation_summary(record: dict[str, Any]) -> str:
         for suite in record["suites"]
         for case in suite["cases"]
     ]
-    return table(rows, ("suite", "case", "value", "expected", "verdict"))
+    verdicts = [case["verdict"] for suite in record["suites"] for case in suite["cases"]]
+    counted = [f"{verdicts.count(name)} {said}" for name, said in SAID.items() if name in verdicts]
+    return f"{table(rows, ('suite', 'case', 'value', 'expected', 'verdict'))}\n{', '.join(counted)}"
+
+
+SAID = {
+    "pass": "pass",
+    "documented": "documented (the published number is known to be wrong)",
+    "short": "short (as far as it is known to be, and not where it is wanted)",
+    "fail": "FAIL",
+}
+"""What the verdicts of a validation mean."""
 
 
 def bench_summary(record: dict[str, Any]) -> str:

@@ -183,4 +183,5 @@ def test_a_case_that_breaks_fails_alone_and_is_told(monkeypatch):
     assert [case["value"] for case in found] == [None, 1.05, None]
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     assert "fail InputError: depth: expected less" in console.validation_summary(record)
+    assert console.validation_summary(record).splitlines()[-1] == "1 pass, 2 FAIL"
     assert "Not measured: InputError: depth" in validation_report.html(record, {}, {})
