@@ -53,9 +53,10 @@ class Motion:
     def __post_init__(self) -> None:
         """Check every field, then build the trajectory."""
         for field in fields(self):
-            limits = LIMITS.get(field.name)
-            if limits is not None and getattr(self, field.name) is not _AS_LONG_AS_FITS:
-                value = number(f"motion.{field.name}", getattr(self, field.name), **limits)
+            limits, given = LIMITS.get(field.name), getattr(self, field.name)
+            free = field.name == "corner" and given is _AS_LONG_AS_FITS
+            if limits is not None and not free:
+                value = number(f"motion.{field.name}", given, **limits)
                 object.__setattr__(self, field.name, value)
         if getattr(self, "corner", 0.0) is _AS_LONG_AS_FITS:
             object.__setattr__(self, "corner", min(CORNER, *self._parts()))

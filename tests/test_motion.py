@@ -175,6 +175,8 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
     [
         (lambda: Ramp(0, 1), r"motion.speed: expected a finite number in mm/s above 0, received 0"),
         (lambda: Ramp(60, -1), r"motion.depth: .*above 0, received -1"),
+        (lambda: Ramp(60, None), r"motion.depth: expected a finite number in mm above 0, received"),
+        (lambda: RampHold(60, 1, hold=None), r"motion.hold: .*received None"),
         (lambda: Ramp("60", 1), r"motion.speed: expected a finite number.*received '60'"),
         (lambda: Ramp(True, 1), r"motion.speed: .*received True"),
         (lambda: Ramp(float("nan"), 1), r"motion.speed: .*received nan"),

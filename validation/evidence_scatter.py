@@ -20,7 +20,8 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff_runs import Run
 
 from fefinger import pressures
-from fefinger.mechanics._tradeoff import SCATTER, STATED
+from fefinger.mechanics._scatter import REPORT
+from fefinger.mechanics._tradeoff import STATED
 
 
 MESHES, DRAWS = ("coarse", "standard"), 6
@@ -76,7 +77,7 @@ def main(folder: Path) -> None:
     with ProcessPoolExecutor(1, mp_context=fresh, max_tasks_per_child=1) as pool:
         rows = {mesh: {name: row(name, mesh, pool) for name in PLATES} for mesh in MESHES}
     report = provenance(command) | {"draws": DRAWS, "rows": rows}
-    (folder / SCATTER).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

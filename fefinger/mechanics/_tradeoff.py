@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.data import report
+from fefinger.mechanics._scatter import DRAWN, scatter
 from fefinger.scene import Finger, Flat, Indenter, Scene, Sphere
 from fefinger.text import percent
 
@@ -26,11 +27,6 @@ Array = NDArray[np.float64]
 
 REPORT = "tradeoff.json"
 
-SCATTER = "mesh-scatter.json"
-"""What answers differ by on meshes of one finger, which are drawn at random."""
-
-DRAWN = 2.0
-"""Standard deviations of that in a stated error."""
 
 CONTRAST = 1.1
 """Factor of the ratio of the moduli within which a finger counts as measured, a convention."""
@@ -297,23 +293,6 @@ def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | No
         f"{percent(model)} of the model, {percent(margin)} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
-
-
-def scatter(candidate: str, part: float, quantity: str) -> float:
-    """Return the standard deviation of a quantity over meshes of one finger, at a depth over it.
-
-    The larger of the presses that were measured; that of the fine mesh is taken for as large as
-    that of the standard one. None without a mesh.
-    """
-    mesh = candidate.partition(" ")[2].replace("fine", "standard")
-    rows = _scattered().get(mesh, {}).values()
-    return max((float(np.interp(part, row["part"], row[quantity])) for row in rows), default=0.0)
-
-
-@cache
-def _scattered() -> dict[str, Any]:
-    rows: dict[str, Any] = loads(report(SCATTER))["rows"]
-    return rows
 
 
 def moving(shares: Mapping[str, float], names: Collection[str]) -> float:

@@ -4,6 +4,7 @@ CSV has the numbers alone; Parquet and netCDF have with them what it takes to ma
 """
 
 import json
+from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,15 +39,12 @@ def check(path: str | PathLike[str], option: str) -> None:
     if not path.parent.is_dir():
         msg = f"{option}: expected a file in a folder that exists, received {str(path)!r}"
         raise InputError(msg)
-    if path.suffix.lower() == ".parquet":
-        try:
-            import pyarrow  # noqa: F401
-        except ImportError:
-            msg = (
-                f"{option}: a Parquet file needs pyarrow, which is not installed; "
-                "run `pip install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
-            )
-            raise InputError(msg) from None
+    if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
+        msg = (
+            f"{option}: a Parquet file needs pyarrow, which is not installed; "
+            "run `pip install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
+        )
+        raise InputError(msg)
 
 
 def write(study: "Study", path: str | PathLike[str], option: str = "table") -> str:
