@@ -168,7 +168,8 @@ class Response:
     normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact; pressure
     (n_t, n_pad) kPa; gap (n_t, n_pad) mm, the distance of the pad from the indenter along the
     indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; strain
-    (n_t, n_sites, 3, 3), positive in tension.
+    (n_t, n_sites, 3, 3), positive in tension; reference, where spikes are asked, the small press
+    that scales their strain.
     `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
     the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
     sizes of the problem; `sources` what it was computed from, such as the mesh and its hash.

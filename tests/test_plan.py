@@ -354,6 +354,14 @@ def test_strain_is_computed_only_where_it_is_asked(name, monkeypatch):
     assert result.plan.settings.computed == ("force", "pressure")
 
 
+@pytest.mark.parametrize("name", ["hertz", "layered", "condensed", "linear", "solid"])
+def test_the_press_that_scales_spikes_is_made_for_spikes_alone(name):
+    scene = asked(strain=True, depth=0.2, resolution="coarse")
+    fired = replace(scene, ask=replace(scene.ask, spikes=("SAI",)))
+    assert get(name).respond(scene).reference is None
+    assert get(name).respond(fired).reference is not None
+
+
 def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
     ask = asked(resolution="coarse", pressure=True, strain=True)
     before = {name: get(name).cost(ask) for name in mechanics.names()}

@@ -85,9 +85,8 @@ def press(name: str, resolution: str = "standard") -> Scene:
     """Return the ramp of relaxed tissue to the largest depth of a press."""
     relaxed = replace(finger(name, resolution), prony=Prony((1.0,), ()))
     motion = Ramp(SPEED, PRESSES[name].depth, corner=0.0)
-    return Scene(
-        name=name, finger=relaxed, indenter=PRESSES[name].indenter, motion=motion, ask=PALE
-    )
+    ask = replace(PALE, spikes=TYPES)  # for the reference press, by which strains make spikes
+    return Scene(name=name, finger=relaxed, indenter=PRESSES[name].indenter, motion=motion, ask=ask)
 
 
 def base(name: str, resolution: str = "standard") -> Scene:

@@ -125,6 +125,7 @@ class _Rims:
 
     triangles: Integers
     areas: Array
+    points: Array
     across: Array
     near: Integers
     edge: Array
@@ -137,11 +138,11 @@ class _Rims:
         frame = np.linalg.svd(surface.axis[None])[2][1:]
         across = surface.points @ frame.T
         count = min(NEIGHBORS, len(across))
-        _, near = cKDTree(across).query(across, k=np.arange(1, count + 1))
+        _, near = cKDTree(surface.points).query(surface.points, k=np.arange(1, count + 1))
         around = np.bincount(surface.triangles.ravel(), minlength=len(across))
         total = np.bincount(surface.triangles.ravel(), np.repeat(areas, 3), minlength=len(across))
         edge = np.sqrt(2 * total / np.maximum(around, 1))
-        return cls(surface.triangles, areas, across, near, edge)
+        return cls(surface.triangles, areas, surface.points, across, near, edge)
 
     def area(self, pressed: Flags, gap: Array) -> float:
         """Return the area at one time."""
@@ -167,10 +168,22 @@ class _Rims:
         # Under an edge the gap does not grow smoothly, and its power means nothing.
         return found if vertices < PLAUSIBLE * found < PLAUSIBLE**2 * vertices else vertices
 
+    def _offsets(self, rim: Integers) -> Array:
+        """Return where (n, k, 2) mm the neighbors of `rim` are, as far as they are in space.
+
+        Seen along the axis, points up the sides of a body would lie among those by the rim.
+        """
+        near = self.near[rim]
+        seen = self.across[near] - self.across[rim][:, None]
+        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
+        short = np.linalg.norm(seen, axis=2)
+        stretch = apart / np.where(short > 0, short, 1.0)
+        return np.asarray(seen * np.where(short > 0, stretch, 1.0)[..., None])
+
     def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
         """Return phi, the curvature of its zero level, and whether they are known, at `rim`."""
         near = self.near[rim]
-        offset = (self.across[near] - self.across[rim][:, None]) / self.edge[rim, None, None]
+        offset = self._offsets(rim) / self.edge[rim, None, None]
         within = np.linalg.norm(offset, axis=2) < REACH
         # A gap counts if it is wider than what is left of it inside the contact nearby.
         left = np.where(within & pressed[near], np.abs(gap[near]), 0.0).max(axis=1, keepdims=True)

@@ -108,7 +108,7 @@ def press(
             found = organs(scene, first.origin, first.axis, lambda: _skin(scene))
             r, z, frames = _cylinder(first, found)
             strain = turned(history.strain(contact.strain(history.nodes, r, z)), frames)
-            reference = _reference(scene, plate)
+            reference = _reference(scene, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
     return Response(
         mechanics=mechanics,

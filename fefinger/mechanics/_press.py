@@ -245,8 +245,8 @@ def reference_press(
 
 
 def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -> Reference | None:
-    """Return the reference press; on the scene's own patch if plate and sites are the same."""
-    if contact.sites is None:
+    """Return the reference press of afferents; on the scene's own patch if that is the same."""
+    if contact.sites is None or not scene.ask.spikes:
         return None
     touch = _placing.obstacle(STANDARD, finger)
     central = sites(scene, touch.origin, touch.axis)

@@ -37,7 +37,7 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 Array = NDArray[np.float64]
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
-SPREAD = _press.GROW  # of the candidates at finite strain, beyond those at small: a pad flattens
+SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
@@ -97,8 +97,8 @@ def squeeze(
 def _reference(
     scene: Scene, finger: Body, elements: Continuum, passage: "_Passage"
 ) -> Reference | None:
-    """Return the reference press; None if there is none after a halt, of which all else is kept."""
-    if passage.sites is None:
+    """Return the reference press of afferents; None after a halt, of which all else is kept."""
+    if not scene.ask.spikes:
         return None
     try:
         return reference(scene, finger, elements)

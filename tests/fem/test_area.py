@@ -56,6 +56,36 @@ def test_the_error_falls_with_the_mesh() -> None:
     assert worst[1] < 0.004
 
 
+def turned_up(points: np.ndarray, upright: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return points of a skin that leaves a plate along a circle of 1, and their gaps.
+
+    It rises as the distance along it to the power 3/2, to a wall `upright` mm from the rim.
+    """
+    r = np.hypot(*points.T[:2])
+    way = np.linspace(0, 3, 30001)
+    slope = np.minimum(np.sqrt(way / upright), 1.0)
+    middle = (slope[1:] + slope[:-1]) / 2
+    step = np.diff(way)
+    height = np.concatenate([[0.0], np.cumsum(middle * step)])
+    out = np.concatenate([[0.0], np.cumsum(np.sqrt(1 - middle**2) * step)])
+    gap = np.interp(r - 1, way, height)
+    radius = np.where(r > 1, 1 + np.interp(r - 1, way, out), r)
+    return np.column_stack([points[:, :2] * (radius / r)[:, None], gap]), gap
+
+
+@pytest.mark.parametrize("upright", [0.6, 1.0, 2.0])
+@pytest.mark.parametrize(("spacing", "worst"), [(0.25, 0.02), (0.15, 0.005)])
+def test_skin_that_turns_up_beside_the_contact_is_none_of_it(
+    upright: float, spacing: float, worst: float
+) -> None:
+    for seed in range(3):
+        flat, triangles = scattered(spacing, seed)
+        points, gap = turned_up(flat, upright)
+        pressed = np.hypot(*flat.T[:2]) < 0.97
+        area = Surface(points, triangles, UP).area(pressed[None], gap[None])[0]
+        assert area == pytest.approx(np.pi, rel=worst)
+
+
 def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:
     points, triangles = scattered(0.1, 1)
     left, right = (np.hypot((points[:, 0] - x) / 0.6, points[:, 1]) for x in (-1.0, 1.0))

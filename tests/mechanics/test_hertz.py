@@ -207,7 +207,8 @@ def test_a_plate_at_another_angle_touches_the_tip_side():
 
 
 def test_the_reference_is_the_small_plate_on_the_same_finger():
-    answer = hertz.respond(scene(indenter=ff.Sphere(5.0)))
+    ask = ff.Ask(spikes=("SAI", "SAII", "FAI", "FAII"), fields=False)
+    answer = hertz.respond(scene(indenter=ff.Sphere(5.0), ask=ask))
     plate = hertz.respond(scene(motion=ff.RampHold(20, 0.5, hold=0.1)))
     assert answer.reference.strain == pytest.approx(plate.strain[-1], abs=1e-12)
     assert answer.reference.types == plate.sites.types
