@@ -13,7 +13,6 @@ from fefinger.data import report
 from fefinger.finger import RESOLUTIONS
 from fefinger.machine import slowness
 from fefinger.mechanics._kept import at_hand
-from fefinger.mechanics._stride import stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import meshed_at
@@ -336,24 +335,6 @@ def _part(scene: Scene, press: str) -> float:
     part = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
     wanted = scene.motion.peak / stiffer / larger
     return float(np.interp(wanted, force, part, right=np.inf))
-
-
-def solid_seconds(scene: Scene) -> float:
-    """Return the expected wall time of `solid` in s, from the times in the report.
-
-    That of the fine mesh, which is not measured, grows as between the other two.
-    """
-    timed = solid()["flat-30"]
-    costs = (timed["coarse"]["cost"], timed["cost"])
-    unknowns = linear()[scene.finger.mesh]["unknowns"]
-    times = np.array([[cost["setup_seconds"], cost["step_seconds"]] for cost in costs])
-    sizes = np.log([cost["unknowns"] for cost in costs])
-    growth = np.diff(np.log(times), axis=0)[0] / np.diff(sizes)
-    setup, step = times[-1] * np.exp(growth * (np.log(unknowns) - sizes[-1]))
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-    whole = setup + step * len(stride(scene.motion, time).chosen)
-    whole *= (1.0 if symmetric(scene) else WHOLE) * slowness(read(SOLID_REPORT))
-    return float(whole) + mesh_seconds(scene)
 
 
 def solid_error(scene: Scene) -> tuple[float, str]:

@@ -4,7 +4,7 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence, _tradeoff, linear
+from fefinger.mechanics import _evidence, _solid_cost, _tradeoff, linear
 from fefinger.mechanics._notes import hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
@@ -42,7 +42,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    return _evidence.solid_seconds(scene)
+    return _solid_cost.seconds(scene)
 
 
 def error(scene: Scene) -> tuple[float, str]:

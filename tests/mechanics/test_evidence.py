@@ -4,9 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from fefinger.validation import evidence_cost
 
+import fefinger as ff
 from fefinger import machine, scenes
-from fefinger.mechanics import _evidence, linear, solid
+from fefinger.mechanics import _evidence, _solid_cost, linear, solid
 from fefinger.scene import Ramp, Scene
 from fefinger.text import percent
 from fefinger.tissue import Tissue
@@ -80,19 +82,32 @@ def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
     assert _evidence.solid_press(scenes.load("edge-press")) == "flat-30"
 
 
-def test_the_cost_of_solid_grows_with_the_mesh_and_is_that_of_the_report() -> None:
-    cost = _evidence.solid()["flat-30"]["cost"]
-    ramp = scene(motion={"kind": "ramp", "speed": 60.0, "depth": 2.0, "corner": 0.0})
-    seconds = [
-        solid.cost(replace(ramp, finger=replace(ramp.finger, resolution=resolution)))
+def pressed_to(row: dict[str, Any]) -> str:
+    return f"{row['mesh']}, {row['subject']} {row['kind']} to {row['depth_mm']}"
+
+
+def test_the_cost_of_solid_grows_with_the_mesh_the_depth_and_the_spikes() -> None:
+    asked = scene(motion={"kind": "ramp", "speed": 60.0, "depth": 1.0, "corner": 0.0})
+    meshes = [
+        replace(asked, finger=replace(asked.finger, resolution=resolution))
         for resolution in ("coarse", "standard", "fine")
     ]
+    seconds = [solid.cost(each) for each in meshes]
     assert seconds == sorted(seconds)
-    steps = cost["steps"]
-    here = machine.slowness(_evidence.read(_evidence.SOLID_REPORT))
-    assert seconds[1] == pytest.approx(
-        here * (cost["setup_seconds"] + steps * cost["step_seconds"]), rel=1e-9
+    assert solid.cost(at(1.5)) > solid.cost(at(0.5))
+    unfelt = replace(asked, ask=replace(asked.ask, spikes=()))
+    assert solid.cost(unfelt) < solid.cost(
+        replace(unfelt, ask=replace(unfelt.ask, spikes=("SAI",)))
     )
+
+
+@pytest.mark.parametrize("row", _evidence.read(_solid_cost.REPORT)["rows"], ids=pressed_to)
+def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str, Any]) -> None:
+    indenter = {"flat": ff.Flat, "sphere": ff.Sphere}[row["kind"]](**row["indenter"])
+    pressed = evidence_cost.scene(row["mesh"], row["subject"], indenter, row["depth_mm"])
+    here = machine.slowness(_evidence.read(_solid_cost.REPORT))
+    built = _evidence.mesh_seconds(pressed)
+    assert 1 / 1.4 < (solid.cost(pressed) - built) / (here * row["seconds"]) < 1.4
 
 
 def test_the_error_of_solid_is_that_of_its_mesh() -> None:

@@ -1,0 +1,87 @@
+"""Measure what `solid` costs, by mesh and depth, and write the report that the planner reads.
+
+Run as `python -m fefinger.validation.evidence_cost reports` on a machine that does nothing else; it
+takes some ten minutes of one core.
+"""
+
+import json
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fefinger.validation.provenance import provenance
+
+from fefinger.ask import Ask
+from fefinger.mechanics import solid
+from fefinger.mechanics._solid_cost import REPORT
+from fefinger.scene import Finger, Flat, Indenter, RampHold, Scene, Sphere
+
+
+PRESSES: tuple[tuple[str, str, Indenter, tuple[float, ...]], ...] = (
+    ("coarse", "a.h.", Flat(30), (0.3, 0.7, 1.1, 1.5, 1.9, 2.3)),
+    ("coarse", "a.h.", Flat(0), (0.9,)),
+    ("coarse", "a.h.", Flat(45), (1.5, 2.3)),
+    ("coarse", "a.h.", Sphere(5), (0.7, 1.5)),
+    ("coarse", "a.h.", Sphere(10), (2.0,)),
+    ("coarse", "d.s.", Flat(30), (1.5,)),
+    ("coarse", "p.w.", Flat(30), (1.5,)),
+    ("standard", "a.h.", Flat(30), (0.5, 1.0, 1.5, 1.9)),
+    ("standard", "a.h.", Sphere(5), (1.5,)),
+)
+"""Mesh, subject, object and depths in mm; each a ramp of 60 mm/s and a hold of 1 s."""
+
+
+def scene(mesh: str, subject: str, indenter: Indenter, depth: float) -> Scene:
+    """Return a press with all that `solid` may be asked."""
+    return Scene(
+        finger=Finger.subject(subject, resolution=mesh),
+        indenter=indenter,
+        motion=RampHold(60, depth, hold=1.0),
+        ask=Ask(spikes=("SAI",)),
+    )
+
+
+def row(mesh: str, subject: str, indenter: Indenter, depth: float) -> dict[str, Any]:
+    """Return the CPU seconds of a press, by stage, and the work that it was."""
+    pressed = scene(mesh, subject, indenter, depth)
+    started = time.process_time()
+    response = solid.respond(pressed)
+    spent, seconds = time.process_time() - started, response.seconds
+    share = spent / sum(seconds.values())  # stages are told in wall time
+    steps = int(response.numbers["steps"])
+    return {
+        "mesh": mesh,
+        "subject": subject,
+        "kind": indenter.kind,
+        "indenter": asdict(indenter),
+        "depth_mm": depth,
+        "thickness_mm": pressed.finger.thickness,
+        "unknowns": int(response.numbers["unknowns"]),
+        "steps": steps,
+        "iterations": int(response.numbers["iterations"]),
+        "setup_seconds": round(share * (seconds["mesh"] + seconds["factor"]), 3),
+        "reference_seconds": round(share * seconds["reference"], 3),
+        "step_seconds": round(share * seconds["steps"] / steps, 4),
+        "seconds": round(spent, 2),
+    }
+
+
+def report() -> dict[str, Any]:
+    """Return the report: every press on its mesh."""
+    solid.respond(scene("coarse", "a.h.", Flat(30), 0.1))  # compiles
+    return {
+        **provenance("python -m fefinger.validation.evidence_cost reports"),
+        "scene": "ramps of 60 mm/s with a hold of 1 s, on half a finger; CPU seconds",
+        "rows": [
+            row(mesh, subject, indenter, depth)
+            for mesh, subject, indenter, depths in PRESSES
+            for depth in depths
+        ],
+    }
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) / REPORT
+    target.write_text(json.dumps(report(), indent=1) + "\n", encoding="utf-8")
