@@ -152,11 +152,11 @@ def study(
     tasks, failed = asked.tasks()
     if not tasks:
         raise InputError(next(iter(failed.values())))
-    chosen = ""
-    if mechanics is None:
-        tasks, chosen = agreed(tasks)
     answers: dict[int, Answer] = {}
     place = None if folder is None else output_folder(output_folder(folder) / "scenes")
+    chosen = ""
+    if mechanics is None:
+        tasks, chosen = agreed(tasks, asked.over, place)
     if place is not None:
         found = ((i, kept(place, task)) for i, task in tasks.items())
         answers = {i: answer for i, answer in found if answer is not None}

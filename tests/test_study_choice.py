@@ -1,5 +1,7 @@
 """All scenes of a study are answered by one mechanics on one mesh, unless it is asked otherwise."""
 
+import pytest
+
 import fefinger as ff
 from fefinger import plan
 from fefinger.records import Plan, Refusal, Rung, Settings
@@ -30,10 +32,35 @@ def planned(monkeypatch, takes, refusing=()):
     monkeypatch.setattr(choice, "choose", choose)
 
 
-def test_scenes_that_take_the_same_are_left_as_they_are(monkeypatch):
+def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    asked = tasks(ANGLES)
-    assert choice.agreed(asked) == (asked, "")
+    found, said = choice.agreed(tasks(ANGLES))
+    assert {task["mechanics"] for task in found.values()} == {"linear"}
+    assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"coarse"}
+    assert said == ""
+
+
+def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monkeypatch, tmp_path):
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
+    first = choice.agreed(tasks(ANGLES), ANGLES, tmp_path)
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("condensed", "standard")))
+    assert choice.agreed(tasks(ANGLES), ANGLES, tmp_path) == first
+    other = {"indenter.angle": (15, 30)}
+    assert choice.agreed(tasks(other), other, tmp_path)[0][0]["mechanics"] == "condensed"
+    for kept in tmp_path.iterdir():
+        kept.write_text("{")
+    again = choice.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
+    assert {task["mechanics"] for task in again.values()} == {"condensed"}
+
+
+@pytest.mark.parametrize("name", ["hertz", "layered"])
+def test_what_is_alike_at_all_angles_answers_no_study_of_them(monkeypatch, name):
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), (name, None)))
+    found, said = choice.agreed(tasks(ANGLES), ANGLES)
+    assert {task["mechanics"] for task in found.values()} == {"condensed"}
+    assert f"would be {name}, which does not tell where the pad is touched" in said
+    found, said = choice.agreed(tasks(ANGLES), ["motion.depth"])
+    assert {task["mechanics"] for task in found.values()} == {name}
 
 
 def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypatch):

@@ -95,12 +95,18 @@ def test_values_that_are_lists_or_of_several_kinds_are_columns_too(tmp_path):
 
 
 def test_other_endings_and_folders_and_parquet_without_its_extra_are_refused_before_any_work(
-    grid, tmp_path, capsys, monkeypatch
+    grid, tmp_path, tmp_path_factory, capsys, monkeypatch
 ):
+    dossier = tmp_path_factory.mktemp("dossier") / "a.nc"
+    dossier.mkdir()
     with pytest.raises(InputError, match=r"ends in one of \.csv, \.parquet, \.nc, received 'a.xls"):
         grid.write(tmp_path / "a.xlsx")
     with pytest.raises(InputError, match="a file in a folder that exists"):
         grid.write(tmp_path / "none" / "a.csv")
+    with pytest.raises(InputError, match="a file that can be written, received a folder"):
+        tables.check(dossier, "--table")
+    with pytest.raises(InputError, match=r"table: cannot write '/proc/a\.nc'"):
+        grid.write("/proc/a.nc")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     command = ["study", "flat-press", "--over", "indenter.angle=20,30", "--table"]
     assert main([*command, str(tmp_path / "a.parquet")]) == 2

@@ -32,8 +32,8 @@ class Patch:
 
     vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
     unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
-    (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge (n,) the
-    vertices beyond which contact could spread out of the patch.
+    (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge and rim
+    (n,) as those of the `candidates`.
     At the vertices themselves: distance (n,) mm along the axis, cosine (n,) of n and the axis, and
     places (n_unknowns, n) that take n . u from the unknowns.
     """
@@ -46,6 +46,7 @@ class Patch:
     moment: Array
     areas: Array
     edge: NDArray[np.bool_]
+    rim: NDArray[np.bool_]
     distance: Array
     cosine: Array
     places: sparse.csc_matrix
@@ -81,7 +82,8 @@ class Candidates:
 
     vertices (n,) of the mesh; part: the trace of the triangles that carry their hats; places
     (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
-    none; edge (n,) the candidates beyond which contact could spread out of the patch.
+    none; edge (n,) the candidates beyond which contact could spread out of the patch; rim (n,)
+    those of them beyond which the obstacle is not ahead, however large the patch.
     """
 
     vertices: Integers
@@ -89,12 +91,18 @@ class Candidates:
     places: Array
     owner: Integers
     edge: NDArray[np.bool_]
+    rim: NDArray[np.bool_]
 
 
 def candidates(
-    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    rings: int = 0,
 ) -> Candidates:
-    """Return the pad vertices whose gap at first touch is at most `reach` mm.
+    """Return the pad vertices whose gap at first touch is at most `reach` mm, and rings around.
 
     `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
     for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles.
@@ -105,16 +113,21 @@ def candidates(
     used = np.zeros(len(space.points), dtype=bool)
     pad = np.unique(triangles)
     used[pad[obstacle.gap(space.points[pad])[0] <= reach]] = True
+    for _ in range(rings):
+        used[triangles[used[triangles].any(axis=1)]] = True
     used[triangles[behind]] = False
     carrying = used[triangles].any(axis=1)
-    border = np.zeros_like(used)
+    border, beyond, rim = (np.zeros_like(used) for _ in range(3))
     border[triangles[carrying & ~used[triangles].all(axis=1)]] = True
+    beyond[triangles[behind]] = True
+    rim[triangles[carrying & beyond[triangles].any(axis=1)]] = True
     vertices = np.flatnonzero(used)
     column = np.full(len(used), -1, dtype=np.int64)
     column[vertices] = np.arange(len(vertices))
     part = trace(space, triangles[carrying])
     places = smooth_places(space.points, normals, part)
-    return Candidates(vertices, part, places, column[part.triangles], border[vertices])
+    owner = column[part.triangles]
+    return Candidates(vertices, part, places, owner, border[vertices], rim[vertices])
 
 
 def patch(
@@ -143,6 +156,7 @@ def patch(
         moment=np.stack([gathered(arm[..., k]) for k in range(3)], axis=1),
         areas=gathered(np.ones_like(cosine)),
         edge=chosen.edge,
+        rim=chosen.rim,
         distance=apart,
         cosine=normal @ obstacle.axis,
         places=_places(space, vertices, normal),

@@ -156,6 +156,9 @@ class Sliding:
 def sliding(
     space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
 ) -> Sliding:
-    """Return the patch of the pad `contact.candidates` within `reach` mm."""
-    chosen = candidates(space, triangles, normals, obstacle, reach)
+    """Return the patch of the pad `contact.candidates` within `reach` mm, and a ring around it.
+
+    Beside an edge the gap grows within a facet to any reach, and skin folds around it.
+    """
+    chosen = candidates(space, triangles, normals, obstacle, reach, rings=1)
     return Sliding(obstacle, chosen, space.points[chosen.vertices], space.n_unknowns)

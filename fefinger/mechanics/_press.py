@@ -166,12 +166,9 @@ def _contact(
     if not depth_control:
         value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
     deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
-    reach, known = REACH * deepest, 0
+    reach = REACH * deepest
     for _ in range(ATTEMPTS):
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
-        if len(candidates.vertices) == known:
-            raise InputError(rim_reached(known))
-        known = len(candidates.vertices)
         with stages.stage("unit loads") as report:
             reduced = method.reduce(finger, candidates, probe, report)
         prony = scene.finger.prony
@@ -186,6 +183,8 @@ def _contact(
         _placing.check_inside(finger, candidates.vertices[pressed], float(history.depth.max()))
         if not pressed.any():
             raise InputError(unresolved(float(history.depth.max())))
+        if (pressed & candidates.rim).any():
+            raise InputError(rim_reached(len(candidates.vertices)))
         if not (pressed & candidates.edge).any():
             return _Contact(touch, reduced, found, time, history)
         reach *= GROW

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.fem.area import Surface
 from fefinger.fem.body import Body
+from fefinger.fem.contact import Candidates
 from fefinger.fem.equilibrium import Equilibrium, State
 from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.laws import Law, law, neo_hookean
@@ -210,15 +211,12 @@ def _passage(
     deepest = motion.peak
     if motion.control != "depth":
         deepest = _press.FORCE_DEPTH * scene.finger.thickness
-    reach, known = SPREAD * _press.REACH * deepest, 0
+    reach = SPREAD * _press.REACH * deepest
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
-        if len(contact) == known:
-            raise InputError(_press.rim_reached(known))
-        known = len(contact)
         passage = _followed(scene, finger, elements, contact, found, steps, stages)
         pressed = np.asarray((passage.pressure > 0).any(axis=0))
-        _check_contact(finger, contact, pressed, passage.depth)
+        _check_contact(finger, contact.on, pressed, passage.depth)
         if not (pressed & contact.on.edge).any():
             return passage
         reach *= _press.GROW
@@ -297,12 +295,12 @@ def _asked(scene: Scene) -> bool:
     return scene.ask.strain or bool(scene.ask.spikes)
 
 
-def _check_contact(
-    finger: Body, contact: Sliding, pressed: NDArray[np.bool_], depth: Array
-) -> None:
-    _placing.check_inside(finger, contact.on.vertices[pressed], float(depth.max()))
+def _check_contact(finger: Body, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
+    _placing.check_inside(finger, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(_press.unresolved(float(depth.max())))
+    if (pressed & on.rim).any():
+        raise InputError(_press.rim_reached(len(pressed)))
 
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:

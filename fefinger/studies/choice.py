@@ -1,17 +1,22 @@
 """One mechanics and one mesh for all scenes of a study, so that nothing else differs."""
 
-from collections.abc import Mapping, Sequence
+import hashlib
+import json
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fefinger.checks import InputError
 from fefinger.finger import AUTO, RESOLUTIONS
 from fefinger.mechanics import names
 from fefinger.plan import choose
 from fefinger.studies.grid import EACH
+from fefinger.studies.tasks import key, write
 
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from fefinger.records import Plan
     from fefinger.scene import Scene
     from fefinger.studies.tasks import Task
@@ -19,32 +24,80 @@ if TYPE_CHECKING:
 MOST = 400
 """Scenes that are asked which mechanics they take; of larger grids a part, evenly."""
 
+TURNING = "indenter.angle", "indenter.tilt", "indenter.at"
+"""Fields of where the pad is touched."""
 
-def agreed(tasks: "Mapping[int, Task]") -> "tuple[dict[int, Task], str]":
+ROUND = "hertz", "layered"
+"""Mechanics to which the pad is alike wherever it is touched: no answer to how that changes."""
+
+
+class Choice(NamedTuple):
+    """One mechanics and mesh for all scenes, None where each has its own, and what to say."""
+
+    mechanics: str | None
+    mesh: str | None
+    said: str
+
+
+def agreed(
+    tasks: "Mapping[int, Task]", over: Collection[str] = (), folder: "Path | None" = None
+) -> "tuple[dict[int, Task], str]":
     """Return the tasks with one mechanics and mesh for all, and a sentence on it.
 
     It is the first on the ladder that refuses none of the scenes, and the finest mesh that one of
-    them takes of it. Tasks and an empty sentence are returned as they came where all agree, or
-    where no mechanics answers all.
+    them takes of it. Where no mechanics answers all, tasks are returned as they came. The choice is
+    kept in a `folder`: what is cheapest depends on what else is kept on this machine, and a study
+    that goes on must not start again for that. `over` are the fields of the grid.
     """
+    place = folder / f"choice-{_digest(tasks)}.json" if folder else None
+    found = _kept(place)
+    if found is None:
+        found = _choice(tasks, over)
+        if place is not None:
+            write(place, json.dumps(found))
+    if found.mechanics is None:
+        return dict(tasks), found.said
+    return _with(tasks, found.mechanics, found.mesh), found.said
+
+
+def _digest(tasks: "Mapping[int, Task]") -> str:
+    return hashlib.sha256("".join(sorted(map(key, tasks.values()))).encode()).hexdigest()[:16]
+
+
+def _kept(place: "Path | None") -> Choice | None:
+    """Return the choice in a file, None without one; a damaged one counts as none."""
+    try:
+        return None if place is None else Choice(*json.loads(place.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
+    """Choose for all scenes."""
     from fefinger.scene import Scene
 
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
-    found = [plan for scene in scenes if (plan := _plan(scene)) is not None]
-    used = list(dict.fromkeys(_label(plan) for plan in found))
-    if len(used) < 2:
-        return dict(tasks), ""
-    first = max(names().index(plan.mechanics) for plan in found)
+    asked = [(scene, plan) for scene in scenes if (plan := _plan(scene)) is not None]
+    used = list(dict.fromkeys(_label(plan) for _, plan in asked))
+    first = max((names().index(plan.mechanics) for _, plan in asked), default=len(names()))
+    barred = ROUND if set(over) & set(TURNING) else ()
     for name in names()[first:]:
-        own = [_plan(scene, name) for scene in scenes if _plan(scene) is not None]
+        own = [_plan(scene, name) for scene, _ in asked] if name not in barred else []
         plans = [plan for plan in own if plan is not None and not plan.overridden]
-        if len(plans) == len(own):
-            return _with(tasks, name, _finest(plans)), (
-                f"All scenes are answered by {_named(name, _finest(plans))}; the cheapest that is "
-                f"good enough would be {', '.join(used)}, scene by scene (--mechanics {EACH})."
-            )
-    return dict(tasks), ""
+        if own and len(plans) == len(own):
+            mesh = _finest(plans)
+            return Choice(name, mesh, _said(_named(name, mesh), used))
+    return Choice(None, None, "")
+
+
+def _said(taken: str, used: Sequence[str]) -> str:
+    if used == [taken]:
+        return ""
+    cheapest = f"would be {', '.join(used)}, scene by scene (--mechanics {EACH})"
+    if len(used) == 1:
+        cheapest = f"would be {used[0]}, which does not tell where the pad is touched"
+    return f"All scenes are answered by {taken}; the cheapest that is good enough {cheapest}."
 
 
 def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":

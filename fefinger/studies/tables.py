@@ -4,6 +4,7 @@ CSV has the numbers alone; Parquet and netCDF have with them what it takes to ma
 """
 
 import json
+import os
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
@@ -39,6 +40,10 @@ def check(path: str | PathLike[str], option: str) -> None:
     if not path.parent.is_dir():
         msg = f"{option}: expected a file in a folder that exists, received {str(path)!r}"
         raise InputError(msg)
+    if path.is_dir() or not os.access(path.parent, os.W_OK):
+        what = "a folder" if path.is_dir() else "one in a folder that cannot be written to"
+        msg = f"{option}: expected a file that can be written, received {what}: {str(path)!r}"
+        raise InputError(msg)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
         msg = (
             f"{option}: a Parquet file needs pyarrow, which is not installed; "
@@ -55,7 +60,7 @@ def write(study: "Study", path: str | PathLike[str], option: str = "table") -> s
     Raises
     ------
     InputError
-        Another ending, a folder that does not exist, or Parquet without the extra `parquet`.
+        Another ending, a file that cannot be written, or Parquet without the extra `parquet`.
     """
     check(path, option)
     path = Path(path)
@@ -70,6 +75,9 @@ def write(study: "Study", path: str | PathLike[str], option: str = "table") -> s
             plain = {name: {"_FillValue": None} for name in found.variables}
             found.to_netcdf(new, engine="h5netcdf", encoding=plain)
         new.replace(path)
+    except OSError as error:
+        msg = f"{option}: cannot write {str(path)!r}: {error.strerror or error}"
+        raise InputError(msg) from error
     finally:
         new.unlink(missing_ok=True)
     return str(path)

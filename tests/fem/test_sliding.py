@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, logm
 
-from fefinger.fem.contact import patch
+from fefinger.fem.contact import candidates, patch
 from fefinger.fem.grids import box
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.sliding import FAR, Sliding, sliding
 from fefinger.fem.spaces import Space
 from fefinger.fem.strain import logarithmic
-from fefinger.profiles import Ellipsoid, Plane, Profile
+from fefinger.profiles import Bar, Ellipsoid, Plane, Profile
 
 
 GRID = np.linspace(0.0, 1.0, 4)
 AXIS = np.array([0.6, 0.0, -0.8])
+UP = np.array([0.0, 0.0, 1.0])
+BALL = Ellipsoid((0.8, 0.8, 0.8))
 
 
 def surface(profile: Profile, axis: np.ndarray = AXIS) -> tuple[Space, Sliding, np.ndarray]:
@@ -103,6 +105,31 @@ def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     gaps, loads = contact.gaps(np.zeros(space.n_unknowns), 0.0)
     assert gaps == pytest.approx(small.gap, abs=1e-15)
     assert abs(loads - small.loads).max() < 1e-15
+
+
+def test_skin_beside_an_edge_may_fold_around_it_though_its_gap_is_beyond_all_reach():
+    space, obstacle = box(GRID, GRID, GRID), Obstacle(-UP, np.array([0.0, 0.5, 1.0]), Bar(0.7, 0.1))
+    facets = np.asarray(space.scalar.mesh.facets.T)
+    top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
+    flat = np.zeros_like(space.points)
+    under = {reach: candidates(space, top, flat, obstacle, reach) for reach in (0.3, 1.0)}
+    around = sliding(space, top, flat, obstacle, 0.3).on
+    across = {name: set(space.points[each.vertices][:, 0].round(3)) for name, each in under.items()}
+    assert across[0.3] == {0.0, 0.333} == across[1.0]
+    assert set(space.points[around.vertices][:, 0].round(3)) == {0.0, 0.333, 0.667}
+    assert not around.rim.any()
+
+
+def test_beyond_the_outline_of_a_ball_no_patch_goes_and_its_rim_is_marked():
+    fine = np.linspace(0.0, 1.0, 9)
+    space, ball = box(fine, fine, GRID), Obstacle(-UP, np.array([0.0, 0.0, 1.0]), BALL)
+    facets = np.asarray(space.scalar.mesh.facets.T)
+    top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
+    on = sliding(space, top, np.zeros_like(space.points), ball, 5.0).on
+    away = np.linalg.norm(space.points[on.vertices][:, :2], axis=1)
+    assert away.max() < BALL.radii[0]
+    assert on.rim.any()
+    assert not on.rim[away == 0].any()
 
 
 def test_the_gaps_at_vertices_are_distances_along_the_normal():
