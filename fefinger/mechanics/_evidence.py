@@ -12,6 +12,7 @@ from fefinger.checks import InputError
 from fefinger.data import report
 from fefinger.finger import RESOLUTIONS
 from fefinger.machine import slowness
+from fefinger.mechanics import _crept
 from fefinger.mechanics._kept import at_hand
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
@@ -321,20 +322,8 @@ def small_strain_error(scene: Scene) -> float:
 
 
 def _part(scene: Scene, press: str) -> float:
-    """Return depth over thickness, of a motion under force control when the finger has crept.
-
-    Forces scale with the modulus and the square of the size.
-    """
-    thickness = scene.finger.thickness
-    if scene.motion.control == "depth":
-        return scene.motion.peak / thickness
     row = solid()[press]
-    stiffer = scene.finger.subcutaneous.modulus / row["subcutaneous_kPa"]
-    larger = (thickness / row["thickness_mm"]) ** 2
-    force = [0.0, *row["force_N"]["solid"]]
-    part = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
-    wanted = scene.motion.peak / stiffer / larger
-    return float(np.interp(wanted, force, part, right=np.inf))
+    return _crept.part(scene, row, row["force_N"]["solid"])
 
 
 def solid_error(scene: Scene) -> tuple[float, str]:

@@ -11,13 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger import library
-from fefinger.mechanics import _evidence, _tradeoff
+from fefinger.mechanics import _crept, _evidence, _tradeoff
+from fefinger.mechanics._crept import REPORT
 from fefinger.scene import Finger, Flat, Scene
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony
 
-
-REPORT = "lumped-force.json"
 
 MEANS = "means"
 """Row of Table 2.1 for whom the thesis did not measure."""
@@ -46,8 +45,9 @@ class Law(NamedTuple):
 
 def law(scene: Scene) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    if _calibrated(scene.finger):
-        return _table(scene, *_misfit(scene))
+    fitted = _crept.calibrated(scene.finger)
+    if fitted is not None:
+        return _table(scene, *_misfit(scene, fitted))
     rows = [row for row in _evidence.read(REPORT)["rows"] if _same(scene.finger, row)]
     if not rows:
         return _table(scene, doubt=_strange(scene.finger))
@@ -106,24 +106,12 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     return _tradeoff.like(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
-def _calibrated(finger: Finger) -> bool:
-    """Return whether a finger is one that was calibrated on a subject, with nothing changed."""
-    name = finger.subject_name
-    if name not in library.pawluk_bulk() or finger.tissue != library.calibrated_name(name):
-        return False
-    shipped = Finger.subject(name, tissue=finger.tissue, resolution=finger.resolution)
-    return finger == shipped
-
-
-def _misfit(scene: Scene) -> tuple[float, str]:
+def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    report, indenter, motion = _evidence.read(REPORT), scene.indenter, scene.motion
-    row = report["calibrated"][str(scene.finger.subject_name)]
-    depth, unknown = motion.peak, float("nan")
-    if motion.control != "depth":  # when it has crept
-        depth = float(np.interp(depth, row["force_N"], row["depth_mm"], right=np.inf))
-    if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != report["angle"]:
-        return unknown, f"not known: its finger was calibrated under {report['angle']:g} degrees"
+    indenter, angle, unknown = scene.indenter, _crept.read()["angle"], float("nan")
+    if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != angle:
+        return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
+    depth = scene.finger.thickness * _crept.part(scene, row, row["force_N"])
     if depth > row["depth_mm"][-1]:
         return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
     error = float(np.interp(depth, row["depth_mm"], row["error"]))
