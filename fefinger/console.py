@@ -227,21 +227,20 @@ def study_summary(record: dict[str, Any]) -> str:
     told = [row for row in record["rows"] if row["status"] == "done"]
     rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in told]
     below = [
-        (
-            "failed",
-            ", ".join(f"{k} = {v}" for k, v in each["scene"].items()),
-            brief(each["error"]),
-        )
-        for each in record["failed"]
+        ("failed", f"{_at(each['scene'])}: {brief(each['error'])}") for each in record["failed"]
     ]
     notes = [record["chosen"], *remarks(record["rows"], record["over"])]
-    below += [("to be known", said, "") for said in notes if said]
-    below += [("file", file, "") for file in record["files"]]
+    below += [("to be known", said) for said in notes if said]
+    below += [("file", file) for file in record["files"]]
     done = record["scenes"] - len(record["failed"])
     used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in told)
     by = f" by {', '.join(used)}" if used else ""
     said = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them from before"
     return "\n".join([table(rows, shown), said, *([table(below)] if below else [])])
+
+
+def _at(scene: dict[str, Any]) -> str:
+    return ", ".join(f"{field} = {value}" for field, value in scene.items())
 
 
 def validation_summary(record: dict[str, Any]) -> str:

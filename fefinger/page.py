@@ -44,11 +44,11 @@ def png(data: bytes) -> str:
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Give the entries of nested tables as (dotted name, text)."""
+    """Give the entries of nested tables as (dotted name, text), but empty ones."""
     for name, value in table.items():
         if isinstance(value, Mapping):
             yield from flat(value, f"{prefix}{name}.")
-        else:
+        elif value != "":
             yield f"{prefix}{name}", str(value)
 
 

@@ -66,7 +66,9 @@ def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
     scene = scenes.load(name)
     assert scene.name == name
     assert Scene.from_toml(scene.to_toml()) == scene
-    assert scenes.text(name).startswith(f"# {scenes.summary(name)}")
+    said = " ".join(scenes.text(name).replace("\n# ", " ").split())
+    assert said.startswith(f"# {scenes.summary(name)}")
+    assert scenes.summary(name).endswith(".")
 
 
 def test_flat_press_is_the_scene_of_the_issue():

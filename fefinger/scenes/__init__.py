@@ -1,8 +1,10 @@
 """The built-in scenes, and how a scene is found and changed by name."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +30,9 @@ def text(name: str) -> str:
 
 
 def summary(name: str) -> str:
-    """Return the first comment of a built-in scene."""
-    return text(name).partition("\n")[0].lstrip("# ")
+    """Return the first sentence of the comment that a built-in scene begins with."""
+    lines = takewhile(lambda line: line.startswith("#"), text(name).splitlines())
+    return re.split(r"(?<=\.) (?=[A-Z])", " ".join(line.lstrip("# ") for line in lines))[0]
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":

@@ -33,6 +33,9 @@ FELT = 4.0
 LEVEL = 4.0
 """Pressure in kPa whose isobar bounds the contact, the step between those of Figure 3-3."""
 
+ROUNDING = 1e-9
+"""In mm, or as a share of the force: a shift or an asymmetry below it is that of rounding."""
+
 READINGS = "readings_kPa"
 """Key of what the array reads, element by element; a list, which tables leave out."""
 
@@ -166,11 +169,16 @@ def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
     return sites.points[0] - sites.depths[0] * axis, axis, None
 
 
+def _sure(value: float) -> float:
+    """Return a value, 0 instead of the rounding of a symmetric one."""
+    return 0.0 if abs(value) < ROUNDING else value
+
+
 def _named(prefix: str, found: Moments) -> dict[str, Any]:
     return {
-        f"{prefix}shift_distal_mm": float(found.center[0]),
-        f"{prefix}shift_side_mm": float(found.center[1]),
-        f"{prefix}asymmetry": found.asymmetry,
+        f"{prefix}shift_distal_mm": _sure(float(found.center[0])),
+        f"{prefix}shift_side_mm": _sure(float(found.center[1])),
+        f"{prefix}asymmetry": _sure(found.asymmetry),
         f"{prefix}ellipticity": found.ellipticity,
         f"{prefix}long_axis_deg": found.long_axis,
     }

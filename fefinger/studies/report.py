@@ -60,10 +60,15 @@ def html(study: "Study") -> str:
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
-        lines=(errors(study.rows), MEANING, ARRAY),
+        lines=(errors(study.rows), MEANING, *([ARRAY] if _arrayed(study.rows) else [])),
         parts=list(_parts(study)),
         provenance=list(page.flat(study.about)),
     )
+
+
+def _arrayed(rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether some row tells what an array on a plate reads."""
+    return any(row.get("sensor_peak_kPa") is not None for row in rows)
 
 
 def part(title: str, *texts: str, **more: Any) -> dict[str, Any]:
@@ -98,11 +103,12 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
             less = len(told) - len(found)
             unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
     known = (
-        f"Bars are what is stated, as errors of the true value: {', '.join(said)}; they end at "
-        "twice the value told. They are of mesh, time steps and model (what the mechanics leaves "
-        "out), not of the tissue or the shape of the finger. On loading they are those of a press "
-        "to the depth of the row, after the largest force those of the whole press, of the force a "
-        "share of the largest."
+        f"A bar spans the true values that the stated errors leave open: {', '.join(said)}; one "
+        "that would go beyond twice the value told ends there. The errors are of mesh, time steps "
+        "and model (what the mechanics leaves out), not of the tissue or the shape of the finger. "
+        "While the force rises they are those of a press to the depth of the row. After its peak "
+        "they are those of the whole press; that of the force is then a share of the peak, and so "
+        "a larger one of the force that is left."
     )
     some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
     return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
