@@ -4,7 +4,7 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence, _tradeoff, hertz
+from fefinger.mechanics import _cut, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart, hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.mechanics._touch import meshed_at
@@ -46,10 +46,12 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
         *too_long(scene.motion, fast="FAII" in scene.ask.spikes),
         *unmeshable(scene),
     )
-    found = [Refusal(name, "ability", reason) for reason in unable]
+    if unable:
+        return tuple(Refusal(name, "ability", reason) for reason in unable)
+    found = list(_cut.reached(name, scene))
     doubts = (*too_small(scene), *too_soft(scene.finger), *unmeasured(scene.finger))
     found += [Refusal(name, "accuracy", reason) for reason in doubts]
-    if unable or _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(found)
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
     if radius < least:

@@ -4,7 +4,7 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _evidence, _solid_cost, _tradeoff, linear
+from fefinger.mechanics import _cut, _evidence, _solid_cost, _tradeoff, linear
 from fefinger.mechanics._notes import hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
@@ -31,13 +31,15 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))
-    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
-        return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
+    measured = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None
     radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
-    if radius < least:
+    if radius < least and not measured:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         doubts = (reason, *doubts)
-    return tuple(Refusal(name, "accuracy", reason) for reason in doubts)
+    return (
+        *_cut.reached(name, scene),
+        *(Refusal(name, "accuracy", reason) for reason in doubts),
+    )
 
 
 def cost(scene: Scene) -> float:

@@ -57,6 +57,16 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> Touch:
     return Touch(point, _curvature(shape.skin, point, axis, across))
 
 
+@lru_cache(maxsize=64)
+def at_cut(recipe: Recipe, axis: tuple[float, float, float]) -> float:
+    """Return how far in mm from the skin at the proximal cut such a plate is at first touch."""
+    shape, travel = _shape(recipe), np.array(axis)
+    y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
+    seen = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
+    skin = shape.skin.project(seen, free=np.tile([False, False, True], (len(y), 1)))
+    return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)
+
+
 @lru_cache(maxsize=8)
 def _shape(recipe: Recipe) -> Shape:
     return parametric(recipe) if recipe.surface is None else scanned(recipe)

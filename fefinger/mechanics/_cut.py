@@ -1,0 +1,42 @@
+"""Whether a plate along the finger reaches the proximal cut, told before anything is solved."""
+
+from fefinger.indenter import direction
+from fefinger.records import Refusal
+from fefinger.scene import Finger, Flat, Scene
+
+
+ALONG = 15.0
+"""Degrees up to which a plate may come near the cut: at 10 it is 3.5 mm away from the finger of
+a.h. there."""
+
+NEAR, FAR = 0.95, 1.25
+"""Depth over the gap at the cut from which contact may have reached it, and beyond which it has: on
+fingers of published tissue `linear` reached it at 0.96 to 0.99, `solid` at 0.97 to 0.99, on that of
+calibrated_ah at 1.19."""
+
+
+def reached(name: str, scene: Scene) -> tuple[Refusal, ...]:
+    """Return the refusal of a mechanics by name, if the plate goes too deep for the finger."""
+    indenter, motion, finger = scene.indenter, scene.motion, scene.finger
+    if not isinstance(indenter, Flat) or indenter.angle > ALONG:
+        return ()
+    if motion.control != "depth" or finger.surface is not None:
+        return ()
+    gap = _gap(finger, indenter)
+    if motion.peak <= NEAR * gap:
+        return ()
+    sure = motion.peak > FAR * gap
+    reason = (
+        f"depth / gap at the proximal cut = {motion.peak:.3g} / {gap:.3g} mm: contact "
+        f"{'reaches' if sure else 'may reach'} the cut, behind which there is no finger; press "
+        "less, or at a steeper angle"
+    )
+    return (Refusal(name, "ability" if sure else "accuracy", reason),)
+
+
+def _gap(finger: Finger, plate: Flat) -> float:
+    from fefinger.mesh.local import at_cut
+    from fefinger.mesh.recipe import Recipe
+
+    x, y, z = direction(plate).tolist()
+    return at_cut(Recipe.of(finger), (x, y, z))
