@@ -14,6 +14,7 @@ from fefinger import library
 from fefinger.mechanics import _crept, _evidence, _tradeoff
 from fefinger.mechanics._crept import REPORT
 from fefinger.scene import Finger, Flat, Scene
+from fefinger.text import percent
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -117,7 +118,9 @@ def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
     error = float(np.interp(depth, row["depth_mm"], row["error"]))
     shares = _tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
     error *= 1 + _tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
-    return error, f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
+    more = float(row["relaxing"]) if scene.finger.prony.v else 0.0
+    source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
+    return error + more, f"{source}, {percent(more)} of it for what relaxation adds"
 
 
 def _strange(finger: Finger) -> str:
