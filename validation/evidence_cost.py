@@ -16,36 +16,43 @@ from fefinger.validation.provenance import provenance
 from fefinger.ask import Ask
 from fefinger.mechanics import solid
 from fefinger.mechanics._solid_cost import REPORT
-from fefinger.scene import Finger, Flat, Indenter, RampHold, Scene, Sphere
+from fefinger.scene import Bar, Finger, Flat, Indenter, RampHold, Scene, Sphere
 
 
-PRESSES: tuple[tuple[str, str, Indenter, tuple[float, ...]], ...] = (
-    ("coarse", "a.h.", Flat(30), (0.3, 0.7, 1.1, 1.5, 1.9, 2.3)),
-    ("coarse", "a.h.", Flat(0), (0.9,)),
-    ("coarse", "a.h.", Flat(45), (1.5, 2.3)),
-    ("coarse", "a.h.", Sphere(5), (0.7, 1.5)),
-    ("coarse", "a.h.", Sphere(10), (2.0,)),
-    ("coarse", "d.s.", Flat(30), (1.5,)),
-    ("coarse", "p.w.", Flat(30), (1.5,)),
-    ("standard", "a.h.", Flat(30), (0.5, 1.0, 1.5, 1.9)),
-    ("standard", "a.h.", Sphere(5), (1.5,)),
+OWN = "maeno1998"
+"""The tissue that fingers have by default."""
+
+PRESSES: tuple[tuple[str, str, str, Indenter, tuple[float, ...]], ...] = (
+    ("coarse", "a.h.", OWN, Flat(30), (0.3, 0.7, 1.1, 1.5, 1.9, 2.3)),
+    ("coarse", "a.h.", OWN, Flat(0), (0.9,)),
+    ("coarse", "a.h.", OWN, Flat(45), (1.5, 2.3)),
+    ("coarse", "a.h.", OWN, Sphere(5), (0.7, 1.5)),
+    ("coarse", "a.h.", OWN, Sphere(10), (2.0,)),
+    ("coarse", "a.h.", OWN, Bar(2.0, corner=1.0), (0.3, 0.6)),
+    ("coarse", "a.h.", "calibrated_ah", Flat(30), (1.0, 1.5)),
+    ("coarse", "d.s.", OWN, Flat(30), (1.5,)),
+    ("coarse", "p.w.", OWN, Flat(30), (1.5,)),
+    ("standard", "a.h.", OWN, Flat(30), (0.5, 1.0, 1.5, 1.9)),
+    ("standard", "a.h.", OWN, Sphere(5), (1.5,)),
+    ("standard", "a.h.", OWN, Bar(2.0, corner=1.0), (0.6,)),
+    ("standard", "a.h.", "calibrated_ah", Flat(30), (1.5,)),
 )
-"""Mesh, subject, object and depths in mm; each a ramp of 60 mm/s and a hold of 1 s."""
+"""Mesh, subject, tissue, object and depths in mm; each a ramp of 60 mm/s and a hold of 1 s."""
 
 
-def scene(mesh: str, subject: str, indenter: Indenter, depth: float) -> Scene:
+def scene(mesh: str, subject: str, tissue: str, indenter: Indenter, depth: float) -> Scene:
     """Return a press with all that `solid` may be asked."""
     return Scene(
-        finger=Finger.subject(subject, resolution=mesh),
+        finger=Finger.subject(subject, tissue=tissue, resolution=mesh),
         indenter=indenter,
         motion=RampHold(60, depth, hold=1.0),
         ask=Ask(spikes=("SAI",)),
     )
 
 
-def row(mesh: str, subject: str, indenter: Indenter, depth: float) -> dict[str, Any]:
+def row(mesh: str, subject: str, tissue: str, indenter: Indenter, depth: float) -> dict[str, Any]:
     """Return the CPU seconds of a press, by stage, and the work that it was."""
-    pressed = scene(mesh, subject, indenter, depth)
+    pressed = scene(mesh, subject, tissue, indenter, depth)
     started = time.process_time()
     response = solid.respond(pressed)
     spent, seconds = time.process_time() - started, response.seconds
@@ -54,8 +61,10 @@ def row(mesh: str, subject: str, indenter: Indenter, depth: float) -> dict[str, 
     return {
         "mesh": mesh,
         "subject": subject,
+        "tissue": tissue,
         "kind": indenter.kind,
         "indenter": asdict(indenter),
+        "law": pressed.finger.subcutaneous.law,
         "depth_mm": depth,
         "thickness_mm": pressed.finger.thickness,
         "unknowns": int(response.numbers["unknowns"]),
@@ -70,13 +79,13 @@ def row(mesh: str, subject: str, indenter: Indenter, depth: float) -> dict[str, 
 
 def report() -> dict[str, Any]:
     """Return the report: every press on its mesh."""
-    solid.respond(scene("coarse", "a.h.", Flat(30), 0.1))  # compiles
+    solid.respond(scene("coarse", "a.h.", OWN, Flat(30), 0.1))  # compiles
     return {
         **provenance("python -m fefinger.validation.evidence_cost reports"),
         "scene": "ramps of 60 mm/s with a hold of 1 s, on half a finger; CPU seconds",
         "rows": [
-            row(mesh, subject, indenter, depth)
-            for mesh, subject, indenter, depths in PRESSES
+            row(mesh, subject, tissue, indenter, depth)
+            for mesh, subject, tissue, indenter, depths in PRESSES
             for depth in depths
         ],
     }

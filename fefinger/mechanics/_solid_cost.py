@@ -1,7 +1,7 @@
 """What `solid` costs: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
 
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from fefinger.mechanics import _evidence
 from fefinger.mechanics._stride import stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
-from fefinger.scene import Scene
+from fefinger.mechanics._tradeoff import LAW
+from fefinger.scene import Bar, Grating, Relief, Scene
 
 
 REPORT = "solid-cost.json"
@@ -19,45 +20,64 @@ MESHES = ("coarse", "standard")
 """The measured ones; the fine one costs more as these do with their unknowns."""
 
 
+SHARP = Bar | Grating | Relief
+"""Objects around which skin folds, which takes more factors."""
+
+
 class Cost(NamedTuple):
     """CPU seconds on half a finger: of setting up, of the press that scales spikes, of a step.
 
-    That of a step is at first touch; it grows as exp(growth * depth / thickness).
+    That of a step is at first touch; its logarithm grows by `growth` per depth over thickness, by
+    `sharp` under an edge or ridge and by `stiffening` on tissue of another law; `deepest` is the
+    largest depth over thickness that was timed.
     """
 
     setup: float
     reference: float
     step: float
     growth: float
+    sharp: float
+    stiffening: float
+    deepest: float
 
 
 @cache
 def cost(mesh: str) -> Cost:
     """Return the cost on a mesh: medians of the presses, of the steps by least squares."""
     rows = _evidence.read(REPORT)["rows"]
-    on = np.array([MESHES.index(row["mesh"]) for row in rows])
-    parts = np.array([row["depth_mm"] / row["thickness_mm"] for row in rows])
-    basis = np.column_stack([on == 0, on == 1, parts])
+    basis = [
+        [
+            *(row["mesh"] == name for name in MESHES),
+            row["depth_mm"] / row["thickness_mm"],
+            row["kind"] in {kind.kind for kind in get_args(SHARP)},
+            row["law"] != LAW,
+        ]
+        for row in rows
+    ]
     steps = np.log([row["step_seconds"] for row in rows])
-    *first, growth = np.linalg.lstsq(basis, steps, rcond=None)[0].tolist()
+    found = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
+    growth, sharp, stiffening = found[len(MESHES) :].tolist()
     known = [
         [np.median([row[stage] for row in rows if row["mesh"] == name]) for name in MESHES]
         for stage in ("setup_seconds", "reference_seconds")
     ]
-    costs = np.array([*known, np.exp(first)])
+    costs = np.array([*known, np.exp(found[: len(MESHES)])])
     sizes = np.log([_evidence.linear()[name]["unknowns"] for name in (*MESHES, mesh)])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])
     setup, reference, step = (costs[:, 1] * np.exp(power * (sizes[2] - sizes[1]))).tolist()
-    return Cost(setup, reference, step, growth)
+    deepest = max(row["depth_mm"] / row["thickness_mm"] for row in rows)
+    return Cost(setup, reference, step, growth, sharp, stiffening, deepest)
 
 
 def seconds(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    spent = cost(scene.finger.mesh)
+    spent, finger = cost(scene.finger.mesh), scene.finger
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     steps = len(stride(scene.motion, time).chosen)
-    deep = min(_evidence.small_strain_part(scene), _evidence.solid_reach("flat-30"))
-    whole = spent.setup + steps * spent.step * np.exp(spent.growth * deep)
+    deep = min(_evidence.small_strain_part(scene), spent.deepest)
+    harder = spent.growth * deep + spent.sharp * isinstance(scene.indenter, SHARP)
+    harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
+    whole = spent.setup + steps * spent.step * np.exp(harder)
     whole += spent.reference if scene.ask.spikes else 0.0
     whole *= 1.0 if symmetric(scene) else _evidence.WHOLE
     return float(whole * slowness(_evidence.read(REPORT))) + _evidence.mesh_seconds(scene)

@@ -17,6 +17,7 @@ from fefinger.mechanics._notes import apart, normalized, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
+from fefinger.text import beyond
 from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
@@ -137,7 +138,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     depth, radius = scene.motion.peak, half_space(scene).relative_radius
     if scene.motion.control == "depth" and depth > radius:
-        unable.append(f"depth / relative radius = {depth / radius:.3g} > 1: Hertz ends there")
+        unable.append(f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there")
     measured = not unable and _tradeoff.stated(name, scene) is not None
     doubts = [] if measured else [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
@@ -235,7 +236,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     doubts = []
     thin = _thinness(scene)
     if thin > THIN:
-        reason = f"contact radius / tissue thickness = {thin:.2g} > {THIN:g}: with the bone below "
+        reason = f"contact radius / tissue thickness = {beyond(thin, THIN)}: with the bone below "
         doubts.append(f"{reason}it takes more than {1 + STIFFENING * thin:.2g} times the force")
     contrast = scene.finger.skin.modulus / scene.finger.subcutaneous.modulus
     if max(contrast, 1 / contrast) > CONTRAST:
@@ -244,7 +245,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     steep = widest(scene) / smallest_radius(scene.indenter)
     if steep > STEEP:
         doubts.append(
-            f"contact radius / radius of the object = {steep:.2g} > {STEEP:g}: it is no paraboloid"
+            f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no paraboloid"
         )
     return doubts
 
@@ -265,6 +266,6 @@ def doubts_of_place(scene: Scene) -> list[str]:
         return doubts
     away = float(np.hypot(*(getattr(indenter, "at", None) or (0.0, 0.0))))
     if away > NEAR:
-        reason = f"distance of indenter.at from the middle = {away:.2g} > {NEAR:g} mm"
+        reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
         doubts.append(f"{reason}: R is that of the middle")
     return doubts

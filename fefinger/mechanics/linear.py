@@ -10,6 +10,7 @@ from fefinger.mechanics._timeline import too_long
 from fefinger.mechanics._touch import meshed_at
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Hard, Scene, Sphere
+from fefinger.text import beyond
 
 
 name = "linear"
@@ -60,7 +61,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     press = _evidence.solid_press(scene)
     part, limit = _evidence.small_strain_part(scene), _evidence.solid_reach(press)
     if part > limit:
-        reason = f"depth / thickness = {part:.2g} > {limit:.2g}: small strain is not measured there"
+        reason = f"depth / thickness = {beyond(part, limit)}: small strain is not measured there"
         found.append(Refusal(name, "accuracy", reason))
     for layer in ("skin", "subcutaneous"):
         law = getattr(scene.finger, layer).law

@@ -13,6 +13,7 @@ from fefinger.mechanics._touch import check_reached
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
 from fefinger.stages import Stages
+from fefinger.text import beyond
 from fefinger.theory import lumped as theory
 
 
@@ -149,4 +150,4 @@ def _too_hard(scene: Scene, found: Law) -> list[str]:
         peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
-    return [f"{where} = {peak:.2g} > {FORCE:g} N, the largest that was measured"]
+    return [f"{where} = {beyond(peak, FORCE, ' N')}, the largest that was measured"]

@@ -83,7 +83,7 @@ def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
 
 
 def pressed_to(row: dict[str, Any]) -> str:
-    return f"{row['mesh']}, {row['subject']} {row['kind']} to {row['depth_mm']}"
+    return f"{row['mesh']}, {row['tissue']} {row['kind']} to {row['depth_mm']}"
 
 
 def test_the_cost_of_solid_grows_with_the_mesh_the_depth_and_the_spikes() -> None:
@@ -103,8 +103,10 @@ def test_the_cost_of_solid_grows_with_the_mesh_the_depth_and_the_spikes() -> Non
 
 @pytest.mark.parametrize("row", _evidence.read(_solid_cost.REPORT)["rows"], ids=pressed_to)
 def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str, Any]) -> None:
-    indenter = {"flat": ff.Flat, "sphere": ff.Sphere}[row["kind"]](**row["indenter"])
-    pressed = evidence_cost.scene(row["mesh"], row["subject"], indenter, row["depth_mm"])
+    kinds = {"flat": ff.Flat, "sphere": ff.Sphere, "bar": ff.Bar}
+    indenter = kinds[row["kind"]](**row["indenter"])
+    named = (row["mesh"], row["subject"], row["tissue"])
+    pressed = evidence_cost.scene(*named, indenter, row["depth_mm"])
     here = machine.slowness(_evidence.read(_solid_cost.REPORT))
     built = _evidence.mesh_seconds(pressed)
     assert 1 / 1.4 < (solid.cost(pressed) - built) / (here * row["seconds"]) < 1.4
