@@ -150,4 +150,4 @@ def _too_hard(scene: Scene, found: Law) -> list[str]:
         peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
-    return [f"{where} = {beyond(peak, FORCE, ' N')}, the largest that was measured"]
+    return [f"{where} = {beyond(peak, FORCE)} N, the largest that was measured"]
