@@ -1,7 +1,7 @@
 """Measure by what answers differ on meshes of one finger: the mesher draws at random.
 
 Run as `python -m fefinger.validation.evidence_scatter reports`; it builds each mesh anew, in a
-process and a cache of its own, and takes some ten minutes of one core.
+process and a cache of its own, and takes some twelve minutes of two cores.
 """
 
 import json
@@ -24,7 +24,7 @@ from fefinger.mechanics._scatter import REPORT
 from fefinger.mechanics._tradeoff import STATED
 
 
-MESHES, DRAWS = ("coarse", "standard"), 6
+MESHES, DRAWS = ("coarse", "standard"), 12
 
 PLATES = ("flat-0", "flat-15")
 """Presses by `linear`: contacts that grow along the pad, and ones that stay small."""
@@ -74,7 +74,7 @@ def main(folder: Path) -> None:
     """Measure, and write the report."""
     command = "python -m fefinger.validation.evidence_scatter reports"
     fresh = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=fresh, max_tasks_per_child=1) as pool:
+    with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
         rows = {mesh: {name: row(name, mesh, pool) for name in PLATES} for mesh in MESHES}
     report = provenance(command) | {"draws": DRAWS, "rows": rows}
     (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
