@@ -147,8 +147,8 @@ def report(rows: dict[str, Any]) -> dict[str, Any]:
         **provenance("python -m fefinger.validation.evidence_solid reports"),
         "scene": "ramps of 60 mm/s with sharp corners; force_N is that of relaxed tissue, "
         "relaxing_N with Table 3.1 (under a ball on the coarse mesh)",
-        "seconds": "of CPU, for setup and a step of solid; on a busy machine but for "
-        f"{SOLID_SUBJECT}/flat-30, by which the planner goes",
+        "seconds": "of CPU, for setup and a step of solid, on a busy machine; the planner goes by "
+        "solid-cost.json",
         "extrapolation": f"order {ORDER:g} in the cell length from the two meshes",
         "models": CHAIN | ASIDE,
         "rows": {name: rows[name] for name in ROWS if name in rows},

@@ -120,7 +120,7 @@ def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
     error *= 1 + _tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
     more = float(row["relaxing"]) if scene.finger.prony.v else 0.0
     source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
-    return error + more, f"{source}, {percent(more)} of it for what relaxation adds"
+    return error + more, f"{source}, and {percent(more)} for what relaxation adds"
 
 
 def _strange(finger: Finger) -> str:

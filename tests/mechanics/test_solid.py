@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -247,3 +248,13 @@ def test_laws_travel_through_scene_files():
 def test_laws_are_checked(settings: dict[str, object], what: str):
     with pytest.raises(InputError, match=what):
         scenes.load("flat-press", settings)
+
+
+@pytest.mark.parametrize("mechanics", [linear, solid], ids=["linear", "solid"])
+def test_contact_that_reaches_the_rim_of_a_ball_is_refused_with_what_to_do(mechanics: Any):
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    ask = ff.Ask(pressure=False, strain=False, fields=False)
+    motion = ff.Ramp(60, 2.0, corner=0)
+    scene = Scene(finger=finger, indenter=ff.Sphere(1.5), motion=motion, ask=ask)
+    with pytest.raises(InputError, match=r"it reaches the rim, .* with \d+ vertices .*; press less"):
+        mechanics.respond(scene)
