@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fefinger.fem.obstacle import Rigid
+from fefinger.fem.obstacle import FAR, Rigid
 from fefinger.fem.spaces import Array, Integers
 
 
@@ -52,7 +52,7 @@ class Surface:
         """Return the contact area (n_t,) mm² through time.
 
         pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
-        vertex from the obstacle, along its normal.
+        vertex from the obstacle, along its normal; FAR where that is not ahead.
         """
         rims = _Rims.of(self)
         areas = np.zeros(len(gap))
@@ -187,7 +187,7 @@ class _Rims:
         within = np.linalg.norm(offset, axis=2) < REACH
         # A gap counts if it is wider than what is left of it inside the contact nearby.
         left = np.where(within & pressed[near], np.abs(gap[near]), 0.0).max(axis=1, keepdims=True)
-        outside = ~pressed[near] & (gap[near] > left)
+        outside = ~pressed[near] & (gap[near] > left) & (gap[near] < FAR)
         close = outside & within
         first = outside & (np.cumsum(outside, axis=1) <= FIRST)
         used = np.where(close.sum(axis=1, keepdims=True) >= LEAST, close, first)

@@ -49,8 +49,8 @@ class Body(Solid):
 class Reduced:
     """What the body does under unit loads on a patch.
 
-    flexibility F (n, n), strain (n_rows, n), and approach (n, n) mm, the displacement of the
-    patch's vertices along the obstacle's normal.
+    flexibility F (n, n), strain (n_rows, n), and approach (n_seen, n) mm, the displacement of what
+    is seen along the obstacle's normal.
     """
 
     patch: Patch
@@ -144,7 +144,7 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.empty((count, count))
     strains = np.empty((strain.shape[0], count))
-    approach = np.empty((count, count))
+    approach = np.empty((patch.places.shape[1], count))
     for start in range(0, count, BLOCK):
         block = slice(start, min(start + BLOCK, count))
         unknowns = body.system.solve(patch.loads[:, block].toarray())

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg.lapack import dpotri
 from scipy.spatial import cKDTree
@@ -167,20 +168,30 @@ def reduce(
     """
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
-    strains = np.zeros((strain.shape[0], count))
-    approach = np.zeros((count, count))
+    approach = np.zeros((patch.places.shape[1], count))
+    beyond = _beyond(operator, patch.places)
+    probe = sparse.vstack([strain, patch.places[:, beyond].T]).tocsr()
+    read = np.zeros((probe.shape[0], count))
     for number, part in enumerate(operator.parts):
         loads = _on_pad(operator, part, patch.loads)
         moved = np.ascontiguousarray((loads.T @ part.compliance.matrix).T)
         flexibility += part.scale * (loads.T @ moved)
-        approach += part.scale * (_on_pad(operator, part, patch.places).T @ moved)
-        rows = (strain @ part.unfold).tocsr()
-        strains += part.scale * _strains(part.compliance, rows, moved)
+        pad = _on_pad(operator, part, patch.places[:, ~beyond])
+        approach[~beyond] += part.scale * (pad.T @ moved)
+        read += part.scale * _read(part.compliance, (probe @ part.unfold).tocsr(), moved)
         progress((number + 1) / len(operator.parts))
+    strains, approach[beyond] = np.split(read, [strain.shape[0]])
     return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
 
 
-def _strains(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Array:
+def _beyond(operator: Operator, places: sparse.csc_matrix) -> NDArray[np.bool_]:
+    """Return which of the `places` (n_unknowns, k) lie beyond the pad that the operator keeps."""
+    entries = places.tocoo()
+    outside = ~np.isin(entries.row // 3, palmar(operator))
+    return np.bincount(entries.col[outside], minlength=places.shape[1]) > 0
+
+
+def _read(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Array:
     """Return `rows` @ u (n_rows, k) for displacements `moved` (n_pad, k) of the pad.
 
     The fronts are swept for the rows or for the displacements, whichever are fewer.

@@ -24,6 +24,20 @@ from fefinger.tolerances import COMPLEMENTARITY
 
 PATIENCE = 12  # block exchanges without progress before single ones take over
 EXCHANGES = 500
+RINGS = 2  # of vertices around the candidates, as far as a fit of the contact area reaches
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The candidates and rings of vertices around them, where nothing presses but gaps are read.
+
+    vertices (n_seen,) of the mesh, the candidates first; triangles (n_tri, 3) around them; areas
+    (n_seen,) mm² of their hats.
+    """
+
+    vertices: Integers
+    triangles: Integers
+    areas: Array
 
 
 @dataclass(frozen=True)
@@ -34,8 +48,8 @@ class Patch:
     unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
     (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge and rim
     (n,) as those of the `candidates`.
-    At the vertices themselves: distance (n,) mm along the axis, cosine (n,) of n and the axis, and
-    places (n_unknowns, n) that take n . u from the unknowns.
+    At the vertices `seen`: distance (n_seen,) mm along the axis, cosine (n_seen,) of n and axis,
+    and places (n_unknowns, n_seen) that take n . u from the unknowns.
     """
 
     vertices: Integers
@@ -47,6 +61,7 @@ class Patch:
     areas: Array
     edge: NDArray[np.bool_]
     rim: NDArray[np.bool_]
+    seen: Seen
     distance: Array
     cosine: Array
     places: sparse.csc_matrix
@@ -54,7 +69,7 @@ class Patch:
     def clearance(self, depth: Array, approach: Array) -> Array:
         """Return the gap (n_t, n) mm at the vertices, along the obstacle's normal.
 
-        depth (n_t,) mm, approach (n_t, n) mm the displacement of the vertices along that normal.
+        depth (n_t,) mm, approach (n_t, n_seen) mm their displacement along that normal.
         """
         return self.cosine * (self.distance - depth[:, None]) + approach
 
@@ -133,7 +148,7 @@ def candidates(
 def patch(
     space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
 ) -> Patch:
-    """Return the patch of the `candidates` and their unit loads."""
+    """Return the patch of the `candidates`, their unit loads, and what is seen around them."""
     chosen = candidates(space, triangles, normals, obstacle, reach)
     part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
     distance, direction = obstacle.gap(chosen.places)
@@ -146,7 +161,8 @@ def patch(
         return np.asarray(sums, dtype=np.float64)
 
     arm = np.cross(part.places, direction)
-    apart, normal = obstacle.gap(space.points[vertices])
+    around = seen(space, triangles, normals, obstacle, reach, vertices, RINGS)
+    apart, normal = obstacle.gap(space.points[around.vertices])
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
@@ -157,10 +173,28 @@ def patch(
         areas=gathered(np.ones_like(cosine)),
         edge=chosen.edge,
         rim=chosen.rim,
+        seen=around,
         distance=apart,
         cosine=normal @ obstacle.axis,
-        places=_places(space, vertices, normal),
+        places=_places(space, around.vertices, normal),
     )
+
+
+def seen(
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    vertices: Integers,
+    rings: int,
+) -> Seen:
+    """Return the candidates `vertices` and what else is among those with `rings` around them."""
+    around = candidates(space, triangles, normals, obstacle, reach, rings)
+    every = np.concatenate([vertices, np.setdiff1d(around.vertices, vertices)])
+    area = np.repeat(around.part.weights.sum(axis=1) / 3, 3)
+    areas = np.bincount(around.part.triangles.ravel(), area, minlength=len(space.points))
+    return Seen(every, around.part.triangles, areas[every])
 
 
 def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:

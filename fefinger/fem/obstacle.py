@@ -16,6 +16,9 @@ from fefinger.fem.spaces import Array
 from fefinger.profiles import Plane, Profile, frame
 
 
+FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
+
+
 class Rigid(Protocol):
     """What contact needs of an obstacle."""
 

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.fem.contact import Candidates, candidates
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.contact import RINGS, Candidates, Seen, candidates, seen
+from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.spaces import Array, Integers, Space
 
 
 Flags = NDArray[np.bool_]
 
-FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of
 SLACK = 0.05  # of the size of a facet: how far a point of it may pass through the obstacle
 HOLD = 1500.0  # pressure that keeps it from going farther, in shear moduli, at a whole size more
 
@@ -43,10 +42,14 @@ class Hold:
 
 @dataclass(frozen=True)
 class Sliding:
-    """The candidates on the pad, `at_rest` (n, 3) mm where they are undeformed, and an obstacle."""
+    """The candidates on the pad and what is seen around them, and an obstacle.
+
+    at_rest (n_seen, 3) mm: where the vertices seen are undeformed.
+    """
 
     obstacle: Obstacle
     on: Candidates
+    seen: Seen
     at_rest: Array
     n_unknowns: int
 
@@ -139,10 +142,14 @@ class Sliding:
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
-        """Return gaps (n,) mm along the normal, and displacements (n, 3) mm, of the vertices."""
-        moved = values[3 * self.on.vertices[:, None] + np.arange(3)]
+        """Return gaps (n_seen,) mm along the normal, displacements (n_seen, 3) mm, where seen.
+
+        The gap is FAR where the obstacle is not ahead.
+        """
+        moved = values[3 * self.seen.vertices[:, None] + np.arange(3)]
         distance, gradient, _ = self.obstacle.implicit(self.at_rest + moved, depth)
-        return np.asarray(distance / np.linalg.norm(gradient, axis=1)), moved
+        gap = distance / np.linalg.norm(gradient, axis=1)
+        return np.where(np.isfinite(gap), gap, FAR), moved
 
     def _rows(self) -> Integers:
         return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
@@ -160,5 +167,6 @@ def sliding(
 
     Beside an edge the gap grows within a facet to any reach, and skin folds around it.
     """
-    chosen = candidates(space, triangles, normals, obstacle, reach, rings=1)
-    return Sliding(obstacle, chosen, space.points[chosen.vertices], space.n_unknowns)
+    on = candidates(space, triangles, normals, obstacle, reach, rings=1)
+    around = seen(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
+    return Sliding(obstacle, on, around, space.points[around.vertices], space.n_unknowns)

@@ -108,7 +108,9 @@ def reduced(
     """
     known = [identity(finger, odd=odd) for odd in parities(half=solid.half)]
     digest = hashlib.sha256(json.dumps([known, finger.skin.modulus]).encode())
-    for array in (patch.loads.indptr, patch.loads.indices, patch.loads.data, points):
+    on_pad = (patch.loads, patch.places)
+    stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
+    for array in (*stored, points):
         digest.update(np.ascontiguousarray(array).tobytes())
     names = ("flexibility", "strain", "approach")
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.area import Surface as Touched
 from fefinger.fem.body import Body, Reduced, Solid, body, reduce
-from fefinger.fem.contact import Complementarity, patch
+from fefinger.fem.contact import Complementarity, Seen, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
@@ -291,8 +291,9 @@ def _answer(
 ) -> dict[str, Any]:
     """Return the fields of a Response that the solved contact gives."""
     history, on_pad = contact.history, contact.reduced.patch
-    pad, column = whole_pad(finger, on_pad.vertices, on_pad.triangles, on_pad.areas)
-    pressure = history.pressure[:, column]
+    seen = on_pad.seen
+    pad, column = whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
+    pressure = on_seen(history.pressure, seen)[:, column]
     sides = 2 if finger.half else 1
     force = sides * history.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
     strain = None
@@ -325,6 +326,11 @@ def _answer(
             "half": float(finger.half),
         },
     }
+
+
+def on_seen(pressure: Array, seen: Seen) -> Array:
+    """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
+    return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
 
 
 def whole_moment(meshed: Array, half: bool) -> Array:

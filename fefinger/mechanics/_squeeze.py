@@ -132,8 +132,8 @@ def relaxations(finger: Finger) -> dict[int, Series]:
 class _Passage:
     """The solved steps.
 
-    depth (n,) mm; pressure kPa, gap and moved mm (n, n_candidates), the latter in three components;
-    moment (n, 3) mN mm of the meshed part; strain (n, n_sites, 3, 3).
+    depth (n,) mm; pressure kPa (n, n_candidates); gap and moved mm (n, n_seen), the latter in three
+    components; moment (n, 3) mN mm of the meshed part; strain (n, n_sites, 3, 3).
     """
 
     contact: Sliding
@@ -318,9 +318,9 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
     on_pad = ("contact_area", "centroid", "pad", "pressure", "gap", "moment")
     if not scene.ask.pressure:
         return answer | dict.fromkeys(on_pad)
-    on = passage.contact.on
-    pad, column = _press.whole_pad(finger, on.vertices, on.part.triangles, passage.contact.travel)
-    pressure = pressure[:, column]
+    seen = passage.contact.seen
+    pad, column = _press.whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
+    pressure = _press.on_seen(pressure, seen)[:, column]
     return answer | {
         "contact_area": steps.bounded(_areas(passage, pad, column)),
         "centroid": _press.centroid(pad, pressure),
@@ -333,12 +333,13 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
 
 def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
-    touch, sign = passage.contact.obstacle, np.ones((len(column), 3))
-    sign[len(passage.contact) :, 1] = -1.0  # the mirror images follow the candidates
+    touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
+    sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
+    pressure = _press.on_seen(passage.pressure, seen)
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
         surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)
-        pressed, gap = passage.pressure[step] > 0, passage.gap[step]
+        pressed, gap = pressure[step] > 0, passage.gap[step]
         areas[step] = surface.area(pressed[column][None], gap[column][None])[0]
     return areas
 

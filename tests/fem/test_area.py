@@ -8,7 +8,7 @@ from fefinger.fem.area import Surface
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.solve import factor
 from fefinger.profiles import Bar, Ellipsoid, Grating, Profile
 
@@ -86,6 +86,15 @@ def test_skin_that_turns_up_beside_the_contact_is_none_of_it(
         assert area == pytest.approx(np.pi, rel=worst)
 
 
+def test_what_the_obstacle_is_not_ahead_of_does_not_change_the_area() -> None:
+    points, triangles = scattered(0.25, 2)
+    r = np.hypot(*points.T[:2])
+    pressed, gap = (r < 0.97)[None], hertz_gap(r, 1.0)
+    lost = np.where(r > 1.6, FAR, gap)
+    areas = [Surface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
+    assert areas[1] == pytest.approx(areas[0], rel=0.01)
+
+
 def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:
     points, triangles = scattered(0.1, 1)
     left, right = (np.hypot((points[:, 0] - x) / 0.6, points[:, 1]) for x in (-1.0, 1.0))
@@ -148,12 +157,13 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.travel)
     gap = on.clearance(np.array([0.3]), (on.places.T @ moved @ pressure)[None])
     number = np.full(len(space.points), -1)
-    number[on.vertices] = np.arange(len(on.vertices))
-    triangles = number[on.triangles]
+    number[on.seen.vertices] = np.arange(len(on.seen.vertices))
+    triangles = number[on.seen.triangles]
     triangles = triangles[(triangles >= 0).all(axis=1)]
-    points = space.points[on.vertices]
+    points = space.points[on.seen.vertices]
+    pressed = np.pad(pressure > 0, (0, len(points) - len(pressure)))
     found = [
-        Surface(points, triangles, UP, ahead).area((pressure > 0)[None], gap)[0]
+        Surface(points, triangles, UP, ahead).area(pressed[None], gap)[0]
         for ahead in (obstacle, None)
     ]
     return found[0], found[1]

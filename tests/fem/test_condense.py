@@ -64,6 +64,18 @@ def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points
         assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 1e-12 * scale
 
 
+def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) -> None:
+    exact, operator = both
+    touch = _placing.obstacle(ff.Flat(45), exact)
+    on_pad = patch(exact.space, exact.pad, exact.normals, touch, 1.25)
+    assert not np.isin(on_pad.seen.vertices, condense.palmar(exact)).all()
+    probe = strain_at(exact.space, touch.origin[None] + touch.axis, medial=exact.half)
+    expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
+    for name in ("strain", "approach"):
+        scale = np.abs(getattr(expected, name)).max()
+        assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 1e-12 * scale
+
+
 def test_displacements_everywhere_are_those_of_the_whole_mesh(both: tuple) -> None:
     exact, operator = both
     touch = _placing.obstacle(ff.Flat(20), exact)

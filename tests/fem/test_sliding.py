@@ -6,9 +6,9 @@ from scipy.linalg import expm, logm
 
 from fefinger.fem.contact import candidates, patch
 from fefinger.fem.grids import box
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.probe import gradient_at, gradient_at_vertices
-from fefinger.fem.sliding import FAR, Sliding, sliding
+from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.spaces import Space
 from fefinger.fem.strain import logarithmic
 from fefinger.profiles import Bar, Ellipsoid, Plane, Profile
@@ -148,6 +148,7 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     values[: space.n_displacements : 3] = 10.0
     gaps, loads = contact.gaps(values, 0.0)
     assert gaps == pytest.approx(FAR * contact.travel)
+    assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
     assert np.isfinite(loads.data).all()
 
 

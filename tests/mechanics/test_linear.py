@@ -88,6 +88,20 @@ def test_the_mirror_image_of_a_scene_gives_the_mirror_image_of_the_answer() -> N
     assert left.strain == pytest.approx(reflected, abs=1e-5 * np.abs(right.strain).max())
 
 
+@pytest.mark.parametrize("tilt", [0.0, 20.0])
+def test_the_area_does_not_depend_on_where_the_patch_ends(
+    tilt: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = scene(indenter=ff.Flat(30, tilt), ask=ff.Ask(fields=False, strain=False))
+    found = []
+    for reach in (1.1, 2.0):
+        monkeypatch.setattr(_press, "REACH", reach)
+        found.append(linear.respond(asked))
+    near, far = found
+    assert near.numbers["candidates"] < far.numbers["candidates"]
+    np.testing.assert_allclose(near.contact_area, far.contact_area, rtol=1e-4)
+
+
 def test_strain_is_constant_in_the_hold_and_nothing_pulls(press: Response) -> None:
     holding = press.time >= PRESS.duration - PRESS.hold
     strain = press.strain[holding]
