@@ -325,7 +325,8 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> lo
         solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
     )
     areas = np.bincount(column, pad.areas, minlength=count)
-    moments = [np.bincount(column, pad.areas * pad.points[:, c], minlength=count) for c in (0, 1)]
+    first = _press.first_moments(pad)
+    moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
     kind = np.float32 if precision == "single" else np.float64
     return loop.Output(
         areas=np.asarray(areas, dtype=np.float64),

@@ -167,11 +167,12 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
     What is not in contact is left out.
     """
-    from fefinger.mechanics._stride import stride
+    from fefinger.mechanics._stride import memories, stride
     from fefinger.mechanics._timeline import time_grid
 
     if mechanics == "solid":
-        chosen = stride(scene.motion, time_grid(scene.motion, fast=False)).chosen
+        time = time_grid(scene.motion, fast=False)
+        chosen = stride(scene.motion, time, memories(scene.finger)).chosen
         chosen = chosen[chosen < len(response.time)]
     else:
         count = min(EVENLY, len(response.time))

@@ -146,10 +146,15 @@ def candidates(
 
 
 def patch(
-    space: Space, triangles: Integers, normals: Array, obstacle: Rigid, reach: float
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    rings: int = 0,
 ) -> Patch:
     """Return the patch of the `candidates`, their unit loads, and what is seen around them."""
-    chosen = candidates(space, triangles, normals, obstacle, reach)
+    chosen = candidates(space, triangles, normals, obstacle, reach, rings)
     part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
     distance, direction = obstacle.gap(chosen.places)
     cosine = direction @ obstacle.axis
@@ -161,7 +166,7 @@ def patch(
         return np.asarray(sums, dtype=np.float64)
 
     arm = np.cross(part.places, direction)
-    around = seen(space, triangles, normals, obstacle, reach, vertices, RINGS)
+    around = seen(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
     apart, normal = obstacle.gap(space.points[around.vertices])
     return Patch(
         vertices=vertices,

@@ -155,7 +155,10 @@ class _Contact:
 def _contact(
     scene: Scene, finger: Solid, touch: Obstacle, time: Array, stages: Stages, method: Method
 ) -> _Contact:
-    """Solve the contact, with more candidate vertices as long as it meets their rim."""
+    """Solve the contact, with more candidate vertices as long as it meets their rim.
+
+    Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
+    """
     asked_sites = scene.ask.strain or scene.ask.spikes
     found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
     where = found.points if found else np.empty((0, 3))
@@ -167,8 +170,8 @@ def _contact(
         value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
     deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
     reach = REACH * deepest
-    for _ in range(ATTEMPTS):
-        candidates = patch(finger.space, finger.pad, finger.normals, touch, reach)
+    for rings in range(ATTEMPTS):
+        candidates = patch(finger.space, finger.pad, finger.normals, touch, reach, rings)
         with stages.stage("unit loads") as report:
             reduced = method.reduce(finger, candidates, probe, report)
         prony = scene.finger.prony
@@ -341,10 +344,20 @@ def whole_moment(meshed: Array, half: bool) -> Array:
 
 def centroid(pad: Pad, pressure: Array) -> Array:
     """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
-    weights = pressure * pad.areas
-    total = weights.sum(axis=1, keepdims=True)
-    moment = weights @ pad.points[:, :2]
+    total = (pressure @ pad.areas)[:, None]
+    moment = pressure @ first_moments(pad)[:, :2]
     return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
+
+
+def first_moments(pad: Pad) -> Array:
+    """Return the integrals (n_pad, 3) mm³ of every hat times the place, over the triangles."""
+    corners = pad.points[pad.triangles]
+    sides = corners[:, 1:] - corners[:, :1]
+    twelfths = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 24
+    moments = np.zeros_like(pad.points)
+    share = twelfths[:, None, None] * (corners + corners.sum(axis=1, keepdims=True))
+    np.add.at(moments, pad.triangles, share)
+    return moments
 
 
 def whole_pad(

@@ -1,17 +1,19 @@
 """What `solid` costs: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple, get_args
 
 import numpy as np
 
 from fefinger.machine import slowness
 from fefinger.mechanics import _evidence
-from fefinger.mechanics._stride import stride
+from fefinger.mechanics._stride import memories, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._tradeoff import LAW
+from fefinger.motion import Motion
 from fefinger.scene import Bar, Grating, Relief, Scene
+from fefinger.theory.relaxation import Prony
 
 
 REPORT = "solid-cost.json"
@@ -69,11 +71,16 @@ def cost(mesh: str) -> Cost:
     return Cost(setup, reference, step, growth, sharp, stiffening, deepest)
 
 
+@lru_cache(maxsize=8)
+def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
+    """Return how many steps a motion is solved in."""
+    return len(stride(motion, time_grid(motion, fast=fast), relaxing).chosen)
+
+
 def seconds(scene: Scene) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(scene.finger.mesh), scene.finger
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-    steps = len(stride(scene.motion, time).chosen)
+    steps = _steps(scene.motion, memories(finger), fast="FAII" in scene.ask.spikes)
     deep = min(_evidence.small_strain_part(scene), spent.deepest)
     harder = spent.growth * deep + spent.sharp * isinstance(scene.indenter, SHARP)
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))

@@ -23,7 +23,7 @@ from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._finite_reference import reference
 from fefinger.mechanics._limit import told
-from fefinger.mechanics._stride import Stride, stride
+from fefinger.mechanics._stride import Stride, memories, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
@@ -71,7 +71,7 @@ def squeeze(
     touch = _placing.obstacle(scene.indenter, finger)
     _press.check_depth(scene, finger, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-    steps = stride(scene.motion, time, refine)
+    steps = stride(scene.motion, time, memories(scene.finger), refine)
     passage = _passage(scene, finger, elements, touch, steps, stages)
     if passage.halt:
         steps = steps.until(len(passage.depth))
@@ -306,10 +306,14 @@ def _check_contact(finger: Body, on: Candidates, pressed: NDArray[np.bool_], dep
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
     """Return the fields of a Response that the solved steps give, at all times."""
     pressure = steps.bounded(passage.pressure)
+    by_force = scene.motion.control == "force"
     sides = 2 if finger.half else 1
     force = sides * pressure @ passage.contact.travel * NEWTON_PER_MILLINEWTON
+    if by_force:  # between the steps as well
+        share = np.divide(steps.path, force, out=np.ones_like(force), where=force > 0)
+        pressure, force = pressure * share[:, None], force * share
     answer = {
-        "depth": steps.bounded(passage.depth) if scene.motion.control == "force" else steps.path,
+        "depth": steps.bounded(passage.depth) if by_force else steps.path,
         "force": force,
         "strain": _strain(finger, passage, steps),
         "status": passage.status,

@@ -102,6 +102,23 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
     np.testing.assert_allclose(near.contact_area, far.contact_area, rtol=1e-4)
 
 
+@pytest.mark.parametrize("bar", [ff.Bar(3.0, 1.0), ff.Bar(2.0, 1.0, roll=30), ff.Bar(2.0, 0.3)])
+def test_contact_that_ends_at_an_edge_is_solved(bar: ff.Bar) -> None:
+    """Gaps grow beside an edge within a facet to any reach; it was given up after four patches."""
+    for depth in (0.3, 0.5):
+        motion = ff.Ramp(100.0, depth, corner=0.0)
+        found = linear.respond(scene(indenter=bar, motion=motion))
+        assert found.force[-1] > 0
+
+
+def test_the_centroid_is_where_the_moment_puts_the_force() -> None:
+    """With pressure at the vertices alone it was .07 mm away."""
+    found = linear.respond(scene(indenter=ff.Flat(0), motion=ff.Ramp(60, 0.1, corner=0.0)))
+    pressed = found.force > 0.2 * found.force.max()
+    lever = found.moment[pressed, 1] / found.force[pressed]
+    assert np.abs(lever) == pytest.approx(np.abs(found.centroid[pressed, 0]), abs=2e-3)
+
+
 def test_strain_is_constant_in_the_hold_and_nothing_pulls(press: Response) -> None:
     holding = press.time >= PRESS.duration - PRESS.hold
     strain = press.strain[holding]

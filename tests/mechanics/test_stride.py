@@ -4,12 +4,22 @@ import numpy as np
 import pytest
 
 from fefinger import scenes
-from fefinger.mechanics._stride import STRIDES, stride
+from fefinger.mechanics._stride import STRIDES, memories, stride
 from fefinger.mechanics._timeline import time_grid
-from fefinger.motion import Motion, Ramp, RampHold, RampSinusoid, Trapezoid
-from fefinger.theory.relaxation import hereditary_integral
+from fefinger.motion import (
+    ForceSampled,
+    Motion,
+    Ramp,
+    RampHold,
+    RampSinusoid,
+    Sampled,
+    Trapezoid,
+)
+from fefinger.scene import Finger
+from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
+PRONY = memories(Finger.subject("a.h."))
 MOTIONS: list[Motion] = [
     Ramp(20, 1.0),
     RampHold(60, 1.5, hold=5),
@@ -22,18 +32,18 @@ EACH = pytest.mark.parametrize("motion", MOTIONS, ids=[motion.kind for motion in
 @EACH
 def test_steps_are_few_and_include_every_turn(motion: Motion):
     time = time_grid(motion, fast=True)
-    steps = stride(motion, time)
+    steps = stride(motion, time, PRONY)
     assert steps.times[0] == 0
     assert steps.times[-1] == time[-1]
     assert np.abs(np.diff(steps.value)).max() < 1.5 * motion.peak / STRIDES
     assert steps.value.max() == steps.path.max()
     assert len(steps.times) < len(time) / 2
-    assert len(stride(motion, time, refine=2).times) > 1.5 * len(steps.times)
+    assert len(stride(motion, time, PRONY, refine=2).times) > 1.5 * len(steps.times)
 
 
 @EACH
 def test_what_follows_the_motion_is_interpolated_exactly_enough(motion: Motion):
-    steps = stride(motion, time_grid(motion, fast=True))
+    steps = stride(motion, time_grid(motion, fast=True), PRONY)
     follows = steps.path**2
     for way, limit in ((steps.smooth, 4e-3), (steps.bounded, 6e-3)):
         found = way(follows[steps.chosen])
@@ -44,21 +54,21 @@ def test_what_follows_the_motion_is_interpolated_exactly_enough(motion: Motion):
 @pytest.mark.parametrize("depth", [1.9, 2.0, 2.3, 2.6])
 def test_a_plain_ramp_is_solved_at_every_twelfth_of_its_depth(depth: float):
     motion = Ramp(60, depth, corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=False))
+    steps = stride(motion, time_grid(motion, fast=False), PRONY)
     twelfths = depth * np.arange(1, 13) / 12
     assert np.abs(steps.value[:, None] - twelfths).min(axis=0).max() < 1e-9
 
 
 def test_nothing_below_zero_comes_of_forces_that_push():
     motion = Trapezoid(20, 1.0, hold=0.2)
-    steps = stride(motion, time_grid(motion, fast=True))
+    steps = stride(motion, time_grid(motion, fast=True), PRONY)
     force = np.maximum(steps.value - 0.5, 0.0) ** 1.5
     assert steps.bounded(force).min() == 0
 
 
 def test_tensors_keep_their_shape():
     motion = RampHold(60, 1.5, hold=0.1)
-    steps = stride(motion, time_grid(motion, fast=False))
+    steps = stride(motion, time_grid(motion, fast=False), PRONY)
     values = np.random.default_rng(0).normal(size=(len(steps.times), 2, 3, 3))
     assert steps.smooth(values).shape == (len(steps.time), 2, 3, 3)
 
@@ -71,7 +81,8 @@ def stiffening(depth: np.ndarray) -> np.ndarray:
 def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> None:
     peak = 5e-3 / refine**2  # second order
     scene = scenes.load("flat-press")
-    steps = stride(scene.motion, time_grid(scene.motion, fast=True), refine)
+    time = time_grid(scene.motion, fast=True)
+    steps = stride(scene.motion, time, memories(scene.finger), refine)
     fine = np.linspace(0.0, scene.motion.duration, 100_001)
     prony = scene.finger.prony
     exact = hereditary_integral(prony, fine, stiffening(scene.motion.value(fine)))
@@ -84,8 +95,52 @@ def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> N
 
 def test_at_its_steps_the_answer_is_what_was_solved_to_the_last_bit():
     motion = Trapezoid(0.0046825, 0.55848, hold=0.0, corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=False))
+    steps = stride(motion, time_grid(motion, fast=False), PRONY)
     values = np.sqrt(np.random.default_rng(8).uniform(0, 1, len(steps.chosen)))
     values[-1] = 0.0
     for interpolate in (steps.bounded, steps.smooth):
         np.testing.assert_array_equal(interpolate(values)[steps.chosen], values)
+
+
+DRIFTS = [
+    Sampled((0.0, 0.05, 5.0), (0.0, 0.5, 0.52), corner=0.0),
+    Sampled((0.0, 1 / 60, 5.0), (0.0, 1.0, 1.01), corner=0.0),
+    Sampled((0.0, 0.5, 0.52, 2.0, 2.02, 4.0), (0.0, 0.02, 0.25, 0.27, 0.5, 0.52), corner=0.0),
+    Sampled((0.0, 2.0, 2.01, 2.5), (0.0, 0.5, 0.1, 0.0), corner=0.0),
+]
+
+
+@pytest.mark.parametrize("motion", DRIFTS)
+def test_a_motion_that_changes_its_speed_is_followed_through_the_change(motion: Motion) -> None:
+    """A press that goes on to drift lost 15 % of its peak, and was 36 % too high after it."""
+    (prony,) = PRONY
+    time = time_grid(motion, fast=False)
+    steps = stride(motion, time, PRONY)
+    assert len(steps.times) < 60
+    fine = np.unique(np.concatenate([time, np.linspace(0.0, motion.duration, 100_001)]))
+    exact = hereditary_integral(prony, fine, stiffening(motion.value(fine)))
+    few = hereditary_integral(prony, steps.times, stiffening(steps.value))
+    expected = np.interp(time, fine, exact)
+    assert steps.bounded(few) == pytest.approx(expected, abs=8e-3 * exact.max())
+    assert steps.smooth(steps.value) == pytest.approx(steps.path, abs=6e-3 * motion.peak)
+
+
+def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
+    (prony,) = PRONY
+    motion = ForceSampled((0.0, 0.05, 3.0), (0.0, 0.3, 0.31), corner=0.0)
+    steps = stride(motion, time_grid(motion, fast=False), PRONY)
+    exact = creep_integral(prony, steps.time, steps.path)
+    few = creep_integral(prony, steps.times, steps.value)
+    assert steps.bounded(few) == pytest.approx(exact, abs=5e-3 * exact.max())
+
+
+def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
+    (prony,) = PRONY
+    motion = RampSinusoid(20, 0.5, amplitude=0.02, frequency=50, cycles=6, settle=0.1, corner=0.0)
+    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    force = hereditary_integral(prony, steps.time, stiffening(steps.path))
+    found = steps.bounded(hereditary_integral(prony, steps.times, stiffening(steps.value)))
+    last = steps.time > motion.duration - 1 / 50
+    wave = np.exp(2j * np.pi * 50 * steps.time[last])
+    sizes = [abs(np.trapezoid((f - f.mean()) * wave)) for f in (force[last], found[last])]
+    assert sizes[1] == pytest.approx(sizes[0], rel=0.01)  # three steps a half cycle: .03
