@@ -9,7 +9,7 @@ from fefinger import machine
 from fefinger import mechanics as ladder
 from fefinger.checks import InputError, choice
 from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
-from fefinger.mechanics import _tradeoff
+from fefinger.mechanics import _by_force, _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
 from fefinger.text import beyond, duration, percent, trust
@@ -70,7 +70,7 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
         chosen.refusals,
         settings,
         machine=f"{machine.sentence()} {LEFT_OUT}",
-        trust=trust(chosen, scene.ask, control=scene.motion.control),
+        trust=trust(chosen, scene.ask),
     )
 
 
@@ -140,9 +140,10 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
         reason = f"expected time = {beyond(seconds, asked.seconds, ' s')} (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
     label = f"{name} {resolution or ''}".strip()
-    errors = _tradeoff.others(label, scene) | (
-        _tradeoff.spikes(label, scene) if asked.spikes else {}
-    )
+    errors = _tradeoff.others(label, scene)
+    if scene.motion.control == "force" and math.isfinite(error):
+        errors = _by_force.errors(errors, error, scene)
+    errors |= _tradeoff.spikes(label, scene) if asked.spikes else {}
     return Rung(name, seconds, error, evidence, refusals, resolution, errors)
 
 

@@ -46,7 +46,8 @@ class Rung:
     is known of the highest "pressure" over 1 mm², the contact "area" and the "strain" at the end
     organs, where the force is largest; that of the force is the largest through time, of its peak;
     "spike count", relative, and "first spike" in s: the worst in scenes like it. What is not in
-    `errors` is not known.
+    `errors` is not known. Where the force is prescribed `error` is that at the depth that is found,
+    and `errors` are at that force, with that of its "depth".
     """
 
     mechanics: str

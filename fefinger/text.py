@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 
 SAID = {
+    "depth": "depth",
     "force": "force",
     "pressure": "highest pressure over 1 mm²",
     "area": "contact area",
@@ -66,17 +67,18 @@ def brief(message: str) -> str:
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"
 
 
-def trust(rung: "Rung", ask: "Ask", *, control: str = "depth") -> str:
+def trust(rung: "Rung", ask: "Ask") -> str:
     """Return how far from the truth each thing that is asked may be, in a sentence or two.
 
-    Where the motion has "force" control, the error is that of the force at the depth that is found.
+    Where the force is prescribed, its error is that at the depth that is found, all others are at
+    that force.
     """
     errors = {"force": rung.error, **rung.errors}
-    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    asked = "depth" in errors, ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
     wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
     unknown = [SAID[name] for name in wanted if name not in known]
-    words = SAID | ({"force": "force at the depth that is found"} if control == "force" else {})
+    words = SAID | ({"force": "force at the depth that is found"} if "depth" in errors else {})
     told = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {told}."] if known else []
     if ask.spikes and "spike count" in errors:

@@ -10,6 +10,7 @@ from fefinger import pressures
 from fefinger.plan import choose
 from fefinger.run import run
 from fefinger.scene import Scatter
+from fefinger.studies import report
 from fefinger.studies.columns import ERRORS, bounds, split, words
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows
@@ -74,6 +75,21 @@ def test_errors_are_those_of_the_plan_at_the_largest_force_and_of_a_shallower_pr
     fallen = held.force.max() / held.force[-1]
     assert fallen > 1.1
     assert told["end"]["force_rel_error"] == pytest.approx(chosen.error * fallen)
+
+
+def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_none():
+    motion = ff.ForceRampHold(2.0, 0.5, hold=0.2)
+    held = run(ff.Scene(finger=FINGER, motion=motion, ask=ff.Ask(fields=False)), mechanics="hertz")
+    told = {row["at"]: row for row in rows(held, forces=(0.2,))}
+    assert not any("force_rel_error" in row for row in told.values())
+    assert told["end"]["depth_rel_error"] == held.plan.chosen.errors["depth"]
+    assert told["end"]["contact_area_rel_error"] == held.plan.chosen.errors["area"]
+    shallow = replace(held.scene, motion=ff.ForceRamp(1.0, told["0.2 N"]["force_N"], corner=0))
+    there = choose(shallow, "hertz").chosen
+    assert told["0.2 N"]["depth_rel_error"] == pytest.approx(there.errors["depth"])
+    sentence = report.errors(list(told.values()))
+    assert "depth" in sentence
+    assert "force in" not in sentence
 
 
 def test_what_no_press_is_like_or_has_withdrawn_has_no_error_of_pressure_area_and_strain():

@@ -36,6 +36,7 @@ MEASURES = {
 """What the measures are that figures show."""
 
 ERRORS = {
+    "depth_mm": "depth_rel_error",
     "force_N": "force_rel_error",
     "highest_pressure_1mm2_kPa": "highest_pressure_rel_error",
     "contact_area_mm2": "contact_area_rel_error",

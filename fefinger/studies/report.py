@@ -34,7 +34,7 @@ ARRAY = (
 )
 
 MAIN = (
-    *("at", "force_N", "force_rel_error", "depth_mm", "contact_area_mm2"),
+    *("at", "force_N", "force_rel_error", "depth_mm", "depth_rel_error", "contact_area_mm2"),
     *("contact_area_rel_error", "highest_pressure_1mm2_kPa", "highest_pressure_rel_error"),
     *("strain_rms_percent", "strain_rel_error", "stiffness_N_per_mm", "spikes", "mechanics"),
     *("mesh", "seconds"),
@@ -45,6 +45,9 @@ SHAPE = (
     *("hertz_highest_pressure_1mm2_kPa",),
 )
 """Columns of the tables on the page; the files have all."""
+
+PRESCRIBED = ("depth_mm", "force_N")
+"""Of which a motion prescribes the one, and only the other has an error."""
 
 MOST = 15
 """Maps of the array on the page."""
@@ -96,6 +99,8 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     told = [row for row in rows if row["status"] == "done"]
     said, unknown = [], []
     for name, column in ERRORS.items():
+        if _given(name, told):
+            continue
         if any(row.get(name) is not None for row in told):
             found = [row[column] for row in told if row.get(column) is not None]
             ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
@@ -112,6 +117,12 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     )
     some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
     return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
+
+
+def _given(name: str, rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether a measure is the one that the motion prescribes, and so has no error."""
+    depth, force = (any(row.get(ERRORS[x]) is not None for row in rows) for x in PRESCRIBED)
+    return name in PRESCRIBED and (name == "force_N") == (depth and not force)
 
 
 def _values(name: str, values: Sequence[Any]) -> str:
