@@ -138,6 +138,15 @@ def test_stiffening_tissue_pushes_back_harder():
     assert solid.respond(stiffer).force.max() > 1.05 * solid.respond(scene).force.max()
 
 
+def test_a_prescribed_force_is_what_it_tells_between_its_steps_as_well():
+    scene = press(ff.ForceTrapezoid(2.0, 0.1, hold=0.02, corner=0.01))
+    found = solid.respond(scene)
+    wanted = scene.motion.value(found.time)
+    assert len(found.time) > 2 * found.numbers["steps"]
+    assert found.force == pytest.approx(wanted, abs=1e-5 * wanted.max())  # interpolated: .009
+    assert found.force == pytest.approx(found.pressure @ found.pad.areas * 1e-3, rel=1e-9)
+
+
 def test_it_answers_a_held_force():
     response = solid.respond(press(ff.ForceRampHold(10, 0.1, hold=0.02, corner=0)))
     assert response.force.max() == pytest.approx(0.1, rel=1e-4)
