@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case
@@ -17,14 +17,24 @@ from fefinger.fem.probe import strain_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.mechanics import _placing, solid
 from fefinger.mechanics._press import held, tissues
-from fefinger.mechanics._squeeze import laws
+from fefinger.mechanics._squeeze import laws, squeeze
 from fefinger.mesh.ready import ready
+from fefinger.motion import Motion
 from fefinger.records import Response
-from fefinger.scene import Ask, Flat, Ramp
+from fefinger.scene import Ask, Flat, Ramp, Sampled
 
 
 DEPTH, REACH = 0.4, 0.5  # mm
 SHALLOW = 0.01  # mm
+FINER = 8
+CHANGING = {
+    "a press that drifts on": Sampled((0.0, 0.05, 5.0), (0.0, 0.5, 0.52), corner=0.0),
+    "two presses and a slow start": Sampled(
+        (0.0, 0.5, 0.52, 2.0, 2.02, 4.0), (0.0, 0.02, 0.25, 0.27, 0.5, 0.52), corner=0.0
+    ),
+}
+"""Motions that change their speed."""
+
 PRESSURE = Ask(force=True, pressure=True, strain=False, spikes=(), fields=False)
 
 
@@ -115,8 +125,21 @@ def pull() -> float:
     return float(pressure.min())
 
 
+def finer(motion: Motion) -> float:
+    """Return how far the force through time is from that with FINER times the steps, over its peak.
+
+    On the coarse mesh; the times of both are the same.
+    """
+    ask = replace(PRESSURE, pressure=False)
+    asked = replace(scene("a.h.", "flat-30", "coarse"), motion=motion, ask=ask)
+    few, many = (
+        squeeze(asked, mechanics="solid", notes=(), refine=refine).force for refine in (1, FINER)
+    )
+    return float(np.abs(few - many).max() / many.max())
+
+
 def cases() -> Iterator[Case]:
-    """Yield balance, order, symmetry and the lowest pressure, on the coarse mesh."""
+    """Yield balance, order, symmetry, the lowest pressure and steps in time, on the coarse mesh."""
     statics, image = "equilibrium of the body", "mirror image"
     limit = "first order of the strain"
 
@@ -128,3 +151,7 @@ def cases() -> Iterator[Case]:
     yield case("order in the force of the limit of linear", approach, 1.0, 0.05, limit)
     yield case("forces at tilts of 10 and -10 degrees", mirror, 0.0, 1e-5, image)
     yield Case("finger", "finite strain: lowest pressure", pull, 0.0, 0.0, "kPa", "no adhesion")
+    for name, motion in CHANGING.items():
+        source = f"{FINER} times the steps"
+        # Between steps the coarse contact grows by whole vertices.
+        yield case(f"steps of {name}", partial(finer, motion), 0.0, 0.015, source)
