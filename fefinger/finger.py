@@ -187,7 +187,14 @@ class Finger:
 
 
 def own(finger: Finger) -> tuple[str, ...]:
-    """Return a sentence on the values of a subject's finger that are not those of the subject."""
+    """Return sentences on what of a finger is of another one: its tissue, or a subject's sizes."""
+    fitted = {library.calibrated_name(name): name for name in library.pawluk_bulk()}
+    of = fitted.get(finger.tissue, finger.subject_name)
+    strange = (f"Its tissue was fitted to the finger of subject {of} ({finger.tissue}).",)
+    return (() if of == finger.subject_name else strange) + _resized(finger)
+
+
+def _resized(finger: Finger) -> tuple[str, ...]:
     row = library.pawluk_bulk().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()

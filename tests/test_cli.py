@@ -13,9 +13,11 @@ from dataclasses import replace
 
 import pytest
 
+import fefinger as ff
 from fefinger import console, mechanics, scenes
 from fefinger.__main__ import main
 from fefinger.files import load
+from fefinger.finger import own
 from fefinger.mechanics import linear
 from fefinger.scene import Ask, Scene
 from fefinger.text import trust
@@ -225,6 +227,14 @@ def test_a_subject_of_another_size_is_told(capsys, tmp_path):
     assert said in capsys.readouterr().out
     assert main(["explain", "flat-press", "--set", "finger.tissue=calibrated_ah"]) == 0
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", ["d.p.", None])
+def test_tissue_that_was_fitted_to_another_subject_is_told(name):
+    said = "Its tissue was fitted to the finger of subject a.h. (calibrated_ah)."
+    finger = ff.Finger.subject(name or "a.h.", tissue="calibrated_ah")
+    assert own(replace(finger, subject_name=name)) == (said,)
+    assert own(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
 
 
 def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, monkeypatch):
