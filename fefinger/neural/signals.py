@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError
 from fefinger.neural.membranes import Firing
-from fefinger.neural.trains import SpikeTrains
 
 
 Array = NDArray[np.float64]
@@ -99,13 +98,14 @@ def dense_times(time: Array, steps: float | Array) -> Array:
 
 
 def count_changes(
-    names: Sequence[str], firing: Firing | SpikeTrains, other: Firing | SpikeTrains, change: str
+    names: Sequence[str], times: Sequence[Array], other: Sequence[Array], change: str
 ) -> tuple[str, ...]:
     """Return a sentence per unit whose spike count is another when `change`; empty: all survive.
 
-    One sentence for all of them where they are more than MANY.
+    times, other: (n_units,) spike times of the same units. One sentence for all where they are more
+    than MANY.
     """
-    moved = [(len(a), len(b)) for a, b in zip(firing.times, other.times, strict=True)]
+    moved = [(len(a), len(b)) for a, b in zip(times, other, strict=True)]
     off = [abs(b - a) for a, b in moved if a != b]
     if len(off) > MANY:
         return (

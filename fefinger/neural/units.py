@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
+from fefinger.checks import InputError, choice
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
@@ -31,13 +31,10 @@ from fefinger.neural.signals import (
     unit_names,
 )
 from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.variation import Variation
 
 
 Array = NDArray[np.float64]
-
-NOISE_STEP = 1e-3
-"""s between the independent values of membrane noise, which is linear in between: a choice, near
-the duration of a channel's opening and far below the time of the slowed membrane."""
 
 STRAIGHT, LONGEST = 1e-5, 2e-3
 """uA/cm² that currents may stray from straight lines between their samples, which are as many s
@@ -48,45 +45,6 @@ _DENSE = 500_000
 
 LANES = 16
 """Units that one thread integrates at once; groups of so many keep all lanes filled."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Variation:
-    """What makes spikes random, reproducibly: the same seed gives a unit the same values.
-
-    spread: standard deviation of the logarithm of a unit's gain; that units of one type differ is
-    what Fig. 4-2 shows, by how much is the user's choice. noise: standard deviation of the membrane
-    noise in uA/cm². A unit's draws depend on the seed and its place in the list alone.
-    """
-
-    seed: int
-    spread: float = 0.0
-    noise: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the seed and the sizes."""
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
-            raise InputError(msg)
-        number("spread", self.spread, at_least=0.0, at_most=3.0)
-        number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
-
-    def gain(self, unit: int) -> float:
-        """Return the factor on the gain of a unit."""
-        return float(np.exp(self.spread * self._draw(unit, 0).normal()))
-
-    def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
-        """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
-        knots = self.knots(start, stop)
-        values = self.noise * self._draw(unit, 1).normal(size=(branches, len(knots)))
-        return np.column_stack([np.interp(at, knots, row) for row in values])
-
-    def knots(self, start: float, stop: float) -> Array:
-        """Return the times in s at which noise has values of its own."""
-        return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
-
-    def _draw(self, unit: int, purpose: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, unit, purpose])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -326,8 +284,8 @@ def _changes(
     half = _fire(setup, time, x_in, dt / 2, driven=False)
     coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
     return (
-        *count_changes(names, firing, half, "the step of the membrane is halved"),
-        *count_changes(names, firing, coarse, "only every second sample is used"),
+        *count_changes(names, firing.times, half.times, "the step of the membrane is halved"),
+        *count_changes(names, firing.times, coarse.times, "only every second sample is used"),
     )
 
 

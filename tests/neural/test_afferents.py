@@ -137,10 +137,10 @@ def test_coarse_samples_of_a_moving_input_are_noted():
 def test_counts_that_change_are_named():
     time, x = press(hold=0.3)
     a, b = respond(time, x, check=False), respond(time, 0.5 * x, check=False)
-    sentences = count_changes(a.names, a, b, "the depth is halved")
+    sentences = count_changes(a.names, a.times, b.times, "the depth is halved")
     assert len(sentences) == int(np.sum(a.count() != b.count())) > 0
     assert sentences[0].startswith("SAI: the spike count goes from ")
-    assert count_changes(a.names, a, a, "nothing is") == ()
+    assert count_changes(a.names, a.times, a.times, "nothing is") == ()
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Units with many end organs: what the rules agree on, where they part, delay and seeded noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,8 @@ from fefinger.neural.endorgans import TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
-from fefinger.neural.units import RULES, Variation, simulate_units
+from fefinger.neural.units import RULES, simulate_units
+from fefinger.neural.variation import Variation
 
 
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
@@ -239,3 +242,13 @@ def test_unusable_variations_are_refused(values, message):
 def test_the_membrane_can_be_the_standard_one():
     fast = one([1.0], membrane=HodgkinHuxley(rate_divisor=1.0)).times[0]
     assert len(fast) > 2 * len(one([1.0]).times[0])
+
+
+def test_noise_does_not_depend_on_how_long_the_run_is_nor_draws_on_the_other_units():
+    variation, at = Variation(seed=4, noise=1.0, spread=0.3), np.linspace(0, 0.1, 21)
+    for branches in (1, 3):
+        short = variation.current(2, at, 0.0, 0.1, branches)
+        np.testing.assert_array_equal(short, variation.current(2, at, 0.0, 1.0, branches))
+    own = replace(variation, numbers=(2,))
+    np.testing.assert_array_equal(own.current(0, at, 0.0, 0.1, 3), short)
+    assert own.gain(0) == variation.gain(2)
