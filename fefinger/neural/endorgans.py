@@ -183,6 +183,9 @@ and poles, so it cannot have both zeros at 0 Hz.
 
 TYPES: tuple[str, ...] = tuple(END_ORGANS)
 
+LONGEST_RUN = 3600.0
+"""s that spikes are computed for at once: an hour is 72 million steps of every membrane."""
+
 RULES = ("mean", "max", "first")
 """How the generator currents of a unit's end organs meet.
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice
+from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
@@ -20,13 +20,16 @@ from fefinger.neural.endorgans import (
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATORS, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
+from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
 from fefinger.neural.signals import (
     checked_signals,
     count_changes,
     dense_times,
+    known_types,
     organ_columns,
     remarks,
+    unit_array,
     unit_delays,
     unit_names,
 )
@@ -66,6 +69,11 @@ class _Setup:
         choice("generator", self.generator, GENERATORS)
         choice("rectifier", self.rectifier, RECTIFIERS)
         choice("rule", self.rule, RULES)
+        reject_unknown("organs", self.organs, TYPES)
+        for kind, organ in self.organs.items():
+            if not hasattr(organ, "respond"):
+                msg = f"organs.{kind}: expected a filter such as PoleZero, received {organ!r}"
+                raise InputError(msg)
 
     @cached_property
     def gains(self) -> Array:
@@ -199,10 +207,12 @@ def simulate_units(
     InputError
         As `simulate`; also a unit without an end organ, or a rule that the membrane cannot follow.
     """
-    types = _known(types)
+    types = known_types(types)
     columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
-    names = unit_names(types, names)
+    names, later = unit_names(types, names), unit_delays(delays, len(types))
+    positions = unit_array("positions", positions, (len(types), 3))
+    depths = unit_array("depths", depths, (len(types),))
     membrane = membrane or HodgkinHuxley()
     method, dt = _integrator(membrane, rule, tolerance, float(time[-1] - time[0]), dt)
     setup = _Setup(
@@ -221,7 +231,6 @@ def simulate_units(
     notes = remarks(time, mean_in, types, names, firing)
     if check:
         notes += _changes(setup, time, x_in, dt, names, firing)
-    later = unit_delays(delays, len(types))
     return SpikeTrains(
         types=types,
         names=names,
@@ -234,19 +243,11 @@ def simulate_units(
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
-        positions=None if positions is None else np.asarray(positions, float),
-        depths=None if depths is None else np.asarray(depths, float),
+        positions=positions,
+        depths=depths,
         seed=None if variation is None else variation.seed,
         notes=notes,
     )
-
-
-def _known(types: Sequence[str]) -> tuple[str, ...]:
-    """Return the types, one or more of TYPES, or raise InputError."""
-    if not len(types):
-        msg = "types: expected one afferent unit or more, received none"
-        raise InputError(msg)
-    return tuple(choice("types", kind, TYPES) for kind in types)
 
 
 def _integrator(
@@ -255,6 +256,7 @@ def _integrator(
     """Return the method and the step in s that a tolerance asks for; without one, None and dt."""
     if rule == "first":
         _squid(membrane, "rule: expected for 'first'")
+    dt = largest_step(dt)
     if tolerance is None:
         return None, dt
     return _squid(membrane, "tolerance: expected").integrator(tolerance, seconds)

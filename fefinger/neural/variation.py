@@ -57,4 +57,5 @@ class Variation:
 
     def _draw(self, unit: int, purpose: int) -> np.random.Generator:
         own = unit if self.numbers is None else self.numbers[unit]
-        return np.random.default_rng([self.seed, own, purpose])
+        # Zeros at the end tell no streams apart: the last number keeps these from those of places.
+        return np.random.default_rng([self.seed, own, purpose, 1])

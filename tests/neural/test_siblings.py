@@ -71,6 +71,8 @@ def test_units_of_every_membrane_are_independent(membrane):
 def test_every_membrane_refuses_what_its_siblings_refuse(membrane):
     with pytest.raises(InputError, match="lower the gain"):
         membrane.fire([0.0, 1.0], [0.0, 1e6])
+    with pytest.raises(InputError, match="dt: expected a finite number in s above 0 and at most"):
+        membrane.fire([0.0, 1.0], [0.0, 1.0], dt=1e-3)
 
 
 @pytest.mark.parametrize("current", [9.0, 20.0, 40.0])

@@ -9,7 +9,7 @@ from fefinger.checks import InputError
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.endorgans import END_ORGANS, TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
@@ -154,7 +154,8 @@ def test_a_seed_reproduces_and_another_differs_whatever_the_other_units_do():
 
     two, three, other = fired(1, 2), fired(1, 3), fired(2, 2)
     for i in range(2):
-        np.testing.assert_array_equal(two.times[i], three.times[i])
+        # The units of a type share the times at which their currents are sampled.
+        np.testing.assert_allclose(two.times[i], three.times[i], atol=1e-8)
         assert not np.array_equal(two.times[i], other.times[i])
     assert (two.seed, other.seed, one([1.0]).seed) == (1, 2, None)
 
@@ -252,3 +253,25 @@ def test_noise_does_not_depend_on_how_long_the_run_is_nor_draws_on_the_other_uni
     own = replace(variation, numbers=(2,))
     np.testing.assert_array_equal(own.current(0, at, 0.0, 0.1, 3), short)
     assert own.gain(0) == variation.gain(2)
+
+
+def test_draws_of_units_are_none_of_those_of_places():
+    gain = Variation(seed=4, spread=1.0).gain(2)
+    assert np.log(gain) != np.random.default_rng([4, 2]).normal()
+
+
+@pytest.mark.parametrize(
+    ("organs", "message"),
+    [
+        ({"SA1": END_ORGANS["SAI"]}, "SA1: unknown key in .organs.. Did you mean 'SAI'"),
+        ({"SAI": None}, "organs.SAI: expected a filter such as PoleZero, received None"),
+    ],
+)
+def test_filters_that_no_unit_would_have_are_refused(organs, message):
+    with pytest.raises(InputError, match=message):
+        one([1.0], organs=organs)
+
+
+def test_depths_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match=r"depths: expected \(1,\) mm for 1 units, received \(2,"):
+        one([1.0], depths=[1.0, 2.0])
