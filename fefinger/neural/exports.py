@@ -84,7 +84,8 @@ def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
 def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
     """Return the fields of the SpikeTrains that `to_npz` wrote; InputError for another file."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Opened here: numpy leaves a damaged file open.
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
     except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
         msg = f"{path}: expected an NPZ file of spike trains, found none to read: {error}"
