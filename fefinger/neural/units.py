@@ -18,7 +18,7 @@ from fefinger.neural.endorgans import (
     chord_steps,
 )
 from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import GENERATORS, transduce
+from fefinger.neural.generators import GENERATORS, LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
@@ -43,6 +43,9 @@ STRAIGHT, LONGEST = 1e-5, 2e-3
 """uA/cm² that currents may stray from straight lines between their samples, which are as many s
 apart at most."""
 
+LINES = 1e-5
+"""s of error of spike times that straight lines between samples LARGEST_STEP apart stay below."""
+
 _DENSE = 500_000
 """Values of current held at a time: 4 MB, and some times that while they are computed."""
 
@@ -63,6 +66,7 @@ class _Setup:
     membrane: Membrane
     variation: Variation | None
     method: str | None
+    tolerance: float | None
 
     def __post_init__(self) -> None:
         """Check the choices."""
@@ -86,15 +90,20 @@ class _Setup:
         """Return the times at which the currents of units of one type are sampled.
 
         Straight lines in between keep to them within STRAIGHT dt / LARGEST_STEP, where that needs
-        steps longer than dt; a filter without real modes is sampled every dt.
+        steps longer than dt; a filter without real modes is sampled every dt. A tolerance below
+        LINES lowers both limits.
         """
+        wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
+        straight = STRAIGHT * min(wanted, dt / LARGEST_STEP)
+        dt = min(dt, LARGEST_STEP * wanted**0.5)
         organ = self.organs.get(self.types[units[0]], END_ORGANS[self.types[units[0]]])
         steps: Array | float = dt
         if isinstance(organ, PoleZero):
-            _, c, p = organ.partial_fractions()
-            error = STRAIGHT * dt / LARGEST_STEP / float(np.max(self.gains[units]))
+            gain = float(np.max(self.gains[units]))
+            bend = gain / LARGEST_CURRENT if self.generator == "saturating" else 0.0
             columns = np.concatenate([self.columns[i] for i in units])
-            steps = np.clip(chord_steps(c, p, time, x_in[:, columns], error), dt, LONGEST)
+            steps = chord_steps(organ, time, x_in[:, columns], straight / gain, bend=bend)
+            steps = np.clip(steps, dt, LONGEST)
         at = dense_times(time, steps)
         if self.variation is None or self.variation.noise == 0.0:
             return at
@@ -225,6 +234,7 @@ def simulate_units(
         membrane=membrane,
         variation=variation,
         method=method,
+        tolerance=tolerance,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])

@@ -9,8 +9,9 @@ from fefinger.checks import InputError
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
-from fefinger.neural.endorgans import END_ORGANS, TYPES
+from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero
 from fefinger.neural.gains import GAINS
+from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
 from fefinger.neural.units import RULES, simulate_units
@@ -275,3 +276,28 @@ def test_filters_that_no_unit_would_have_are_refused(organs, message):
 def test_depths_that_do_not_fit_are_refused():
     with pytest.raises(InputError, match=r"depths: expected \(1,\) mm for 1 units, received \(2,"):
         one([1.0], depths=[1.0, 2.0])
+
+
+def fired(x, times, kind, **options):
+    drive = np.array(x)[:, None]
+    options = {"unit": [0], "check": False} | options
+    return simulate_units(times, drive, types=[kind], **options).times[0]
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_tolerance_holds_where_the_current_bends_within_a_step(tolerance):
+    press = [0.0, 0.4, 0.4], [0.0, 0.05, 0.1], "FAII"
+    exact = fired(*press, dt=1e-6)
+    assert len(exact) == 1
+    # The reference itself is good to 2e-9 s.
+    np.testing.assert_allclose(fired(*press, tolerance=tolerance), exact, atol=tolerance + 2e-9)
+
+
+def test_a_generator_that_bends_behind_a_straight_filter_is_sampled_as_finely_as_it_needs():
+    organs, time = {"SAI": PoleZero((), (), 1.0)}, np.array([0.0, 0.5, 0.8])
+    x = np.array([0.0, 0.4, 0.4])
+    fine = np.linspace(0, 0.8, 80_001)
+    current = transduce("SAI", time, x, gain=GAINS["SAI"], organ=organs["SAI"], at=fine)
+    (exact,) = HodgkinHuxley().fire(fine, current, stimulus_driven=False).times
+    assert len(exact) > 10
+    np.testing.assert_allclose(fired(x, time, "SAI", organs=organs), exact, atol=1e-6)
