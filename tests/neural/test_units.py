@@ -294,7 +294,7 @@ def test_a_tolerance_holds_where_the_current_bends_within_a_step(tolerance):
 
 
 def test_a_generator_that_bends_behind_a_straight_filter_is_sampled_as_finely_as_it_needs():
-    organs, time = {"SAI": PoleZero((), (), 1.0)}, np.array([0.0, 0.5, 0.8])
+    organs, time = {"SAI": PoleZero((), (), 1.0)}, np.array([0.0, 0.02, 0.8])
     x = np.array([0.0, 0.4, 0.4])
     fine = np.linspace(0, 0.8, 80_001)
     current = transduce("SAI", time, x, gain=GAINS["SAI"], organ=organs["SAI"], at=fine)
