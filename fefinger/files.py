@@ -75,6 +75,9 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ),
     ("Sites", "depths"): Variable("site_depths", ("site",), "mm", "depth of the sites under skin"),
     ("Sites", "unit"): Variable("site_unit", ("site",), "1", "unit that each end organ belongs to"),
+    ("Sites", "number"): Variable(
+        "site_number", ("site",), "1", "number of that unit among all that were asked"
+    ),
     ("Reference", "normals"): Variable(
         "reference_normals", ("reference", "axis"), "1", "normals at the reference sites"
     ),

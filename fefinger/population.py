@@ -5,6 +5,7 @@ two meet the library's numbers.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
@@ -37,7 +39,7 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
     if layout is None:
         msg = "ask.population: expected one, received none"
         raise InputError(msg)
-    types, places = _places(layout, ask.spikes, skin, np.asarray(axis, float))
+    types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
     depths = {kind: row.depth for kind, row in library.receptors().items()}
     return populate(
         skin,
@@ -46,14 +48,18 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
         depths=depths | dict(ask.depths),
         organs={kind: row.organs for kind, row in known.items()} if layout.branched else None,
         fields={kind: row.field for kind, row in known.items() if row.field is not None},
+        numbers=numbers,
         seed=layout.seed,
     )
 
 
 def _places(
     layout: Layout, types: Sequence[str], skin: "Surface", axis: Array
-) -> tuple[tuple[str, ...], Array]:
-    """Return type and place (n, 3) mm of every unit."""
+) -> tuple[tuple[str, ...], Array, Integers]:
+    """Return type, place (n, 3) mm and number of every unit.
+
+    The number is its place among all units that are asked, wherever the skin ends.
+    """
     from fefinger.neural import populations
 
     if isinstance(layout, Scatter):
@@ -67,10 +73,12 @@ def _places(
                 f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
             )
             raise InputError(msg)
-        return kinds, points
+        return kinds, points, np.arange(len(kinds))
     if isinstance(layout, Grid):
-        points = populations.grid(skin, layout.spacing, layout.radius)
-    elif isinstance(layout, Line):
+        points, which = populations.grid(skin, layout.spacing, layout.radius)
+        numbers = which[:, None] * len(types) + np.arange(len(types))
+        return _each(types, points), np.repeat(points, len(types), axis=0), numbers.ravel()
+    if isinstance(layout, Line):
         points = populations.line(skin, layout.start, layout.stop, layout.count)
     elif isinstance(layout, Places):
         name = "ask.population.places"
@@ -78,7 +86,13 @@ def _places(
     else:
         msg = f"ask.population: expected a layout of the package, received {layout!r}"
         raise InputError(msg)
-    return tuple(np.tile(types, len(points)).tolist()), np.repeat(points, len(types), axis=0)
+    kinds = _each(types, points)
+    return kinds, np.repeat(points, len(types), axis=0), np.arange(len(kinds))
+
+
+def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
+    """Return the types of units of which each point (n, 3) has one of each."""
+    return tuple(types) * len(points)
 
 
 def sites(population: "Population") -> "Sites":
@@ -91,6 +105,7 @@ def sites(population: "Population") -> "Sites":
         depths=population.organ_depths,
         types=population.organ_types,
         unit=population.unit,
+        number=population.numbers[population.unit],
     )
 
 
@@ -113,7 +128,8 @@ def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
         A response without strain, or without the end organs of the population.
     """
     from fefinger.neural.afferents import displacements
-    from fefinger.neural.units import Variation, simulate_units
+    from fefinger.neural.units import simulate_units
+    from fefinger.neural.variation import Variation
 
     reference, found, layout = response.reference, response.sites, ask.population
     if response.strain is None or found is None or reference is None:
@@ -135,8 +151,15 @@ def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
     count = np.bincount(found.unit)
     first = np.searchsorted(found.unit, np.arange(len(count)))
     types = tuple(found.types[i] for i in first)
-    drawn = Variation(seed=layout.seed, spread=layout.spread, noise=layout.noise)
-    return simulate_units(
+    numbers = np.arange(len(types)) if found.number is None else found.number[first]
+    drawn = Variation(
+        seed=layout.seed,
+        spread=layout.spread,
+        noise=layout.noise,
+        numbers=tuple(numbers.tolist()),
+    )
+    names, notes = _told(layout, ask.spikes, types, numbers)
+    trains = simulate_units(
         response.time,
         x_in,
         types=types,
@@ -145,7 +168,33 @@ def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
         delays=delays(types, layout.distance),
         variation=drawn if layout.random else None,
         generator=ask.generator,
+        names=names,
         positions=np.add.reduceat(found.points, first) / count[:, None],
         depths=found.depths[first],
         **options,
     )
+    return replace(trains, notes=notes + trains.notes)
+
+
+def _told(
+    layout: Layout, asked: Sequence[str], types: tuple[str, ...], numbers: Integers
+) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+    """Return the names of units, where they have their own, and a note on places left out.
+
+    The units of a grid are named after the places of the whole grid, so that a name is the same
+    unit on every mesh, whichever places lie beside its skin.
+    """
+    if not isinstance(layout, Grid):
+        return None, ()
+    from fefinger.neural.populations import squares
+
+    places = numbers // len(asked)
+    names = tuple(f"{kind}-{place + 1}" for kind, place in zip(types, places, strict=True))
+    total, kept = len(squares(layout.spacing, layout.radius)), len(np.unique(places))
+    if kept == total:
+        return names, ()
+    note = (
+        f"ask.population: {total - kept} of the {total} places of the grid lie beside the skin of "
+        "the pad and have no units."
+    )
+    return names, (note,)

@@ -118,7 +118,9 @@ class Sites:
 
     points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
     depths (n_sites,) mm below the skin, types: the afferent type that each one serves, unit
-    (n_sites,): the afferent unit that each belongs to; None: one each.
+    (n_sites,): the afferent unit that each belongs to; None: one each. number (n_sites,): of that
+    unit among all that were asked, some of which may lie beside the skin; None: not of a
+    population.
     """
 
     points: Array
@@ -126,6 +128,7 @@ class Sites:
     depths: Array
     types: tuple[str, ...]
     unit: Integers | None = None
+    number: Integers | None = None
 
 
 @dataclass(frozen=True)

@@ -120,22 +120,33 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
     """Return the spikes with a note on whether their counts survive a coarser mesh."""
     from dataclasses import replace
 
-    from fefinger.checks import ConvergenceError, InputError
-    from fefinger.neural.signals import count_changes
-
     coarser = chosen.coarser(scene)
     if coarser is None:
         return spikes
     asked = replace(coarser, ask=replace(coarser.ask, fields=False, pressure=False))
     mesh = f"the mesh is {coarser.finger.mesh}"
     try:
-        again = fire(asked, chosen.respond(asked))
-    except (InputError, ConvergenceError) as error:
-        notes: tuple[str, ...] = (f"Spike counts could not be checked when {mesh}: {error}",)
-    else:
-        changes = count_changes(spikes.names, spikes, again, mesh)
-        notes = changes or (f"All spike counts are the same when {mesh}.",)
+        notes = _compared(spikes, fire(asked, chosen.respond(asked)), mesh)
+    except Exception as error:  # Whatever it is, the answer itself is finished.
+        notes = (f"Spike counts could not be checked when {mesh}: {error}",)
     return replace(spikes, notes=spikes.notes + notes)
+
+
+def _compared(spikes: "SpikeTrains", again: "SpikeTrains", mesh: str) -> tuple[str, ...]:
+    """Return notes on the units, by name, that both have; a coarser skin may end elsewhere."""
+    from fefinger.neural.signals import count_changes
+
+    both = set(again.names)
+    names = [name for name in spikes.names if name in both]
+    one, other = ([trains.times[trains.index(n)] for n in names] for trains in (spikes, again))
+    alone = len(spikes.names) - len(names)
+    left = (
+        f"Not compared: {alone} of {len(spikes)} units, whose places lie beside the skin when "
+        f"{mesh}."
+    )
+    same = f"All spike counts are the same when {mesh}."
+    changes = count_changes(names, one, other, mesh) or ((same,) if names else ())
+    return (*changes, left) if alone else changes
 
 
 def _status(response: "Response", spikes: "SpikeTrains | None") -> str:

@@ -34,6 +34,7 @@ from fefinger.motion import (
     Sinusoid,
     Trapezoid,
 )
+from fefinger.neural.endorgans import LONGEST_RUN
 from fefinger.tables import parse, parts, read, tables
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Hard, Tissue
@@ -101,6 +102,7 @@ class Scene:
                 raise InputError(msg)
         self._check_depths()
         self._check_place()
+        self._check_duration()
 
     def _check_depths(self) -> None:
         pulp = self.finger.pulp
@@ -120,6 +122,14 @@ class Scene:
             msg = (
                 f"indenter.at: expected a place on the pad, x within {reach[0]:g} and y within "
                 f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches"
+            )
+            raise InputError(msg)
+
+    def _check_duration(self) -> None:
+        if self.ask.spikes and self.motion.duration > LONGEST_RUN:
+            msg = (
+                f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
+                f"received {self.motion.duration:g} s; shorten the motion or ask for no spikes"
             )
             raise InputError(msg)
 

@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,6 +37,9 @@ LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 SLOW_JUMP = 0.3
 """Jump of velocity between coarse samples, over the largest velocity, that SA units are refused:
 straight lines through a sinusoid with such jumps stray from it by 1 %."""
+
+FINER, FINEST = 8, 1e-4
+"""Parts that intervals are divided into where a curve joins the samples, and s of the shortest."""
 
 FILES = ("spikes.csv", "spikes.npz")
 
@@ -109,7 +113,8 @@ def fire(
         mm of skin displacement that a strain of 1 stands for: the depth of a small flat press over
         the strain that it makes at the end organ.
     corners
-        Take straight lines between coarse samples as meant, with the corners that they have.
+        Take straight lines between samples as meant, with the corners that they have. Otherwise
+        units whose spike count is another with a smooth curve through the samples are noted.
     tolerance
         Error of spike times in ms to choose integrator and step by; None: Runge-Kutta at 50 us.
     generator
@@ -122,8 +127,35 @@ def fire(
     """
     from fefinger.neural.afferents import simulate
     from fefinger.neural.endorgans import TYPES
+    from fefinger.neural.signals import count_changes
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
+    columns, kinds, names = _units(signals, types)
+    if not corners:
+        for i, kind in zip(columns, kinds, strict=True):
+            _check_sampling(signals, i, kind, _mm(signals, i, length))
+    run = partial(
+        simulate,
+        types=kinds,
+        lengths=[_mm(signals, i, length) for i in columns],
+        generator=generator,
+        names=names,
+        tolerance=None if tolerance is None else _seconds(tolerance),
+    )
+    trains = run(signals.time, signals.drive[:, columns])
+    notes = trains.notes + _starts(signals)
+    if not corners:
+        time, drive = _curved(signals)
+        smooth = run(time, drive[:, columns], check=False)
+        how = "a smooth curve joins the samples; sample more finely, or say --corners if lines are"
+        notes += count_changes(names, trains.times, smooth.times, f"{how} meant")
+    return replace(trains, notes=notes)
+
+
+def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
+    """Return column, type and name of every unit; InputError for a header that is almost a type."""
+    from fefinger.neural.endorgans import TYPES
+
     columns: list[int] = []
     kinds: list[str] = []
     names: list[str] = []
@@ -140,19 +172,7 @@ def fire(
         kinds += own
         many = len(signals.headers) > 1
         names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in own]
-    if not corners:
-        for i, kind in zip(columns, kinds, strict=True):
-            _check_sampling(signals, i, kind, _mm(signals, i, length))
-    trains = simulate(
-        signals.time,
-        signals.drive[:, columns],
-        types=kinds,
-        lengths=[_mm(signals, i, length) for i in columns],
-        generator=generator,
-        names=names,
-        tolerance=None if tolerance is None else _seconds(tolerance),
-    )
-    return replace(trains, notes=trains.notes + _starts(signals))
+    return columns, kinds, names
 
 
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
@@ -266,6 +286,26 @@ def _starts(signals: Signals) -> tuple[str, ...]:
         for header, first in zip(signals.headers, signals.drive[0], strict=True)
         if first != 0.0
     )
+
+
+def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return finer times and the drive at them on cubic splines from jump to jump."""
+    from scipy.interpolate import CubicSpline
+
+    from fefinger.neural.signals import dense_times
+
+    jumps = np.flatnonzero(np.diff(signals.time) == 0) + 1
+    times, drives = [], []
+    for time, drive in zip(
+        np.split(signals.time, jumps), np.split(signals.drive, jumps), strict=True
+    ):
+        fine = time
+        if len(time) > 1:
+            fine = dense_times(time, np.maximum(np.diff(time) / FINER, FINEST))
+            drive = CubicSpline(time, drive)(fine)
+        times.append(fine)
+        drives.append(drive)
+    return np.concatenate(times), np.concatenate(drives)
 
 
 def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> None:

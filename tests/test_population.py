@@ -59,6 +59,27 @@ def test_every_place_has_a_unit_of_each_type():
         np.testing.assert_array_equal(units.centers[::2], units.centers[1::2])
 
 
+def test_places_of_a_grid_beside_the_skin_are_noted():
+    asked_grid = scene(ff.Grid(spacing=2.0, radius=4.0))
+    response = get("hertz").respond(asked_grid)
+    lost = np.isin(response.sites.unit, [0, 1])
+    kept = replace(
+        response.sites,
+        points=response.sites.points[~lost],
+        normals=response.sites.normals[~lost],
+        depths=response.sites.depths[~lost],
+        types=response.sites.types[2:],
+        unit=response.sites.unit[~lost] - 2,
+        number=response.sites.number[~lost],
+    )
+    whole = fire(asked_grid, response)
+    fewer = fire(asked_grid, replace(response, sites=kept, strain=response.strain[:, ~lost]))
+    assert fewer.names == whole.names[2:]
+    assert not any("beside the skin" in note for note in whole.notes)
+    said = "ask.population: 1 of the 13 places of the grid lie beside the skin of the pad and have"
+    assert fewer.notes[0] == f"{said} no units."
+
+
 def test_the_skin_of_half_a_mesh_is_that_of_the_whole():
     points = np.array([[x, y, 0.1 * (x + y * y)] for x in range(4) for y in range(3)], float)
     quads = [(3 * i + j, 3 * i + j + 1, 3 * i + j + 3) for i in range(3) for j in range(2)]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import fefinger as ff
@@ -19,7 +20,12 @@ SCENE = ff.Scene(
 
 @pytest.mark.parametrize(
     "failure",
-    [ff.InputError("no mesh"), ConvergenceError("no root"), Stopped("it folds", "a Response")],
+    [
+        ff.InputError("no mesh"),
+        ConvergenceError("no root"),
+        Stopped("it folds", "a Response"),
+        IndexError("a defect"),
+    ],
     ids=lambda each: type(each).__name__,
 )
 def test_an_answer_outlives_a_mesh_check_that_fails(monkeypatch, failure):
@@ -37,3 +43,33 @@ def test_an_answer_outlives_a_mesh_check_that_fails(monkeypatch, failure):
     assert found.spikes is not None
     said = f"Spike counts could not be checked when the mesh is coarse: {failure}"
     assert said in found.notes
+
+
+def test_units_of_a_grid_are_checked_by_place_where_the_other_skin_has_fewer(monkeypatch):
+    ask = ff.Ask(spikes=("SAI", "FAI"), fields=False, population=ff.Grid(radius=2.0, spread=0.5))
+    scene = replace(SCENE, ask=ask)
+    coarser = replace(scene, finger=replace(scene.finger, resolution="coarse"))
+    answer = hertz.respond
+
+    def respond(scene, progress=None):
+        found = answer(scene, progress)
+        if scene.finger.resolution != "coarse":
+            return found
+        kept = np.arange(len(found.sites.types)) >= 2  # the first place is beside this skin
+        fields = {
+            name: getattr(found.sites, name)[kept] for name in ("points", "normals", "depths")
+        }
+        sites = replace(
+            found.sites,
+            **fields,
+            types=found.sites.types[2:],
+            unit=found.sites.unit[kept] - 2,
+            number=found.sites.number[kept],
+        )
+        return replace(found, sites=sites, strain=found.strain[:, kept])
+
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "respond", respond)
+    notes = ff.run(scene, mechanics="hertz").notes
+    assert "All spike counts are the same when the mesh is coarse." in notes
+    assert any(note.startswith("Not compared: 2 of 26 units, whose places") for note in notes)

@@ -324,3 +324,13 @@ def test_toml_written_out_has_every_value_in_plain_tables():
     assert table["finger"]["subject"] == "a.h."
     assert table["finger"]["prony"] == {"c": [0.29, 0.47, 0.13, 0.1], "v": [226.0, 8.6, 0.61]}
     assert table["motion"]["kind"] == "ramp-hold"
+
+
+def test_spikes_of_more_than_an_hour_are_refused_before_anything_is_solved():
+    parts = {
+        "finger": Finger.subject("a.h."),
+        "motion": RampHold(speed=1, depth=0.5, hold=4000),
+    }
+    with pytest.raises(InputError, match=r"motion: expected at most 3600 s where ask.spikes"):
+        Scene(**parts, ask=Ask(spikes=("SAI",)))
+    assert Scene(**parts).motion.duration > 4000

@@ -95,6 +95,26 @@ def test_slow_units_take_slow_signals_from_few_samples(kind, tmp_path):
     assert len(spikes.fire(spikes.read(path), (kind,)).times[0]) > 0
 
 
+@pytest.mark.parametrize(
+    ("kind", "amplitude", "frequency", "rate"), [("FAI", 0.015, 30, 100), ("SAI", 0.3, 4, 10)]
+)
+def test_counts_that_hang_on_lines_between_the_samples_are_noted(
+    kind, amplitude, frequency, rate, tmp_path
+):
+    def noted(name, time, **options):
+        wave = amplitude * (np.cos(0.3) - np.cos(2 * np.pi * frequency * time + 0.3))
+        path = write(tmp_path / "wave.csv", ("time", name), time, wave)
+        trains = spikes.fire(spikes.read(path), (kind,), **options)
+        return trains.count()[0], any("a smooth curve joins" in note for note in trains.notes)
+
+    count, told = noted("displacement_mm", np.arange(0, 1, 1 / rate))
+    assert told
+    assert noted("displacement_mm", np.arange(0, 1, 1 / rate), corners=True) == (count, False)
+    fine, told = noted("displacement_mm", np.arange(0, 1, 1e-4))
+    assert not told
+    assert fine > count
+
+
 def test_uneven_samples_and_jumps_are_welcome(tmp_path):
     time, x = [0, 0.1, 0.1, 0.4], [0, 0, 0.4, 0.4]
     path = write(tmp_path / "jump.csv", ("time", "displacement_mm"), time, x)

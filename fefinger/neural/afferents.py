@@ -57,7 +57,7 @@ def simulate(
         Names of the units (default: types, numbered where they repeat) and (n_units, 3) mm.
     dt, tolerance
         Longest integration step in s; or the error of spike times in s that `HodgkinHuxley` is to
-        choose integrator and step by.
+        choose integrator and step by, as `HodgkinHuxley.integrator`, and the current is sampled by.
     check
         Count again with half the step and with half of the samples; differences become notes.
 

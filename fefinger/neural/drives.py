@@ -40,7 +40,7 @@ def tangent(strain: Array, normals: Array) -> Array:
     4.1. Default of SAII: stretch of the skin in its plane, which is what SAII units respond to
     (Edin 1992, J Neurophysiol 67:1105, hairy skin of the hand; by analogy for glabrous skin).
     """
-    first, second = _tangents(normals)
+    first, second = in_plane(normals)
     a = np.einsum("...sij,si,sj->...s", strain, first, first)
     b = np.einsum("...sij,si,sj->...s", strain, first, second)
     c = np.einsum("...sij,si,sj->...s", strain, second, second)
@@ -85,8 +85,11 @@ def _principal(strain: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(strain), np.float64)
 
 
-def _tangents(normals: Array) -> tuple[Array, Array]:
-    """Return two unit vectors (n_sites, 3) across each normal, at right angles to each other."""
+def in_plane(normals: Array) -> tuple[Array, Array]:
+    """Return two unit vectors (n_sites, 3) across each normal, at right angles to each other.
+
+    InputError for normals that are not unit vectors.
+    """
     length = np.linalg.norm(normals, axis=-1, keepdims=True)
     if not np.all(np.abs(length - 1.0) < 1e-6):
         msg = f"normals: expected unit vectors, received lengths {length.ravel().tolist()}"

@@ -136,21 +136,26 @@ def respond_modes(
 
 
 def chord_steps(
-    c: NDArray[Any], p: NDArray[Any], time: ArrayLike, x_in: ArrayLike, error: float
+    organ: PoleZero, time: ArrayLike, x_in: ArrayLike, error: float, *, bend: float = 0.0
 ) -> NDArray[np.float64]:
     """Return, for each interval of `time`, the longest step (n_t - 1,) s at which to sample.
 
-    Straight lines between such samples of the output of `respond_modes` stray from it by `error`
-    mm at most, in any of the columns: the error of a chord is its curvature times step² / 8, and
-    the curvature is largest just after the sample that begins an interval.
+    Straight lines between such samples of the output of an organ stray from it by `error` mm at
+    most, in any of the columns: the error of a chord is its curvature times step² / 8, and the
+    curvature is largest just after the sample that begins an interval. `bend` in 1/mm, times the
+    square of the output's speed, is curvature that a generator behind the organ adds.
     """
+    at_rest, c, p = organ.partial_fractions()
     time, x_in = np.asarray(time, float), np.asarray(x_in, float)
     columns, step = x_in.reshape(len(time), -1), np.diff(time)
     slope = np.diff(columns, axis=0) / np.where(step > 0, step, np.inf)[:, None]
     memory = _memory(time, columns, p)[:-1]
-    bent = np.zeros(slope.shape)
+    bent, speed = np.zeros(slope.shape), np.abs(at_rest * slope)
     for i, pole in enumerate(p):
-        bent += np.abs(c[i] * pole * (pole * memory[:, i] - slope))
+        fading = np.abs(c[i] * (pole * memory[:, i] - slope))
+        bent += pole * fading
+        speed += fading
+    bent += bend * speed**2
     most = bent.max(axis=1, initial=0.0)
     return np.sqrt(8.0 * error / np.maximum(most, 1e-300))
 
@@ -182,6 +187,9 @@ and poles, so it cannot have both zeros at 0 Hz.
 """
 
 TYPES: tuple[str, ...] = tuple(END_ORGANS)
+
+LONGEST_RUN = 3600.0
+"""s that spikes are computed for at once: an hour is 72 million steps of every membrane."""
 
 RULES = ("mean", "max", "first")
 """How the generator currents of a unit's end organs meet.

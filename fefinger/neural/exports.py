@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -10,6 +11,7 @@ from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,16 +84,26 @@ def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
 def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
     """Return the fields of the SpikeTrains that `to_npz` wrote; InputError for another file."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Opened here: numpy leaves a damaged file open.
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
         msg = f"{path}: expected an NPZ file of spike trains, found none to read: {error}"
         raise InputError(msg) from error
     if str(data.get("format")) != NPZ_FORMAT:
         msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"
         raise InputError(msg)
+    try:
+        return _fields(data)
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        msg = f"{path}: expected every array of spike trains, cannot use them: {error}; save again"
+        raise InputError(msg) from error
+
+
+def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return the fields of the SpikeTrains with these arrays; KeyError where one is missing."""
     offsets = data["offsets"]
-    fields = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
+    fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in ("types", "names", "notes")}
     fields |= {name: data[name] for name in ("positions", "depths") if name in data}
     if "seed" in data:

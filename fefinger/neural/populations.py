@@ -15,6 +15,10 @@ Array = NDArray[np.float64]
 NEIGHBORS = 8
 """Surface points that a place between them is interpolated from."""
 
+BESIDE = 0.5
+"""mm that a place may have to move across its axis to meet the skin; the same on every mesh, or
+meshes would keep different places of a grid."""
+
 ATTEMPTS = 200
 """Draws of an end organ around its unit before the pad counts as too small for the field."""
 
@@ -88,7 +92,8 @@ class Population:
 
     types (n_units,); centers (n_units, 3) mm on the skin and normals (n_units, 3) there; depths
     (n_units,) mm of the end organs. skin (n_organs, 3) mm: the point of the skin above each end
-    organ, organ_normals (n_organs, 3) there, unit (n_organs,): whose it is. seed: of the draws.
+    organ, organ_normals (n_organs, 3) there, unit (n_organs,): whose it is. numbers (n_units,):
+    of the units among all that were asked. seed: of the draws.
     """
 
     types: tuple[str, ...]
@@ -98,6 +103,7 @@ class Population:
     skin: Array
     organ_normals: Array
     unit: NDArray[np.int64]
+    numbers: NDArray[np.int64]
     seed: int | None = None
 
     def __len__(self) -> int:
@@ -159,13 +165,13 @@ def settled(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return places (n, 3) mm moved along an axis (3,) to the skin, and whether they meet it.
 
-    A place beside the skin does not: it would have to move across the axis by more than a spacing.
+    A place beside the skin does not: it would have to move across the axis by more than BESIDE.
     """
     wanted, axis = np.asarray(places, float), np.asarray(axis, float)
     points, _, on = surface.project(lifted(surface, wanted, axis))
     moved = points - wanted
     across = np.linalg.norm(moved - np.outer(moved @ axis, axis), axis=1)
-    return points, on & (across <= surface.spacing)
+    return points, on & (across <= BESIDE)
 
 
 def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
@@ -186,18 +192,25 @@ def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
     return out
 
 
-def grid(surface: Surface, spacing: float, radius: float) -> Array:
-    """Return the points (n, 3) of a square grid in x and y on a surface.
+def squares(spacing: float, radius: float) -> Array:
+    """Return the places (n, 2) mm of a square grid in x and y, `spacing` mm apart.
 
-    `spacing` mm apart, x = y = 0 among them, and within `radius` mm of it in x and y. InputError
-    where none falls on the skin.
+    x = y = 0 is among them, and all lie within `radius` mm of it.
     """
     spacing = number("spacing", spacing, above=0.0, unit="mm")
-    most = np.floor(number("radius", radius, above=0.0, unit="mm") / spacing)
+    radius = (1.0 + 1e-9) * number("radius", radius, above=0.0, unit="mm")  # 3 * 0.4 is above 1.2
+    most = np.floor(radius / spacing)
     x = spacing * np.arange(-most, most + 1)
     places = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
-    inside = np.linalg.norm(places, axis=1) <= radius
-    return _kept(surface, places[inside], f"a grid of {spacing:g} mm")
+    return places[np.linalg.norm(places, axis=1) <= radius]
+
+
+def grid(surface: Surface, spacing: float, radius: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return the points (n, 3) of a surface at its `squares`, and which of them they are, (n,).
+
+    Those beside the skin are left out; InputError where all are.
+    """
+    return _kept(surface, squares(spacing, radius), f"a grid of {spacing:g} mm")
 
 
 def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Array:
@@ -214,7 +227,7 @@ def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Arr
 
 def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
     """Return the points (n, 3) of a surface at places (n, 2) mm; InputError for one beside it."""
-    kept = _kept(surface, np.asarray(places, float), name)
+    kept, _ = _kept(surface, np.asarray(places, float), name)
     beside = len(np.asarray(places)) - len(kept)
     if beside:
         msg = f"{name}: expected places over the skin, {beside} of them lie beside it; {advice}"
@@ -230,6 +243,7 @@ def populate(
     depths: Mapping[str, float],
     organs: Mapping[str, tuple[int, int]] | None = None,
     fields: Mapping[str, float] | None = None,
+    numbers: ArrayLike | None = None,
     seed: int | None = None,
 ) -> Population:
     """Return the population with units of these types at these places.
@@ -247,6 +261,9 @@ def populate(
     fields
         mm: diameter of the disc around its place over which a unit's end organs are spread evenly,
         by type. A single end organ lies at the place itself.
+    numbers
+        (n_units,) whole numbers that tell the draws of units apart; by default their places in the
+        list.
     seed
         Of the draws; needed where there are any.
 
@@ -262,13 +279,14 @@ def populate(
     if missing:
         msg = f"depths: expected one for each type, {', '.join(missing)} is missing"
         raise InputError(msg)
+    own = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
     skin, skin_normals, unit = [], [], []
     for i, kind in enumerate(types):
         low, high = _number_of_organs(kind, organs or {})
         if high == 1:
             found = centers[i : i + 1], normals[i : i + 1]
         else:
-            rng = np.random.default_rng([_seed(seed), len(TYPES), i])
+            rng = np.random.default_rng([_seed(seed), len(TYPES), own[i]])
             diameter = number(f"fields.{kind}", (fields or {}).get(kind), above=0.0, unit="mm")
             count = int(rng.integers(low, high + 1))
             found = _spread(surface, rng, centers[i], normals[i], count, diameter, kind)
@@ -283,6 +301,7 @@ def populate(
         skin=np.concatenate(skin),
         organ_normals=np.concatenate(skin_normals),
         unit=np.array(unit, np.int64),
+        numbers=own,
         seed=seed,
     )
 
@@ -351,15 +370,15 @@ def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
     return length * (np.cos(angle) * first + np.sin(angle) * second)
 
 
-def _kept(surface: Surface, places: Array, what: str) -> Array:
-    """Return those places (n, 2) mm that lie on the skin, moved to it along z, (m, 3)."""
+def _kept(surface: Surface, places: Array, what: str) -> tuple[Array, NDArray[np.int64]]:
+    """Return those places (n, 2) mm that lie on the skin, moved to it along z, and which, (m,)."""
     side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
     above = np.column_stack([places, np.zeros(len(places))])
     points, on = settled(surface, above, np.array([0.0, 0.0, -side]))
     if not on.any():
         msg = f"places: {what} puts no place on the skin; narrow it, or move it over the pad"
         raise InputError(msg)
-    return points[on]
+    return points[on], np.flatnonzero(on)
 
 
 def _seed(seed: int | None) -> int:

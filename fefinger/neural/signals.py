@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError
+from fefinger.checks import InputError, choice
+from fefinger.neural.endorgans import LONGEST_RUN, TYPES
 from fefinger.neural.membranes import Firing
-from fefinger.neural.trains import SpikeTrains
 
 
 Array = NDArray[np.float64]
@@ -15,9 +15,6 @@ Array = NDArray[np.float64]
 FAII_STEP, FAII_JUMP = 2e-4, 2.0
 """s and mm/s: a jump of velocity between samples further apart than the step is noted for FAII,
 whose filter differentiates twice up to 100 Hz; 3.2 mm/s is the smallest jump that fires it."""
-
-LONGEST = 3600.0
-"""s: a run of an hour is 72 million steps of every membrane."""
 
 MANY = 8
 """Units beyond which one sentence stands for all of a kind."""
@@ -34,17 +31,29 @@ def checked_signals(
             f"samples or more, received {time.shape} and {drive.shape}"
         )
         raise InputError(msg)
-    x_in = drive * np.broadcast_to(np.asarray(lengths, float), (n_units,))
+    mm = np.asarray(lengths, float)
+    if mm.shape not in ((), (n_units,)):
+        msg = f"lengths: expected one number or {n_units} in mm, received {mm.shape}"
+        raise InputError(msg)
+    x_in = drive * mm
     if not (np.isfinite(time).all() and np.isfinite(x_in).all()) or np.any(np.diff(time) < 0):
         msg = "time, drive: expected finite values and times in s that never decrease"
         raise InputError(msg)
-    if time[-1] - time[0] > LONGEST:
+    if time[-1] - time[0] > LONGEST_RUN:
         msg = (
-            f"time: expected at most {LONGEST:g} s in one run, received {time[-1] - time[0]:g} s; "
-            "are the times in another unit?"
+            f"time: expected at most {LONGEST_RUN:g} s in one run, received "
+            f"{time[-1] - time[0]:g} s; are the times in another unit?"
         )
         raise InputError(msg)
     return time, x_in
+
+
+def known_types(types: Sequence[str]) -> tuple[str, ...]:
+    """Return the types, one or more of TYPES, or raise InputError."""
+    if not len(types):
+        msg = "types: expected one afferent unit or more, received none"
+        raise InputError(msg)
+    return tuple(choice("types", kind, TYPES) for kind in types)
 
 
 def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
@@ -67,6 +76,15 @@ def unit_delays(delays: ArrayLike, n_units: int) -> Array:
         msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
         raise InputError(msg)
     return np.broadcast_to(later, (n_units,))
+
+
+def unit_array(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+    """Return what is known of the units in mm, in an array of this shape, or None."""
+    found = None if values is None else np.asarray(values, float)
+    if found is not None and found.shape != shape:
+        msg = f"{name}: expected {shape} mm for {shape[0]} units, received {found.shape}"
+        raise InputError(msg)
+    return found
 
 
 def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tuple[str, ...]:
@@ -99,13 +117,14 @@ def dense_times(time: Array, steps: float | Array) -> Array:
 
 
 def count_changes(
-    names: Sequence[str], firing: Firing | SpikeTrains, other: Firing | SpikeTrains, change: str
+    names: Sequence[str], times: Sequence[Array], other: Sequence[Array], change: str
 ) -> tuple[str, ...]:
     """Return a sentence per unit whose spike count is another when `change`; empty: all survive.
 
-    One sentence for all of them where they are more than MANY.
+    times, other: (n_units,) spike times of the same units. One sentence for all where they are more
+    than MANY.
     """
-    moved = [(len(a), len(b)) for a, b in zip(firing.times, other.times, strict=True)]
+    moved = [(len(a), len(b)) for a, b in zip(times, other, strict=True)]
     off = [abs(b - a) for a, b in moved if a != b]
     if len(off) > MANY:
         return (

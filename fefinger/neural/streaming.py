@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, choice, number
 from fefinger.neural.afferents import reference_lengths
-from fefinger.neural.drives import DEFAULT_DRIVE
-from fefinger.neural.endorgans import END_ORGANS, TYPES
+from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
+from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.signals import known_types
 
 
 Array = NDArray[np.float64]
@@ -128,7 +129,8 @@ class Afferents:
     Raises
     ------
     InputError
-        Unknown types, a drive or membrane that has no compiled form, or normals that do not fit.
+        No units, unknown types, a drive or membrane that has no compiled form, normals that do not
+        fit or are not unit vectors, a type without a length above 0, or no substep.
     """
 
     def __init__(
@@ -143,7 +145,7 @@ class Afferents:
         method: str = "splitting",
         dt: float | None = None,
     ) -> None:
-        self.types = tuple(choice("types", kind, TYPES) for kind in types)
+        self.types = known_types(types)
         chosen = {**DEFAULT_DRIVE, **(drives or {})}
         n = len(self.types)
         normals = np.asarray(normals, float)
@@ -159,15 +161,15 @@ class Afferents:
         self._shape = (n, 6)
         self.state = State(
             drive=np.array([_code(kind, chosen[kind]) for kind in self.types]),
-            across=_across(normals),
-            length=np.array([lengths[kind] for kind in self.types]),
+            across=np.stack(in_plane(normals), axis=1),
+            length=np.array([_length(kind, lengths) for kind in self.types]),
             gain=np.array([GAINS[kind] for kind in self.types]),
             at_rest=np.array([organs[kind][0] for kind in self.types]),
             share=share,
             pole=pole,
             modes=np.zeros((n, 2)),
             x=np.zeros(n),
-            levels=np.zeros((substeps + 1, n)),
+            levels=np.zeros((_whole(substeps) + 1, n)),
             spikes=np.zeros((n, ROOM)),
             counts=np.zeros(n, dtype=np.int64),
             clock=np.zeros(1),
@@ -259,6 +261,20 @@ def _unfit(strain: object, shape: tuple[int, int]) -> str:
     )
 
 
+def _length(kind: str, lengths: Mapping[str, float]) -> float:
+    if kind not in lengths:
+        message = f"lengths: expected one in mm for every type of the units, {kind} is missing"
+        raise InputError(message)
+    return number(f"lengths.{kind}", lengths[kind], above=0.0, unit="mm")
+
+
+def _whole(substeps: int) -> int:
+    if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
+        message = f"substeps: expected a whole number of 1 or more, received {substeps!r}"
+        raise InputError(message)
+    return substeps
+
+
 def _code(kind: str, drive: str) -> int:
     if drive not in STREAMED:
         message = (
@@ -267,11 +283,3 @@ def _code(kind: str, drive: str) -> int:
         )
         raise InputError(message)
     return STREAMED.index(drive)
-
-
-def _across(normals: Array) -> Array:
-    """Return two unit vectors (n, 2, 3) across each unit normal."""
-    axis = np.eye(3)[np.argmin(np.abs(normals), axis=-1)]
-    first = np.cross(normals, axis)
-    first /= np.linalg.norm(first, axis=-1, keepdims=True)
-    return np.stack([first, np.cross(normals, first)], axis=1)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
+from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
@@ -18,75 +18,39 @@ from fefinger.neural.endorgans import (
     chord_steps,
 )
 from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import GENERATORS, transduce
+from fefinger.neural.generators import GENERATORS, LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
+from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
 from fefinger.neural.signals import (
     checked_signals,
     count_changes,
     dense_times,
+    known_types,
     organ_columns,
     remarks,
+    unit_array,
     unit_delays,
     unit_names,
 )
 from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.variation import Variation
 
 
 Array = NDArray[np.float64]
 
-NOISE_STEP = 1e-3
-"""s between the independent values of membrane noise, which is linear in between: a choice, near
-the duration of a channel's opening and far below the time of the slowed membrane."""
-
 STRAIGHT, LONGEST = 1e-5, 2e-3
 """uA/cm² that currents may stray from straight lines between their samples, which are as many s
 apart at most."""
+
+LINES = 1e-5
+"""s of error of spike times that straight lines between samples LARGEST_STEP apart stay below."""
 
 _DENSE = 500_000
 """Values of current held at a time: 4 MB, and some times that while they are computed."""
 
 LANES = 16
 """Units that one thread integrates at once; groups of so many keep all lanes filled."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Variation:
-    """What makes spikes random, reproducibly: the same seed gives a unit the same values.
-
-    spread: standard deviation of the logarithm of a unit's gain; that units of one type differ is
-    what Fig. 4-2 shows, by how much is the user's choice. noise: standard deviation of the membrane
-    noise in uA/cm². A unit's draws depend on the seed and its place in the list alone.
-    """
-
-    seed: int
-    spread: float = 0.0
-    noise: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the seed and the sizes."""
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
-            raise InputError(msg)
-        number("spread", self.spread, at_least=0.0, at_most=3.0)
-        number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
-
-    def gain(self, unit: int) -> float:
-        """Return the factor on the gain of a unit."""
-        return float(np.exp(self.spread * self._draw(unit, 0).normal()))
-
-    def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
-        """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
-        knots = self.knots(start, stop)
-        values = self.noise * self._draw(unit, 1).normal(size=(branches, len(knots)))
-        return np.column_stack([np.interp(at, knots, row) for row in values])
-
-    def knots(self, start: float, stop: float) -> Array:
-        """Return the times in s at which noise has values of its own."""
-        return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
-
-    def _draw(self, unit: int, purpose: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, unit, purpose])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,12 +66,18 @@ class _Setup:
     membrane: Membrane
     variation: Variation | None
     method: str | None
+    tolerance: float | None
 
     def __post_init__(self) -> None:
         """Check the choices."""
         choice("generator", self.generator, GENERATORS)
         choice("rectifier", self.rectifier, RECTIFIERS)
         choice("rule", self.rule, RULES)
+        reject_unknown("organs", self.organs, TYPES)
+        for kind, organ in self.organs.items():
+            if not hasattr(organ, "respond"):
+                msg = f"organs.{kind}: expected a filter such as PoleZero, received {organ!r}"
+                raise InputError(msg)
 
     @cached_property
     def gains(self) -> Array:
@@ -120,15 +90,20 @@ class _Setup:
         """Return the times at which the currents of units of one type are sampled.
 
         Straight lines in between keep to them within STRAIGHT dt / LARGEST_STEP, where that needs
-        steps longer than dt; a filter without real modes is sampled every dt.
+        steps longer than dt; a filter without real modes is sampled every dt. A tolerance below
+        LINES lowers both limits.
         """
+        wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
+        straight = STRAIGHT * min(wanted, dt / LARGEST_STEP)
+        dt = min(dt, LARGEST_STEP * wanted**0.5)
         organ = self.organs.get(self.types[units[0]], END_ORGANS[self.types[units[0]]])
         steps: Array | float = dt
         if isinstance(organ, PoleZero):
-            _, c, p = organ.partial_fractions()
-            error = STRAIGHT * dt / LARGEST_STEP / float(np.max(self.gains[units]))
+            gain = float(np.max(self.gains[units]))
+            bend = gain / LARGEST_CURRENT if self.generator == "saturating" else 0.0
             columns = np.concatenate([self.columns[i] for i in units])
-            steps = np.clip(chord_steps(c, p, time, x_in[:, columns], error), dt, LONGEST)
+            steps = chord_steps(organ, time, x_in[:, columns], straight / gain, bend=bend)
+            steps = np.clip(steps, dt, LONGEST)
         at = dense_times(time, steps)
         if self.variation is None or self.variation.noise == 0.0:
             return at
@@ -241,10 +216,12 @@ def simulate_units(
     InputError
         As `simulate`; also a unit without an end organ, or a rule that the membrane cannot follow.
     """
-    types = _known(types)
+    types = known_types(types)
     columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
-    names = unit_names(types, names)
+    names, later = unit_names(types, names), unit_delays(delays, len(types))
+    positions = unit_array("positions", positions, (len(types), 3))
+    depths = unit_array("depths", depths, (len(types),))
     membrane = membrane or HodgkinHuxley()
     method, dt = _integrator(membrane, rule, tolerance, float(time[-1] - time[0]), dt)
     setup = _Setup(
@@ -257,13 +234,13 @@ def simulate_units(
         membrane=membrane,
         variation=variation,
         method=method,
+        tolerance=tolerance,
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
     notes = remarks(time, mean_in, types, names, firing)
     if check:
         notes += _changes(setup, time, x_in, dt, names, firing)
-    later = unit_delays(delays, len(types))
     return SpikeTrains(
         types=types,
         names=names,
@@ -276,19 +253,11 @@ def simulate_units(
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
-        positions=None if positions is None else np.asarray(positions, float),
-        depths=None if depths is None else np.asarray(depths, float),
+        positions=positions,
+        depths=depths,
         seed=None if variation is None else variation.seed,
         notes=notes,
     )
-
-
-def _known(types: Sequence[str]) -> tuple[str, ...]:
-    """Return the types, one or more of TYPES, or raise InputError."""
-    if not len(types):
-        msg = "types: expected one afferent unit or more, received none"
-        raise InputError(msg)
-    return tuple(choice("types", kind, TYPES) for kind in types)
 
 
 def _integrator(
@@ -297,6 +266,7 @@ def _integrator(
     """Return the method and the step in s that a tolerance asks for; without one, None and dt."""
     if rule == "first":
         _squid(membrane, "rule: expected for 'first'")
+    dt = largest_step(dt)
     if tolerance is None:
         return None, dt
     return _squid(membrane, "tolerance: expected").integrator(tolerance, seconds)
@@ -326,8 +296,8 @@ def _changes(
     half = _fire(setup, time, x_in, dt / 2, driven=False)
     coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
     return (
-        *count_changes(names, firing, half, "the step of the membrane is halved"),
-        *count_changes(names, firing, coarse, "only every second sample is used"),
+        *count_changes(names, firing.times, half.times, "the step of the membrane is halved"),
+        *count_changes(names, firing.times, coarse.times, "only every second sample is used"),
     )
 
 

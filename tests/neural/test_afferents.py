@@ -137,10 +137,10 @@ def test_coarse_samples_of_a_moving_input_are_noted():
 def test_counts_that_change_are_named():
     time, x = press(hold=0.3)
     a, b = respond(time, x, check=False), respond(time, 0.5 * x, check=False)
-    sentences = count_changes(a.names, a, b, "the depth is halved")
+    sentences = count_changes(a.names, a.times, b.times, "the depth is halved")
     assert len(sentences) == int(np.sum(a.count() != b.count())) > 0
     assert sentences[0].startswith("SAI: the spike count goes from ")
-    assert count_changes(a.names, a, a, "nothing is") == ()
+    assert count_changes(a.names, a.times, a.times, "nothing is") == ()
 
 
 @pytest.mark.parametrize(
@@ -154,6 +154,16 @@ def test_counts_that_change_are_named():
         ([0, 1], np.full((2, 1), np.nan), {"types": ("SAI",)}, "finite values"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "generator": "quadratic"}, "generator"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "received 2"),
+        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 0.0}, "dt: expected a finite"),
+        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": np.nan}, "dt: expected a finite"),
+        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 1e-3}, "dt: .*at most 5e-05"),
+        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "lengths": [1, 2]}, "lengths: expected one"),
+        (
+            [0, 1],
+            np.zeros((2, 1)),
+            {"types": ("SAI",), "positions": [1.0, 2.0]},
+            r"positions: expected \(1, 3\) mm for 1 units, received \(2,\)",
+        ),
     ],
 )
 def test_unusable_signals_are_refused(time, drive, options, message):

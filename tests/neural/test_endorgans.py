@@ -108,8 +108,7 @@ def test_straight_lines_between_the_samples_of_chord_steps_keep_the_error(kind):
     x_in = np.array([[0.0, 0.0], [0.2, 0.1], [1.0, -0.4], [1.2, 0.5], [1.2, 0.5], [0.3, 0.5]])
     error = 1e-4
     organ = END_ORGANS[kind]
-    _, c, p = organ.partial_fractions()
-    steps = np.minimum(chord_steps(c, p, time, x_in, error), 0.1)
+    steps = np.minimum(chord_steps(organ, time, x_in, error), 0.1)
     at = dense_times(time, steps)
     middle = 0.5 * (at[1:] + at[:-1])[np.diff(at) > 1e-12]
     sampled = organ.respond(time, x_in, at)

@@ -180,3 +180,23 @@ def test_a_missing_extra_is_named(form, extra, monkeypatch, tmp_path):
     arguments = (tmp_path / "spikes.nwb",) if form == "to_nwb" else ()
     with pytest.raises(InputError, match=f"fefinger\\[{extra}\\]"):
         getattr(TRAINS, form)(*arguments)
+
+
+def test_files_that_are_damaged_or_of_another_kind_are_refused(tmp_path):
+    path = tmp_path / "spikes.npz"
+    TRAINS.to_npz(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    whole = path.read_bytes()
+    damaged = {"short": whole[: len(whole) // 2], "empty": b"", "inside": bytearray(whole)}
+    damaged["inside"][200:260] = bytes(60)
+    for name, content in damaged.items():
+        (tmp_path / f"{name}.npz").write_bytes(content)
+    np.save(tmp_path / "one.npy", np.zeros(3))
+    del arrays["offsets"]
+    np.savez(tmp_path / "less.npz", **arrays)
+    for name in ("short.npz", "empty.npz", "inside.npz", "one.npy"):
+        with pytest.raises(InputError, match="found none to read"):
+            SpikeTrains.from_npz(tmp_path / name)
+    with pytest.raises(InputError, match=r"expected every array of spike trains.*'offsets'"):
+        SpikeTrains.from_npz(tmp_path / "less.npz")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
-from fefinger.neural.populations import Surface, grid, lifted, line, populate, scatter
+from fefinger.neural.populations import Surface, grid, lifted, line, populate, scatter, squares
 
 
 DEPTHS = {"SAI": 0.8, "SAII": 1.25, "FAI": 0.5, "FAII": 2.5}
@@ -93,13 +93,40 @@ def test_places_are_lifted_along_the_axis_to_the_near_side_of_the_skin():
 
 
 def test_a_grid_covers_the_skin_and_a_line_its_length():
-    places = grid(CAP, 2.0, 4.5)
-    assert len(places) == 21
+    places, which = grid(CAP, 2.0, 4.5)
+    np.testing.assert_array_equal(which, np.arange(21))
     np.testing.assert_allclose(places[:, :2] / 2, np.round(places[:, :2] / 2), atol=0.05)
     along = line(CAP, (-4, 0), (4, 0), 9)
     assert along.shape == (9, 3)
     np.testing.assert_allclose(along[4], 0.0, atol=0.005)
     np.testing.assert_allclose(along[:, 1], 0.0, atol=0.01)
+
+
+def test_a_grid_has_its_outermost_places_in_spite_of_rounding():
+    assert len(squares(0.4, 1.2)) == 29
+    assert len(squares(0.1, 0.3)) == 29
+
+
+@pytest.mark.parametrize("n", [13, 25, 61])
+def test_which_places_of_a_grid_lie_beside_the_skin_does_not_depend_on_its_points(n):
+    # The skin ends at 3.4 mm with an upright wall, as at the tip of a finger.
+    top = cap(half=3.4, n=n)
+    y = np.linspace(-3.4, 3.4, n)
+    wall = np.stack(np.meshgrid([3.4], y, -np.linspace(1.3, 8, n), indexing="ij"), -1)
+    points = np.concatenate([top.points, wall.reshape(-1, 3)])
+    normals = np.concatenate([top.normals, np.tile([1.0, 0.0, 0.0], (n * n, 1))])
+    skin = Surface(points, normals, np.concatenate([top.areas, np.full(n * n, top.areas.mean())]))
+    places, which = grid(skin, 1.0, 4.2)
+    asked = squares(1.0, 4.2)
+    assert set(asked[which, 0]) == {-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0}
+    np.testing.assert_allclose(places[:, :2], asked[which], atol=0.5)
+
+
+def test_branches_are_drawn_by_number_whichever_units_are_beside_the_skin():
+    options = {"organs": {"SAI": (4, 7)}, "fields": {"SAI": 3.0}, "depths": DEPTHS, "seed": 5}
+    all_three = populate(FLAT, ("SAI",) * 3, np.zeros((3, 3)), **options)
+    last = populate(FLAT, ("SAI",), np.zeros((1, 3)), numbers=[2], **options)
+    np.testing.assert_array_equal(last.skin, all_three.skin[all_three.unit == 2])
 
 
 def test_end_organs_lie_at_their_depth_along_the_normal():

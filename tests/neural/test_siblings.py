@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fefinger.checks import InputError
+from fefinger.neural.afferents import simulate
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
 
 
@@ -70,6 +71,8 @@ def test_units_of_every_membrane_are_independent(membrane):
 def test_every_membrane_refuses_what_its_siblings_refuse(membrane):
     with pytest.raises(InputError, match="lower the gain"):
         membrane.fire([0.0, 1.0], [0.0, 1e6])
+    with pytest.raises(InputError, match="dt: expected a finite number in s above 0 and at most"):
+        membrane.fire([0.0, 1.0], [0.0, 1.0], dt=1e-3)
 
 
 @pytest.mark.parametrize("current", [9.0, 20.0, 40.0])
@@ -179,6 +182,28 @@ def test_integrate_and_fire_is_exact_in_any_piecewise_linear_current(seed):
     assert len(expected) > 8
     np.testing.assert_allclose(times, expected, atol=1e-9)
     assert firing.final[0, 0] == pytest.approx(40 * u, abs=1e-6)
+
+
+@pytest.mark.parametrize(("kind", "depth"), [("SAI", 0.3), ("FAI", 0.4), ("SAII", 0.5)])
+def test_integrate_and_fire_takes_a_jump_as_a_steep_ramp(kind, depth):
+    x = np.array([0.0, 0.0, depth, depth])[:, None]
+    jump, ramp = (
+        simulate([0, 0.1, end, 0.5], x, types=[kind], membrane=IntegrateAndFire(), check=False)
+        for end in (0.1, 0.1 + 1e-9)
+    )
+    assert jump.count()[0] > 0
+    np.testing.assert_allclose(jump.times[0], ramp.times[0], atol=1e-7)
+    between = IntegrateAndFire().fire([0, 0.1, np.nextafter(0.1, 1), 0.3], [0, 0, 30, 30])
+    at_once = IntegrateAndFire().fire([0, 0.1, 0.1, 0.3], [0, 0, 30, 30])
+    np.testing.assert_allclose(between.times[0], at_once.times[0], rtol=1e-12)
+
+
+def test_integrate_and_fire_reports_a_peak_between_samples():
+    membrane = IntegrateAndFire(threshold=60.0, time_constant=0.01, refractory=0.01)
+    fine = np.linspace(0, 0.04, 4001)
+    expected = membrane.fire(fine, 100 - 5000 * fine).peak_mV
+    assert expected[0] == pytest.approx(30.05, abs=0.01)
+    np.testing.assert_allclose(membrane.fire([0, 0.04], [100, -100]).peak_mV, expected, rtol=1e-4)
 
 
 def test_integrate_and_fire_finds_a_threshold_that_is_touched_between_samples():

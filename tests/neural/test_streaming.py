@@ -173,3 +173,23 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
         Afferents.of(("SAX",), NORMALS[:1], **REFERENCE)
     with pytest.raises(InputError, match=r"drives\.SAI: expected one of"):
         Afferents.of(TYPES, NORMALS, drives={"SAI": "none"}, **REFERENCE)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"normals": 2 * NORMALS}, "normals: expected unit vectors"),
+        ({"normals": 0 * NORMALS}, "normals: expected unit vectors"),
+        (
+            {"lengths": {"SAI": 1.0}},
+            "expected one in mm for every type of the units, SAII",
+        ),
+        ({"lengths": dict.fromkeys(TYPES, -1.0)}, "lengths.SAI: expected a finite number in mm"),
+        ({"substeps": 0}, "substeps: expected a whole number of 1 or more, received 0"),
+        ({"types": (), "normals": np.empty((0, 3))}, "one afferent unit or more, received none"),
+    ],
+)
+def test_units_that_cannot_be_stepped_are_refused_at_once(given: dict, message: str) -> None:
+    known = {"types": TYPES, "normals": NORMALS, "lengths": dict.fromkeys(TYPES, 1.0)}
+    with pytest.raises(InputError, match=message):
+        Afferents(**{**known, **given})

@@ -1,5 +1,7 @@
 """Units with many end organs: what the rules agree on, where they part, delay and seeded noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,11 +9,13 @@ from fefinger.checks import InputError
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero
 from fefinger.neural.gains import GAINS
+from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
-from fefinger.neural.units import RULES, Variation, simulate_units
+from fefinger.neural.units import RULES, simulate_units
+from fefinger.neural.variation import Variation
 
 
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
@@ -151,7 +155,8 @@ def test_a_seed_reproduces_and_another_differs_whatever_the_other_units_do():
 
     two, three, other = fired(1, 2), fired(1, 3), fired(2, 2)
     for i in range(2):
-        np.testing.assert_array_equal(two.times[i], three.times[i])
+        # The units of a type share the times at which their currents are sampled.
+        np.testing.assert_allclose(two.times[i], three.times[i], atol=1e-8)
         assert not np.array_equal(two.times[i], other.times[i])
     assert (two.seed, other.seed, one([1.0]).seed) == (1, 2, None)
 
@@ -239,3 +244,60 @@ def test_unusable_variations_are_refused(values, message):
 def test_the_membrane_can_be_the_standard_one():
     fast = one([1.0], membrane=HodgkinHuxley(rate_divisor=1.0)).times[0]
     assert len(fast) > 2 * len(one([1.0]).times[0])
+
+
+def test_noise_does_not_depend_on_how_long_the_run_is_nor_draws_on_the_other_units():
+    variation, at = Variation(seed=4, noise=1.0, spread=0.3), np.linspace(0, 0.1, 21)
+    for branches in (1, 3):
+        short = variation.current(2, at, 0.0, 0.1, branches)
+        np.testing.assert_array_equal(short, variation.current(2, at, 0.0, 1.0, branches))
+    own = replace(variation, numbers=(2,))
+    np.testing.assert_array_equal(own.current(0, at, 0.0, 0.1, 3), short)
+    assert own.gain(0) == variation.gain(2)
+
+
+def test_draws_of_units_are_none_of_those_of_places():
+    gain = Variation(seed=4, spread=1.0).gain(2)
+    assert np.log(gain) != np.random.default_rng([4, 2]).normal()
+
+
+@pytest.mark.parametrize(
+    ("organs", "message"),
+    [
+        ({"SA1": END_ORGANS["SAI"]}, "SA1: unknown key in .organs.. Did you mean 'SAI'"),
+        ({"SAI": None}, "organs.SAI: expected a filter such as PoleZero, received None"),
+    ],
+)
+def test_filters_that_no_unit_would_have_are_refused(organs, message):
+    with pytest.raises(InputError, match=message):
+        one([1.0], organs=organs)
+
+
+def test_depths_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match=r"depths: expected \(1,\) mm for 1 units, received \(2,"):
+        one([1.0], depths=[1.0, 2.0])
+
+
+def fired(x, times, kind, **options):
+    drive = np.array(x)[:, None]
+    options = {"unit": [0], "check": False} | options
+    return simulate_units(times, drive, types=[kind], **options).times[0]
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_tolerance_holds_where_the_current_bends_within_a_step(tolerance):
+    press = [0.0, 0.4, 0.4], [0.0, 0.05, 0.1], "FAII"
+    exact = fired(*press, dt=1e-6)
+    assert len(exact) == 1
+    # The reference itself is good to 2e-9 s.
+    np.testing.assert_allclose(fired(*press, tolerance=tolerance), exact, atol=tolerance + 2e-9)
+
+
+def test_a_generator_that_bends_behind_a_straight_filter_is_sampled_as_finely_as_it_needs():
+    organs, time = {"SAI": PoleZero((), (), 1.0)}, np.array([0.0, 0.02, 0.8])
+    x = np.array([0.0, 0.4, 0.4])
+    fine = np.linspace(0, 0.8, 80_001)
+    current = transduce("SAI", time, x, gain=GAINS["SAI"], organ=organs["SAI"], at=fine)
+    (exact,) = HodgkinHuxley().fire(fine, current, stimulus_driven=False).times
+    assert len(exact) > 10
+    np.testing.assert_allclose(fired(x, time, "SAI", organs=organs), exact, atol=1e-6)

@@ -8,26 +8,42 @@ from numpy.typing import NDArray
 
 
 @njit(cache=True)
+def _potential(u: float, level: float, rise: float, tau: float, s: float) -> float:
+    """Return the potential after s in a current of level + rise s thresholds, from u.
+
+    Written so that nothing large cancels, however short s and steep the rise of a jump.
+    """
+    if s <= 0.0:
+        return u
+    gone = -math.expm1(-s / tau)
+    return u + (level - u) * gone + rise * s * (1.0 - gone * tau / s)
+
+
+@njit(cache=True)
+def _top(u: float, level: float, rise: float, tau: float, length: float) -> float:
+    """Return when in (0, length] the potential turns down, or the length."""
+    if rise < 0.0 and level > u:
+        return min(length, tau * math.log1p((u - level) / (rise * tau)))
+    return length
+
+
+@njit(cache=True)
 def _crossing(u: float, level: float, rise: float, tau: float, length: float) -> float:
     """Return the first time in (0, length] at which the potential passes 1, or -1.
 
-    The potential is level + rise (s - tau) + c exp(-s/tau) with c = u - level + rise tau, convex
-    or concave throughout. Newton's method from the left of a concave curve, or from the right of
-    a convex one, runs to the crossing without overshoot.
+    The potential is convex or concave throughout, by the sign of u - level + rise tau. Newton's
+    method from the left of a concave curve, or from the right of a convex one, runs to the crossing
+    without overshoot.
     """
-    c = u - level + rise * tau
-    end = length
-    if c < 0.0 and rise < 0.0 and rise * tau / c < 1.0:
-        end = min(length, -tau * math.log(rise * tau / c))
-    if level + rise * (end - tau) + c * math.exp(-end / tau) <= 1.0:
+    end = _top(u, level, rise, tau, length)
+    if _potential(u, level, rise, tau, end) <= 1.0:
         return -1.0
-    s = 0.0 if c < 0.0 else end
+    s = 0.0 if u - level + rise * tau < 0.0 else end
     for _ in range(100):
-        decay = c * math.exp(-s / tau)
-        slope = rise - decay / tau
+        slope = (level - u) / tau * math.exp(-s / tau) - rise * math.expm1(-s / tau)
         if slope <= 0.0:
             break
-        change = (1.0 - level - rise * (s - tau) - decay) / slope
+        change = (1.0 - _potential(u, level, rise, tau, s)) / slope
         s += change
         if abs(change) < 1e-13 * tau:
             break
@@ -58,9 +74,9 @@ def _eventful(
         here = level + rise * (start - t0)
         found = _crossing(state[0], here, rise, tau, t1 - start)
         if found < 0.0:
-            c = state[0] - here + rise * tau
-            state[0] = here + rise * (t1 - start - tau) + c * math.exp((start - t1) / tau)
-            state[1] = max(state[1], state[0])
+            top = _top(state[0], here, rise, tau, t1 - start)
+            state[1] = max(state[1], _potential(state[0], here, rise, tau, top))
+            state[0] = _potential(state[0], here, rise, tau, t1 - start)
             return count
         if count < len(spikes):
             spikes[count] = start + found
@@ -91,18 +107,26 @@ def integrate(
         length = t1 - t0
         if length == 0.0:
             continue
-        decay, scale, steep = math.exp(-length / tau), 1.0 / threshold, tau / length
+        gone, scale = -math.expm1(-length / tau), 1.0 / threshold
+        share = 1.0 - gone * tau / length
         for i in range(units):
             if states[i, 2] >= t1:
                 continue
             level, after = scale * current[k, i], scale * current[k + 1, i]
-            lag = steep * (after - level)
-            c = states[i, 0] - level + lag
-            end = after - lag + c * decay
-            turns = lag - c > 0.0 and lag - c * decay < 0.0
+            u = states[i, 0]
+            end = u + (level - u) * gone + (after - level) * share
+            turns = level > u and after < end
             if states[i, 2] > t0 or end > 1.0 or turns:
                 counts[i] = _eventful(
-                    states[i], t0, t1, level, lag / tau, tau, refractory, spikes[i], counts[i]
+                    states[i],
+                    t0,
+                    t1,
+                    level,
+                    (after - level) / length,
+                    tau,
+                    refractory,
+                    spikes[i],
+                    counts[i],
                 )
             else:
                 states[i, 0] = end

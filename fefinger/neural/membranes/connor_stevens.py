@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import number
 from fefinger.neural.membranes.firing import (
-    LARGEST_STEP,
     Firing,
     Run,
     fired,
     in_blocks,
+    largest_step,
     signals,
     trimmed,
 )
@@ -81,10 +81,8 @@ class ConnorStevens:
         A Strang splitting, second order, with steps of at most `dt` and 1e-5 s. The five gates in
         `final` are n, m, h, a and b.
         """
-        dt = LARGEST_STEP if dt is None else dt
-        dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
         time_ms, columns = signals(time, current)
-        step = 1e3 * min(dt, _FINEST)
+        step = 1e3 * min(largest_step(dt), _FINEST)
         return fired(partial(self._run, time_ms, columns, step), stimulus_driven=stimulus_driven)
 
     def _run(

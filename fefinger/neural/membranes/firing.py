@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError
+from fefinger.checks import InputError, number
 
 
 LARGEST_STEP = 5e-5
@@ -44,6 +44,12 @@ class Membrane(Protocol):
         self, time: ArrayLike, current: ArrayLike, *, dt: float | None, stimulus_driven: bool
     ) -> Firing:
         """Fire from rest in uA/cm² given at times in s, as `HodgkinHuxley.fire`."""
+
+
+def largest_step(dt: float | None) -> float:
+    """Return the longest step in s, by default LARGEST_STEP, or raise InputError."""
+    dt = LARGEST_STEP if dt is None else dt
+    return number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
 
 
 def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -13,6 +13,7 @@ from fefinger.neural.membranes.firing import (
     Run,
     fired,
     in_blocks,
+    largest_step,
     signals,
     trimmed,
 )
@@ -94,9 +95,7 @@ class HodgkinHuxley:
 
     def step_ms(self, dt: float | None) -> float:
         """Return the longest step in ms that `dt` in s (by default LARGEST_STEP) stands for."""
-        dt = LARGEST_STEP if dt is None else dt
-        dt = number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
-        return 1e3 * min(dt, LARGEST_STEP / max(1.0, self.speed))
+        return 1e3 * min(largest_step(dt), LARGEST_STEP / max(1.0, self.speed))
 
     def integrator(self, tolerance: float, seconds: float = 1.0) -> tuple[str, float]:
         """Return the cheapest method, and its step in s, whose spike times are good to `tolerance`.

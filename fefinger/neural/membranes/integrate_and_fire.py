@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import number
-from fefinger.neural.membranes.firing import Firing, Run, in_blocks, signals, trimmed
+from fefinger.neural.membranes.firing import Firing, Run, in_blocks, largest_step, signals, trimmed
 
 
 _WIDTH = 64
@@ -59,11 +59,12 @@ class IntegrateAndFire:
     ) -> Firing:
         """Solve from rest; parameters and errors as `HodgkinHuxley.fire`.
 
-        `dt` and `stimulus_driven` are accepted for the sake of its siblings: the solution needs no
-        step and has no sodium to freeze.
+        `dt`, which is checked, and `stimulus_driven` are accepted for the sake of its siblings: the
+        solution needs no step and has no sodium to freeze.
         """
         from fefinger.neural.membranes import _integrate_and_fire as compiled
 
+        largest_step(dt)
         time_ms, columns = signals(time, current)
         largest = float(columns.max())
         room = int(1e-3 * (time_ms[-1] - time_ms[0]) * self.rate(largest)) + 2

@@ -1,0 +1,61 @@
+"""What makes the spikes of units random, and units of a type unequal: drawn from a seed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.checks import InputError, number
+
+
+Array = NDArray[np.float64]
+
+NOISE_STEP = 1e-3
+"""s between the independent values of membrane noise, which is linear in between: a choice, near
+the duration of a channel's opening and far below the time of the slowed membrane."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variation:
+    """What makes spikes random, reproducibly: the same seed gives a unit the same values.
+
+    spread: standard deviation of the logarithm of a unit's gain; that units of one type differ is
+    what Fig. 4-2 shows, by how much is the user's choice. noise: standard deviation in uA/cm² of
+    the independent values of membrane noise; of the noise through time, straight lines between
+    them, it is sqrt(2/3) of that. numbers: of the units, by default their places in the list; a
+    unit's draws depend on the seed and its number alone, not on the other units or the length of
+    the run.
+    """
+
+    seed: int
+    spread: float = 0.0
+    noise: float = 0.0
+    numbers: tuple[int, ...] | None = None
+
+    def __post_init__(self) -> None:
+        """Check the seed and the sizes."""
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
+            raise InputError(msg)
+        number("spread", self.spread, at_least=0.0, at_most=3.0)
+        number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
+
+    def gain(self, unit: int) -> float:
+        """Return the factor on the gain of a unit."""
+        return float(np.exp(self.spread * self._draw(unit, 0).normal()))
+
+    def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
+        """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
+        knots = self.knots(start, stop)
+        # Drawn time by time, so that a longer run begins with the values of a shorter one.
+        values = self.noise * self._draw(unit, 1).normal(size=(len(knots), branches))
+        return np.column_stack([np.interp(at, knots, column) for column in values.T])
+
+    def knots(self, start: float, stop: float) -> Array:
+        """Return the times in s at which noise has values of its own."""
+        return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
+
+    def _draw(self, unit: int, purpose: int) -> np.random.Generator:
+        own = unit if self.numbers is None else self.numbers[unit]
+        # Zeros at the end tell no streams apart: the last number keeps these from those of places.
+        return np.random.default_rng([self.seed, own, purpose, 1])
