@@ -11,7 +11,6 @@ if TYPE_CHECKING:
 
 
 SAID = {
-    "depth": "depth",
     "force": "force",
     "pressure": "highest pressure over 1 mm²",
     "area": "contact area",
@@ -74,11 +73,13 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     that force.
     """
     errors = {"force": rung.error, **rung.errors}
-    asked = "depth" in errors, ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
     wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
     unknown = [SAID[name] for name in wanted if name not in known]
-    words = SAID | ({"force": "force at the depth that is found"} if "depth" in errors else {})
+    words = SAID
+    if "depth" in errors:
+        known, words = ["depth", *known], SAID | {"force": "force at the depth", "depth": "depth"}
     told = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {told}."] if known else []
     if ask.spikes and "spike count" in errors:

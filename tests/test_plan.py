@@ -107,7 +107,7 @@ def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():
     found = plan.choose(scenes.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
     told = f"Expected within: depth {text.percent(found.chosen.errors['depth'])}, force at the "
-    assert found.trust.startswith(f"{told}depth that is found {text.percent(found.chosen.error)}, ")
+    assert found.trust.startswith(f"{told}depth {text.percent(found.chosen.error)}, ")
 
 
 @pytest.mark.parametrize("name", ["hertz", "condensed coarse", "solid standard", "solid fine"])
