@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError, Stopped
-from fefinger.fem.area import Surface
+from fefinger.fem.area import Surface, touching
 from fefinger.fem.body import Body
 from fefinger.fem.contact import Candidates
 from fefinger.fem.equilibrium import Equilibrium, State
@@ -339,12 +339,11 @@ def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
     touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
     sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
-    pressure = _press.on_seen(passage.pressure, seen)
+    pressed = touching(_press.on_seen(passage.pressure, seen), passage.gap)[:, column]
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
         surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)
-        pressed, gap = pressure[step] > 0, passage.gap[step]
-        areas[step] = surface.area(pressed[column][None], gap[column][None])[0]
+        areas[step] = surface.area(pressed[step][None], passage.gap[step][column][None])[0]
     return areas
 
 
