@@ -34,7 +34,7 @@ LIKELY = {
         "largest force",
         0.02,
         50.0,
-        (("kN", 0.0, 0.02), ("grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
+        (("kN", 0.0, 0.02), ("mN or grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
     ),
     "time": ("duration", 0.05, 1000.0, (("minutes", 0.0, 0.05), ("ms", 1000.0, math.inf))),
 }

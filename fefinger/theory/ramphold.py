@@ -67,9 +67,11 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     touch = int(above[-1]) + 1 if above.size else 0
     for name, count in (("ramp in contact", hold - touch), ("hold", end - hold)):
         if count < FEWEST:
+            apart = 1e3 * float(np.median(np.diff(time)))
             msg = (
-                f"{name}: expected at least {FEWEST} samples, found {count}; the record needs a "
-                "fast ramp into the finger and then a rest at that position"
+                f"{name}: expected at least {FEWEST} samples, found {count}, one every "
+                f"{apart:.3g} ms; the record needs a fast ramp into the finger and then a rest at "
+                "that position, both sampled often enough"
             )
             raise ValueError(msg)
     return RampHold(

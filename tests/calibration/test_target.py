@@ -84,7 +84,10 @@ def growing(table):
 
 BAD = {
     "few points": (lambda t: t[:30], "at least 40 rows|duration"),
-    "coarse": (lambda t: t[::200], "ramp in contact: expected at least 20 samples"),
+    "coarse": (
+        lambda t: t[::200],
+        r"ramp in contact: expected at least 20 samples, found \d+, one every \d+ ms",
+    ),
     "no hold": (lambda t: np.column_stack([t[:160, 0] * 9, t[:160, 1:]]), "hold: expected"),
     "unsorted": (swap, "received an earlier time"),
     "repeated": (lambda t: np.insert(t, 100, t[99], axis=0), "received a repeated time"),
@@ -92,7 +95,7 @@ BAD = {
     "position in m": (lambda t: times(t, 1, 1e-3), "as if it were in m;"),
     "position in um": (lambda t: times(t, 1, 1e3), "as if it were in um"),
     "force in mN": (lambda t: times(t, 2, 1e3), "as if it were in mN"),
-    "force in g": (lambda t: times(t, 2, 102), "as if it were in grams of force"),
+    "force in g": (lambda t: times(t, 2, 102), "as if it were in mN or grams of force"),
     "a force that grows at rest": (growing, "force that falls in the hold|rises on the ramp"),
     "a pillow": (lambda t: times(times(t, 1, 20), 2, 0.02), "which no fingertip has"),
 }

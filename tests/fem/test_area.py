@@ -97,7 +97,7 @@ def test_what_the_obstacle_is_not_ahead_of_does_not_change_the_area() -> None:
 
 def test_vertices_that_all_but_bear_nothing_and_stand_off_do_not_touch() -> None:
     """What holds the facets gave 17 vertices some pressure where 13 touched, and twice the area."""
-    points, triangles = scattered(0.5, 2)
+    points, _ = scattered(0.5, 2)
     r = np.hypot(*points.T[:2])
     gap = hertz_gap(r, 1.0)
     pressure = np.where(r < 0.97, 10 * np.sqrt(np.maximum(1 - r**2, 0.0)), 0.0)
