@@ -97,7 +97,7 @@ def repeat(samples):
 TABLES = {
     "position in m": (lambda s: changed(s, 1, lambda x: x / 1e3), r"position: expected mm.* in m;"),
     "position in um": (lambda s: changed(s, 1, lambda x: x * 1e3), r"position: .* in um;"),
-    "force in g": (lambda s: changed(s, 2, lambda f: f * 102), r"force: .*in mN or grams of force;"),
+    "force in g": (lambda s: changed(s, 2, lambda f: f * 102), r"in mN or grams of force;"),
     "force in mN": (lambda s: changed(s, 2, lambda f: f * 1e3), r"force: .*in mN;"),
     "time in ms": (lambda s: changed(s, 0, lambda t: t * 1e3), r"time: .*in ms;"),
     "pulling": (lambda s: changed(s, 2, lambda f: -f), "expected pressing to be positive"),

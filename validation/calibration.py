@@ -81,13 +81,14 @@ def left_out(subject: str) -> float:
     return float(max(missed))
 
 
-BIASED = {"c0": 8.0, "c1": 8.0}
-"""Seeds in which they are known to be within their stated uncertainty."""
+BIASED = {"c0": 9.0, "c1": 9.0}
+"""Seeds in which they are within their stated uncertainty: 8 and 10 on two draws of the mesh."""
 
 SHAPE = (
     "The curve of another mesh is off by the same shape at every seed, which adds 0.7 % to the "
     "relaxed part of G and takes it from the fastest: one standard deviation. What the mesh makes "
-    "is counted as if it differed from sample to sample."
+    "is counted as if it differed from sample to sample. On another draw of the twin's mesh all ten "
+    "were within."
 )
 
 

@@ -46,9 +46,6 @@ SHAPE = (
 )
 """Columns of the tables on the page; the files have all."""
 
-PRESCRIBED = ("depth_mm", "force_N")
-"""Of which a motion prescribes the one, and only the other has an error."""
-
 MOST = 15
 """Maps of the array on the page."""
 
@@ -99,14 +96,12 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     told = [row for row in rows if row["status"] == "done"]
     said, unknown = [], []
     for name, column in ERRORS.items():
-        if _given(name, told):
-            continue
-        if any(row.get(name) is not None for row in told):
-            found = [row[column] for row in told if row.get(column) is not None]
-            ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
-            said += [f"{MEASURES[name]} {' to '.join(ends)}"] if found else []
-            less = len(told) - len(found)
-            unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
+        asked = [row for row in told if row.get(name) is not None and not _given(name, row)]
+        found = [row[column] for row in asked if row.get(column) is not None]
+        ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
+        said += [f"{MEASURES[name]} {' to '.join(ends)}"] if found else []
+        less = len(asked) - len(found)
+        unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
     known = (
         f"A bar spans the true values that the stated errors leave open: {', '.join(said)}; one "
         "that would go beyond twice the value told ends there. The errors are of mesh, time steps "
@@ -119,10 +114,11 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
 
 
-def _given(name: str, rows: Sequence[Mapping[str, Any]]) -> bool:
-    """Return whether a measure is the one that the motion prescribes, and so has no error."""
-    depth, force = (any(row.get(ERRORS[x]) is not None for row in rows) for x in PRESCRIBED)
-    return name in PRESCRIBED and (name == "force_N") == (depth and not force)
+def _given(name: str, row: Mapping[str, Any]) -> bool:
+    """Return whether a measure is what the motion prescribes, and so has no error."""
+    if name == "depth_mm":
+        return row.get(ERRORS[name]) is None
+    return name == "force_N" and row.get(ERRORS["depth_mm"]) is not None
 
 
 def _values(name: str, values: Sequence[Any]) -> str:
