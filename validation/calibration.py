@@ -87,8 +87,8 @@ BIASED = {"c0": 9.0, "c1": 9.0}
 SHAPE = (
     "The curve of another mesh is off by the same shape at every seed, which adds 0.7 % to the "
     "relaxed part of G and takes it from the fastest: one standard deviation. What the mesh makes "
-    "is counted as if it differed from sample to sample. On another draw of the twin's mesh all ten "
-    "were within."
+    "is counted as if it differed from sample to sample. On another draw of the twin's mesh all "
+    "ten were within."
 )
 
 
