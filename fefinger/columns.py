@@ -1,13 +1,17 @@
 """Two named columns of numbers from a CSV file."""
 
 import csv
+import re
 from pathlib import Path
 
 from fefinger.checks import InputError
 
 
+UNITS = {"time": "s", "depth": "mm", "force": "N"}
+
+
 def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], ...]:
-    """Return two columns of a CSV file whose first line starts with `names`.
+    """Return two columns of a CSV file whose first line has `names`, if need be with their UNITS.
 
     Raises
     ------
@@ -21,10 +25,11 @@ def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[
         msg = f"{field}: cannot read {str(file)!r}: {error}"
         raise InputError(msg) from None
     head = [cell.strip().lower() for cell in rows[0]] if rows else []
-    if len(head) != 2 or not all(map(str.startswith, head, names)):
+    if len(head) != 2 or not all(map(_named, head, names)):
+        units = ", ".join(f"{name} in {UNITS[name]}" for name in names)
         msg = (
-            f"{field}: expected the first line of {str(file)!r} to be '{','.join(names)}', "
-            f"received {','.join(rows[0]) if rows else 'an empty file'!r}"
+            f"{field}: expected the first line of {str(file)!r} to be '{','.join(names)}', and no "
+            f"other column, {units}, received {','.join(rows[0]) if rows else 'an empty file'!r}"
         )
         raise InputError(msg)
     table: list[tuple[float, float]] = []
@@ -36,3 +41,8 @@ def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[
             raise InputError(msg) from None
         table.append((first, second))
     return tuple(row[0] for row in table), tuple(row[1] for row in table)
+
+
+def _named(head: str, name: str) -> bool:
+    """Return whether the head of a column is a name, alone or with its unit behind."""
+    return bool(re.fullmatch(rf"{name}([^a-z0-9]+{UNITS[name].lower()})?[^a-z0-9]*", head))

@@ -74,9 +74,10 @@ def _noted(scene: "Scene", response: "Response") -> "Response":
     from dataclasses import replace
 
     from fefinger.finger import own
-    from fefinger.waves import quasistatic
+    from fefinger.waves import jump, quasistatic
 
-    found = own(scene.finger) + quasistatic(scene, response.time, response.depth)
+    found = own(scene.finger) + jump(scene.motion)
+    found += quasistatic(scene, response.time, response.depth)
     return replace(response, notes=response.notes + found)
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 
 if TYPE_CHECKING:
+    from fefinger.motion import Motion
     from fefinger.scene import Finger, Scene
 
 
@@ -35,6 +36,18 @@ def wave_speed(finger: "Finger") -> float:
     """
     tissue = finger.subcutaneous
     return math.sqrt(tissue.modulus / (2 * (1 + tissue.poisson)) / DENSITY)
+
+
+def jump(motion: "Motion") -> tuple[str, ...]:
+    """Return a warning if a motion does not start from first touch."""
+    start = float(motion.value(np.zeros(1))[0])
+    if start <= 0:
+        return ()
+    unit = "N" if motion.control == "force" else "mm"
+    return (
+        f"Warning: the motion starts at {start:.3g} {unit}, which the indenter reaches at once; "
+        "let it start from 0.",
+    )
 
 
 def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:

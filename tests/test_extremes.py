@@ -27,7 +27,7 @@ from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 from fefinger.theory.sphere import Sphere
-from fefinger.waves import quasistatic, wave_speed
+from fefinger.waves import jump, quasistatic, wave_speed
 
 
 few = settings(derandomize=True, database=None, deadline=None, max_examples=25)
@@ -359,3 +359,11 @@ def test_what_was_told_is_on_the_page():
     case = suites.cases("extremes", quick=True)[0]
     record = suites.as_json({"extremes": (suites.Outcome(case, 0.0, "", "refused: a sentence"),)})
     assert "refused: a sentence" in validation_report.html(record, {}, {})
+
+
+def test_a_motion_that_starts_in_contact_is_warned_of() -> None:
+    (said,) = jump(ff.Sampled((0.0, 0.1), (0.3, 0.5)))
+    assert "starts at 0.3 mm, which the indenter reaches at once" in said
+    assert (
+        jump(ff.Sampled((0.0, 0.1), (0.0, 0.5))) == jump(ff.Sampled((0.0, 0.1), (-0.2, 0.5))) == ()
+    )

@@ -103,6 +103,30 @@ def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp
     assert Scene.from_toml(scene.to_toml()) == scene
 
 
+@pytest.mark.parametrize(
+    ("head", "usable"),
+    [
+        ("time,depth", True),
+        ("time_s,depth_mm", True),
+        ("Time (s), Depth [mm]", True),
+        ("time_ms,depth_mm", False),
+        ("time,depth_um", False),
+        ("time,depth,force", False),
+    ],
+)
+def test_samples_in_other_units_are_not_taken_for_seconds_and_millimeters(tmp_path, head, usable):
+    (tmp_path / "samples.csv").write_text(f"{head}\n0,0\n1,0.5\n")
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        '[finger]\nsubject = "d.p."\n[motion]\nkind = "sampled"\nfile = "samples.csv"\n'
+    )
+    if usable:
+        assert scenes.load(file).motion.depth == (0, 0.5)
+    else:
+        with pytest.raises(InputError, match="time in s, depth in mm"):
+            scenes.load(file)
+
+
 def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
     texts = [
         "indenter.radius=3",

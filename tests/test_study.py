@@ -60,6 +60,7 @@ def test_ranges_and_lists_make_a_grid_whose_last_field_changes_fastest():
         (["indenter.angle=0:inf:3"], "STOP: expected a finite number"),
         (["indenter.angle=1,,2"], "a value is missing"),
         (["indenter.angle=30,30.0"], "received 30.0 twice"),
+        (["motion.depth=1,nan"], "expected a finite number, received nan"),
         (["motion.speed=1,2", "motion.speed=3,4"], "every field once, received motion.speed"),
     ],
 )

@@ -216,7 +216,8 @@ def _status(
             f"m {residuals['m']:.3g} of {residuals['m, wanted']:.3g} 1/mm, b {residuals['b']:.2g} "
             f"of {residuals['b, wanted']:.2g} N/mm"
         )
-    misses = "the model misses it" if solution.misfit > 2 else "within the scatter of the data"
+    missed = "the model misses it, and its values are less sure than they say"
+    misses = missed if solution.misfit > 2 else "within the scatter of the data"
     spent = sum(each.cpu for each in stages)
     return (
         f"Fitted {wanted.name} in {solution.evaluations} evaluations and {spent:.0f} s of CPU: "

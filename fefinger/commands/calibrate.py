@@ -25,7 +25,7 @@ from fefinger.commands.options import json_option, output_option
 @click.option("--mechanics", default="solid", help="solid, or condensed: small strain times t(u).")
 @click.option("--resolution", default="standard", help="Mesh to end on: coarse, standard, fine.")
 @click.option("--workers", default=1, type=click.IntRange(1), help="Subjects at a time.")
-@output_option("calibration.json and tissue.toml")
+@output_option("calibration.json and, by solid, tissue.toml")
 @json_option
 def calibrate(
     data: str | None,
@@ -65,3 +65,5 @@ def calibrate(
     else:
         texts = [jobs.summary(each) for each in found]
         click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
+        if mechanics != "solid":
+            click.echo("no tissue.toml: t(u) stiffens the force, not a tissue; --mechanics solid")

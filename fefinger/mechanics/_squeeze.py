@@ -23,7 +23,7 @@ from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._finite_reference import reference
 from fefinger.mechanics._limit import told
-from fefinger.mechanics._stride import Stride, memories, stride
+from fefinger.mechanics._stride import Stride, heaviest, memories, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
@@ -242,6 +242,7 @@ def _followed(
     where = folded(where) if finger.half else where
     probe = recovered_gradient_at(finger.space, where, finger.planes)
     frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    frames |= heaviest(motion, steps, memories(scene.finger))
     equilibrium = Equilibrium(elements, contact, finger.system)
     deviatoric = scene.finger.relaxation == "deviatoric"
     history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)

@@ -100,6 +100,13 @@ def stride(motion: Motion, time: Array, memories: Collection[Prony], refine: int
     return steps
 
 
+def heaviest(motion: Motion, steps: Stride, memories: Collection[Prony]) -> set[int]:
+    """Return the steps, by number, at which such a spring pushes most."""
+    return {
+        int(_spring(memory, motion, steps.times, steps.value)[:, 0].argmax()) for memory in memories
+    }
+
+
 def memories(finger: Finger) -> frozenset[Prony]:
     """Return how the tissues of a finger relax."""
     layers = (finger.skin, finger.subcutaneous)

@@ -335,15 +335,15 @@ def instead(candidate: str, scene: Scene, error: float, source: str) -> tuple[fl
     if near is not None and near.error > error:
         error, source = near.error, near.source
     least = _least(candidate, scene)
-    if least is not None and least.error - least.model > error:
-        error, source = least.error - least.model, f"{least.source}, that without the model's"
+    if least is not None and least.error > error:
+        error, source = least.error, least.source
     return error, f"{source} (reports/{REPORT} has none for {unlike(scene)})"
 
 
 def _least(candidate: str, scene: Scene) -> Stated | None:
     """Return what is stated of the measured press that is next to a scene, as deep or nearly so.
 
-    Nothing that is known less of has a smaller error of mesh and steps, and no smaller margins.
+    Nothing that is known less of has a smaller error, and no smaller margins.
     """
     nearest = _nearest(scene.indenter)
     indenter = nearest if isinstance(nearest, Flat | Sphere) else Flat(30)

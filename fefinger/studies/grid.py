@@ -53,6 +53,9 @@ def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
         raise InputError(msg)
     for field, values in over.items():
         plain = tuple(v.item() if hasattr(v, "item") else v for v in values)
+        for value in plain:
+            if isinstance(value, float):
+                number(f"--over {field}", value)
         twice = [v for i, v in enumerate(plain) if v in plain[:i]]
         if not plain or twice:
             what = f"{twice[0]!r} twice" if twice else "none"

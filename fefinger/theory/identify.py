@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 TERMS = 3
 FASTEST = 300.0  # 1/s, where the search for the rates starts
 EVALUATIONS = 500  # of the hold, at most
+FAINT = 1e-6  # weight of a term that is none
 LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
 APART = 2.0  # ratio of successive rates below which they cannot be told apart
 STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
@@ -115,30 +116,21 @@ def joint(
     RuntimeError
         A fit that does not converge.
     """
-    from scipy.optimize import least_squares
-
     _check_terms(terms)
     record = split(time, position, force)
-    t, x, f, size = averages(record)
+    t, x, f, _ = averages(record)
     guess = thesis(time, position, force, terms=terms)
-    values = _packed(Spring(1.5 * guess.spring.b, guess.spring.m, guess.spring.x0), guess.prony)
-    for _ in range(2):  # the weights need the stiffness, and the stiffness the weights
-        spring, prony = _unpacked(values)
-        stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
-        sigma = np.hypot(record.force_noise, stiffness * record.position_noise)
-        sigma = np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size)
-
-        def residual(values: Array, sigma: Array = sigma) -> Array:
-            return (force_of(values, t, x) - f) / sigma
-
-        found = least_squares(residual, values, x_scale="jac", xtol=1e-12, max_nfev=200)
-        if not found.success:
-            msg = (
-                f"joint: the fit did not converge in {found.nfev} evaluations "
-                f"({found.message}); fit fewer terms than {terms}, or a longer hold"
-            )
-            raise RuntimeError(msg)
-        values = found.x
+    spring = Spring(1.5 * guess.spring.b, guess.spring.m, guess.spring.x0)
+    shown = _shown(guess.prony, record)
+    prony = guess.prony if shown else _spaced(terms, record.hold_seconds)
+    found = _together(record, _packed(spring, prony))
+    if not found.success:
+        msg = (
+            f"joint: the fit did not converge in {found.nfev} evaluations "
+            f"({found.message}); fit fewer terms than {terms}, or a longer hold"
+        )
+        raise RuntimeError(msg)
+    values = found.x
     spring, prony = _unpacked(values)
     covariance = _covariance(found.jac, found.fun, at_least=1.0)
     order = np.argsort(prony.v)[::-1]
@@ -153,6 +145,47 @@ def joint(
         vaf_hold=accounted(f[hold], force_of(values, t, x)[hold]),
         warnings=_warnings(record, prony, spread),
     )
+
+
+def _shown(prony: Prony, record: RampHold) -> bool:
+    """Return whether the samples of a hold can show every term of a G that was found in it."""
+    least, most = 0.1 / record.hold_seconds, 1.0 / float(np.median(np.diff(record.time)))
+    return min(prony.weights) > FAINT and all(least < v < most for v in prony.v)
+
+
+def _spaced(terms: int, seconds: float) -> Prony:
+    """Return terms of equal weight, their rates evenly apart in what a hold of `seconds` shows.
+
+    A ramp shows terms that have faded by the hold, of which the hold alone tells nothing.
+    """
+    return Prony(
+        (1 / (terms + 1),) * (terms + 1), tuple(np.geomspace(FASTEST, 4.0 / seconds, terms))
+    )
+
+
+def _together(record: RampHold, values: Array) -> "OptimizeResult":
+    """Return the least squares of Eq. 2.3 through ramp and hold, from the start `values`."""
+    from scipy.optimize import least_squares
+
+    t, x, f, _ = averages(record)
+    for _ in range(2):  # the weights need the stiffness, and the stiffness the weights
+        weight = _sigma(record, values)
+
+        def residual(values: Array, sigma: Array = weight) -> Array:
+            return (force_of(values, t, x) - f) / sigma
+
+        found = least_squares(residual, values, x_scale="jac", xtol=1e-12, max_nfev=200)
+        values = found.x
+    return found
+
+
+def _sigma(record: RampHold, values: Array) -> Array:
+    """Return the standard deviations (n,) N of the averages, of force and of position."""
+    _, x, f, size = averages(record)
+    spring, _ = _unpacked(values)
+    stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
+    sigma = np.hypot(record.force_noise, stiffness * record.position_noise)
+    return np.asarray(np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size))
 
 
 def _check_terms(terms: int) -> None:
@@ -228,9 +261,8 @@ def _relaxation(
     found = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
     order = np.argsort(found.x[terms + 1 :])[::-1]
     amplitudes = np.exp(np.clip(found.x[: terms + 1], -40, 40))
-    prony = _sorted(
-        Prony(tuple(amplitudes / amplitudes.sum()), tuple(np.exp(found.x[terms + 1 :]))), order
-    )
+    rates = np.exp(np.clip(found.x[terms + 1 :], -20, 20))
+    prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
     covariance = _covariance(found.jac, found.fun)
     share = _rows(order, terms, offset=1)
     weights = np.array(prony.weights)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger import scenes
-from fefinger.mechanics._stride import STRIDES, memories, stride
+from fefinger.mechanics._stride import STRIDES, heaviest, memories, stride
 from fefinger.mechanics._timeline import time_grid
 from fefinger.motion import (
     ForceSampled,
@@ -144,3 +144,13 @@ def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
     wave = np.exp(2j * np.pi * 50 * steps.time[last])
     sizes = [abs(np.trapezoid((f - f.mean()) * wave)) for f in (force[last], found[last])]
     assert sizes[1] == pytest.approx(sizes[0], rel=0.01)  # three steps a half cycle: .03
+
+
+def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() -> None:
+    scene = scenes.load("flat-press")
+    steps = stride(scene.motion, time_grid(scene.motion, fast=True), PRONY)
+    (found,) = heaviest(scene.motion, steps, PRONY)
+    (prony,) = PRONY
+    exact = hereditary_integral(prony, steps.time, stiffening(steps.path))
+    assert steps.times[found] == pytest.approx(steps.time[exact.argmax()], abs=1e-3)
+    assert steps.times[found] < steps.times[steps.value.argmax()]

@@ -7,7 +7,7 @@ from scipy import optimize
 from fefinger import library
 from fefinger.theory import identify, lumped, ramphold, synthetic
 from fefinger.theory.lumped import Spring
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
 SUBJECTS = {
@@ -216,3 +216,22 @@ def test_a_spring_that_softens_is_refused():
     depth = np.maximum(position - 0.5, 0)
     with pytest.raises(ValueError, match="stiffness against force: expected a rising line"):
         identify.thesis(time, position, np.sqrt(depth))
+
+
+@pytest.mark.parametrize(
+    ("speed", "lead", "noise"), [(20, 0.0, 0.0), (20, 0.2, 2e-3), (30, 1.0, 0)]
+)
+def test_a_fast_term_that_the_hold_alone_does_not_show_is_found_on_the_ramp(
+    speed: float, lead: float, noise: float
+) -> None:
+    """The hold let its rate run to infinity, and both columns went with it."""
+    time = np.arange(0.0, lead + 1.5 / speed + 20.0, 1e-3)
+    depth = np.clip((time - lead) * speed, 0.0, 1.5)
+    prony = Prony((0.27, 0.4, 0.19, 0.14), (226.0, 8.6, 0.61))
+    force = hereditary_integral(prony, time, Spring(1.162, 1.05).force(depth))
+    force += np.random.default_rng(0).normal(0.0, 1.0, len(time)) * noise
+    found = identify.joint(time, depth, force)
+    assert found.spring.b == pytest.approx(1.162, rel=0.1)
+    assert found.spring.m == pytest.approx(1.05, rel=0.05)
+    assert found.prony.v == pytest.approx(prony.v, rel=0.1)
+    assert np.isfinite(list(identify.thesis(time, depth, force).parameters.values())).all()
