@@ -101,7 +101,7 @@ def stride(motion: Motion, time: Array, memories: Collection[Prony], refine: int
 
 
 def heaviest(motion: Motion, steps: Stride, memories: Collection[Prony]) -> set[int]:
-    """Return the steps, by number, at which such a spring pushes most."""
+    """Return the steps, by number, at which such a spring pushes most, or by force is deepest."""
     return {
         int(_spring(memory, motion, steps.times, steps.value)[:, 0].argmax()) for memory in memories
     }
