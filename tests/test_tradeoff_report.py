@@ -287,6 +287,6 @@ def test_an_object_that_was_not_pressed_states_no_less_than_the_nearest_press() 
         Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
         for indenter in (Bar(3.0, 1.0), Flat(30))
     )
-    near = _tradeostated("condensed standard", plate)
+    near = _tradeoff.stated("condensed standard", plate)
     assert near is not None
     assert get("condensed").error(bar)[0] >= near.error > 0.0203
