@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fefinger.studies.grid import remarks
-from fefinger.text import brief, table
+from fefinger.text import brief, shown, table
 
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def validation_summary(record: dict[str, Any]) -> str:
             suite["suite"],
             case["name"],
             "none" if case["failure"] else f"{case['value']:.6g}",
-            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {case['unit']}",
+            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {shown(case['unit'])}",
             " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]

@@ -47,7 +47,7 @@ STYLE: Any = {
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
 RASTER = 200  # dots per inch of what is no line in an SVG
-SHORT = 0.25  # s: shorter spans are labelled in ms
+SHORT = 0.25  # s: shorter spans are labeled in ms
 
 
 def style() -> Any:
@@ -72,11 +72,11 @@ def svg(drawn: Any) -> str:
     return buffer.getvalue()
 
 
-def png(drawn: Any, dpi: int = 150) -> bytes:
+def png(drawn: Any) -> bytes:
     """Return the figure as a PNG picture."""
     buffer = io.BytesIO()
     with style():
-        drawn.savefig(buffer, format="png", dpi=dpi)
+        drawn.savefig(buffer, format="png", dpi=150)
     return buffer.getvalue()
 
 

@@ -74,7 +74,6 @@ def frequency_response(
     frequencies: ArrayLike,
     curves: Mapping[str, ArrayLike],
     *,
-    ylabel: str = "impulses / cycle",
     size: tuple[float, float] = (5.6, 3.6),
 ) -> Any:
     """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
@@ -85,7 +84,7 @@ def frequency_response(
         for (name, values), color in zip(curves.items(), shades, strict=True):
             shown = np.where(np.asarray(values, float) > 0, values, np.nan)
             axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
-        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel=ylabel)
+        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
         axis.set_xticks(np.asarray(frequencies), [f"{f:g}" for f in np.asarray(frequencies)])
         axis.minorticks_off()
         axis.legend(

@@ -1,6 +1,6 @@
 """A Result on disk: `save` writes a folder of files that other programs read, `load` reads it back.
 
-    result.nc      everything: labelled arrays with units, the scene (TOML), the plan (JSON)
+    result.nc      everything: labeled arrays with units, the scene (TOML), the plan (JSON)
     result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
     spikes.csv     one row per spike
     report.html    the report
@@ -35,7 +35,7 @@ NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
 
 
 class Variable(NamedTuple):
-    """How an array of a record is labelled in `result.nc`."""
+    """How an array of a record is labeled in `result.nc`."""
 
     name: str
     dims: tuple[str, ...]
@@ -254,8 +254,8 @@ def load(path: str | PathLike[str]) -> records.Result:
         with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
-                return _decode(json.loads(opened["record"].item()), opened.load())
-    except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
+                return _result(opened)
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
         message = (
             f"result: {str(file)!r} is damaged or is no result of fefinger ({error}); "
             "run the scene again to write it anew"
@@ -263,6 +263,14 @@ def load(path: str | PathLike[str]) -> records.Result:
         raise InputError(message) from None
     message = f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}"
     raise InputError(message)
+
+
+def _result(opened: "xr.Dataset") -> records.Result:
+    found = _decode(json.loads(opened["record"].item()), opened.load())
+    if not isinstance(found, records.Result):
+        message = f"its record is a {type(found).__name__}, not a Result"
+        raise TypeError(message)
+    return found
 
 
 def dataset(result: records.Result) -> "xr.Dataset":

@@ -111,10 +111,7 @@ class Finger:
         choice("finger.cut", self.cut, CUTS)
         choice("finger.resolution", self.resolution, (AUTO, *RESOLUTIONS))
         for name in ("surface", "bone_surface"):
-            file = getattr(self, name)
-            if file is not None and not Path(file).is_file():
-                msg = f"finger.{name}: expected a file with a surface, found none at {file!r}"
-                raise InputError(msg)
+            self._set_file(name)
         if self.bone_surface is not None and self.surface is None:
             msg = "finger.bone_surface: expected finger.surface beside it, received none"
             raise InputError(msg)
@@ -123,6 +120,16 @@ class Finger:
     def _default(self, name: str, value: Any) -> None:
         if getattr(self, name) is None:
             object.__setattr__(self, name, value)
+
+    def _set_file(self, name: str) -> None:
+        """Check a file with a surface; its path becomes text, as in a scene file."""
+        given: Any = getattr(self, name)
+        if given is None:
+            return
+        if not isinstance(given, str | Path) or not Path(given).is_file():
+            msg = f"finger.{name}: expected a file with a surface, found none at {given!r}"
+            raise InputError(msg)
+        object.__setattr__(self, name, str(given))
 
     def _check_layers(self) -> None:
         for name, kind in (("skin", Tissue), ("subcutaneous", Tissue), ("prony", Prony)):

@@ -228,7 +228,7 @@ def _identification(found: Identification) -> dict[str, Any]:
 
 def summary(found: Fit) -> str:
     """Return the same as text: the joint fit beside the procedure of the thesis."""
-    from fefinger.console import table
+    from fefinger.text import table
 
     ways = {way: record(found)[way] for way in ("joint", "thesis")}
     rows = [

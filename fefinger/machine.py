@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from fefinger import cache
+
 
 REPORTED = 0.068
 """Seconds of the work on the machine of the reports, for those that do not say."""
@@ -26,9 +28,7 @@ ROUNDS = 5
 
 def kept_path() -> Path:
     """Return where the user's cache keeps the time of the work."""
-    from platformdirs import user_cache_path
-
-    return user_cache_path("fefinger") / "machine.json"
+    return cache.root() / "machine.json"
 
 
 def measure() -> float:

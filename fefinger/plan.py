@@ -4,8 +4,9 @@ import math
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
-from fefinger import machine
+from fefinger import machine, scenes
 from fefinger import mechanics as ladder
 from fefinger.checks import InputError, choice
 from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
@@ -23,21 +24,26 @@ LEFT_OUT = (
 """What expected times leave out, as timed on the machine of the reports."""
 
 
-def explain(scene: Scene) -> Plan:
+def explain(scene: Scene | str | Path) -> Plan:
     """Return the choice for a scene and the whole ladder that it was chosen from; solve nothing.
+
+    `scene` is a Scene, the name of a built-in one, or a TOML file.
 
     The first time it also measures how fast this machine is, in about a second.
 
     Raises
     ------
     InputError
-        If every mechanics refuses; the message shows the ladder and what to relax.
+        A scene that cannot be used, or that every mechanics refuses; the message then shows the
+        ladder and what to relax.
     """
     return choose(scene, every=True)
 
 
-def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -> Plan:
+def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bool = False) -> Plan:
     """Return the plan for a scene, with the cheapest mechanics or with the one named.
+
+    `scene` is a Scene, the name of a built-in one, or a TOML file.
 
     A mechanics that is named runs in spite of refusals about accuracy or time, which the plan
     records; refusals about ability stand. Unless `every` one is to be asked, those with a mesh are
@@ -46,8 +52,10 @@ def choose(scene: Scene, mechanics: str | None = None, *, every: bool = False) -
     Raises
     ------
     InputError
-        If every mechanics refuses, or the one that is named is not able to answer.
+        A scene that cannot be used, that every mechanics refuses, or that the one that is named is
+        not able to answer.
     """
+    scene = scenes.given(scene)
     if every or scene.ask.seconds is not None:
         machine.seconds()
     if mechanics is not None:

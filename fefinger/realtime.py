@@ -20,14 +20,16 @@ from numpy.typing import NDArray
 from fefinger.checks import InputError, choice, number
 from fefinger.fem import active, loop
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.contact import patch
+from fefinger.fem.condense import Operator, OutsideError
+from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.march import History
 from fefinger.fem.obstacle import Rigid
 from fefinger.fem.probe import ODD, VOIGT
 from fefinger.fem.recover import recovered_strain_at
-from fefinger.mechanics import _operator, _placing, _press, condensed
+from fefinger.indenter import STANDARD
+from fefinger.mechanics import _missed, _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import STANDARD, folded
+from fefinger.mechanics._touch import folded
 from fefinger.mechanics._touch import sites as central_sites
 from fefinger.motion import Motion
 from fefinger.neural.streaming import Afferents
@@ -107,26 +109,22 @@ class Condensed:
             touch: Rigid = _placing.obstacle(indenter, solid)
         else:
             touch = indenter
-        on_pad = patch(solid.space, solid.pad, solid.normals, touch, _press.REACH * self.deepest)
-        if len(on_pad.vertices) == 0:
-            message = "indenter: expected it over the pad, received one that no vertex is under"
-            raise InputError(message)
         if sites is None:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(_scene(finger, indenter), origin, touch.axis)
         self.sites = sites
         where = folded(self.sites.points) if half else self.sites.points
-        probe = partial(recovered_strain_at, solid.space, where, solid.planes)
-        reduced = _operator.reduced(finger, solid, on_pad, where, probe)
-        self.solid, self.patch, self.flexibility = solid, on_pad, reduced.flexibility
+        reduced = _answering(finger, solid, touch, self.deepest, where)
+        self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = active.active(reduced.flexibility)
-        self._memory = loop.memory(on_pad.gap, on_pad.travel, weights, np.array(prony.v), tolerance)
+        gap, travel = self.patch.gap, self.patch.travel
+        self._memory = loop.memory(gap, travel, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
-        nothing = np.empty((len(on_pad.vertices), 0), dtype=self._output.rows.dtype)
+        nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
@@ -172,8 +170,8 @@ class Condensed:
         Raises
         ------
         InputError
-            If contact reaches the rim of the candidates, beyond `deepest`, or a number is not
-            finite.
+            If contact reaches the rim of the candidates, which is beyond `deepest`, or that of the
+            indenter or of the pad before it; or a number is not finite.
         ConvergenceError
             If no contact is found.
         """
@@ -213,9 +211,10 @@ class Condensed:
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self._output
-        loop.check(
-            loop.advance(state, memory, output, dt, target, by_force, stiffening), self.deepest
-        )
+        outcome = loop.advance(state, memory, output, dt, target, by_force, stiffening)
+        if outcome == active.TURNED:
+            raise InputError(_missed.rim_reached(len(self.patch.vertices)))
+        loop.check(outcome, self.deepest)
         return self._read()
 
     def _stiffness(self, depth: float) -> float:
@@ -251,15 +250,17 @@ class Condensed:
         stages, solid = Stages(), self.solid
         with stages.stage("contact"):
             time = time_grid(motion, fast=fast)
-            contact = _press._Contact(
+            contact = _press.Contact(
                 self._touch, self._reduced, self.sites, time, self._history(motion, time)
             )
         scene = _scene(self.finger, self.indenter, motion, self.sites.types)
         with stages.stage("reference"):
-            reference = _press._reference(scene, solid, contact, _operator.METHOD)
+            reference = _press.reference_of(scene, solid, contact, _operator.METHOD)
+        with stages.stage("pressure"):
+            answer = _press.answer(scene, solid, contact, reference, None)
         return Response(
             mechanics=condensed.name,
-            **_press._answer(scene, solid, contact, reference, None),
+            **answer,
             seconds=stages.seconds,
             notes=condensed.NOTES,
         )
@@ -275,6 +276,35 @@ class Condensed:
             depth[k] = take(value, dt).depth
             pressure[k], elastic[k] = self.now.pressure, self._output.elastic
         return History(depth, pressure, elastic, int(self._state.counts[active.SOLVED]))
+
+
+def _answering(
+    finger: Finger, solid: Operator, touch: Rigid, deepest: float, where: Array
+) -> Reduced:
+    """Return the finger reduced to what a press of `deepest` mm touches, as far as it is kept.
+
+    Beside an edge the gap grows within a facet to any reach: there, one ring more each time.
+    """
+    probe, found = partial(recovered_strain_at, solid.space, where, solid.planes), None
+    for rings in range(_press.ATTEMPTS):
+        reach = _press.REACH * deepest
+        on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings)
+        if len(on_pad.vertices) == 0:
+            raise InputError(_missed.NOTHING_UNDER)
+        try:
+            found = _operator.reduced(finger, solid, on_pad, where, probe)
+        except OutsideError:
+            break
+        pressure = Complementarity(found.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
+        if not (pressure[on_pad.edge & ~on_pad.rim] > 0).any():
+            break
+    if found is None:
+        message = (
+            "deepest: expected a depth at which the indenter stays over the palmar part of the "
+            f"pad, received {deepest:g} mm; give a smaller one"
+        )
+        raise InputError(message)
+    return found
 
 
 def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
@@ -327,11 +357,12 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> lo
     areas = np.bincount(column, pad.areas, minlength=count)
     first = _press.first_moments(pad)
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
+    edge = on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid))
     kind = np.float32 if precision == "single" else np.float64
     return loop.Output(
         areas=np.asarray(areas, dtype=np.float64),
         moments=np.array(moments),
-        rim=on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid)),
+        limits=np.select([on_pad.rim, edge], [active.TURNED, active.BEYOND], active.DONE),
         elastic=np.zeros(count),
         rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),

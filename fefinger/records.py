@@ -5,6 +5,7 @@ All are frozen: a stage that has not run has no field to read. `files.py` saves 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -300,7 +301,7 @@ class Result:
 
         return dataset(self)
 
-    def save(self, folder: str) -> list[str]:
+    def save(self, folder: str | PathLike[str]) -> list[str]:
         """Write `result.nc`, `result.vtkhdf`, `spikes.csv` and `report.html` into `folder`."""
         from fefinger.files import save
 

@@ -132,7 +132,9 @@ def _tiles(result: Result) -> Iterator[dict[str, str]]:
         yield _tile("largest contact area", value, "result.nc: contact_area")
     if result.pressure is not None and result.pad is not None:
         value = f"{highest(result.pad, result.pressure):.3g} kPa"
-        at_point = f"result.nc: pressure, {np.max(result.pressure):.3g} kPa at a point"
+        step = int(np.argmax(result.pressure.max(axis=1)))
+        top, when = result.pressure[step].max(), _time(result.time[step])
+        at_point = f"result.nc: pressure, {top:.3g} kPa at a point (at {when})"
         yield _tile("highest pressure over 1 mm²", value, at_point)
     if result.spikes is not None:
         total, units = str(int(result.spikes.count().sum())), len(result.spikes)

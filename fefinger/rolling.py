@@ -22,8 +22,8 @@ from fefinger.fem.contact import Patch, patch, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.fem.spaces import trace
+from fefinger.indenter import direction
 from fefinger.mechanics import _operator, _placing, _press
-from fefinger.mechanics._touch import direction
 from fefinger.realtime import Step
 from fefinger.records import Sites
 from fefinger.scene import Finger, Flat

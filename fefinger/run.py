@@ -1,10 +1,11 @@
 """The main path: scene, plan, mechanics, neural, result."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Progress, Response, Result
@@ -44,8 +45,7 @@ def run(
     from fefinger.records import Result
     from fefinger.stages import Stages
 
-    if isinstance(scene, str | Path):
-        scene = scenes.load(scene)
+    scene = scenes.given(scene)
     plan = choose(scene, mechanics)
     chosen, solved = get(plan.mechanics), settled(scene, plan)
     try:

@@ -47,6 +47,19 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
     return f"{table(rows, heading)}\n\n{_sources(rungs)}"
 
 
+def plain(text: str) -> float | str:
+    """Return the number that a text is, also one that is none in TOML (".3"), or else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def shown(unit: str) -> str:
+    """Return a unit as it stands beside a number: nothing where it is 1."""
+    return "" if unit == "1" else unit
+
+
 def percent(error: float) -> str:
     """Return an error in percent, a dash where it is not known."""
     if math.isnan(error):

@@ -1,6 +1,7 @@
 """What the finger is made of: soft layers, and bone and nail where they are not rigid."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from fefinger.checks import InputError, choice, number
 from fefinger.laws import EXPONENTIAL, SHARES
@@ -50,6 +51,10 @@ class Tissue:
         }
         if self.thickness is not None:
             checked["thickness"] = number("tissue.thickness", self.thickness, above=0, unit="mm")
+        prony: Any = self.prony
+        if prony is not None and not isinstance(prony, Prony):
+            msg = f"tissue.prony: expected a Prony, received {prony!r}"
+            raise InputError(msg)
         checked |= self._law_numbers()
         for name, value in checked.items():
             object.__setattr__(self, name, value)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger import page
+from fefinger.text import shown
 
 
 VERDICTS = ("pass", "documented", "short", "fail")
@@ -34,8 +35,8 @@ NOTES = ("failure", "told", "erratum", "shortfall", "reason")
 NEAREST = 3
 """Cases that are named because they are closest to their tolerance."""
 
-WIDE = 1.7
-"""Width over height from which a figure gets the whole width of the page."""
+COLUMN = 7.0
+"""Inches: a figure drawn wider gets the whole width of the page, two others stand side by side."""
 
 
 def save(
@@ -144,8 +145,8 @@ def _nearest(cases: Sequence[dict[str, Any]]) -> list[tuple[int, str]]:
 
 
 def _figure(caption: str, drawn: Any) -> dict[str, Any]:
-    width, height = drawn.get_size_inches()
-    return {"caption": caption, "source": page.svg(drawn), "wide": width >= WIDE * height}
+    wide = drawn.get_size_inches()[0] > COLUMN
+    return {"caption": caption, "source": page.svg(drawn), "wide": wide}
 
 
 def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -160,7 +161,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
             "expected": _number(case["expected"], limit),
             "tolerance": f"{limit:.3g}",
             "beside": {k: "" if value is None else f"{value:g}" for k, value in beside.items()},
-            "unit": "" if case["unit"] == "1" else case["unit"],
+            "unit": shown(case["unit"]),
             "source": case["source"],
             "verdict": case["verdict"],
         } | {key: "" if following.get(key) == note else note for key, note in notes.items()}

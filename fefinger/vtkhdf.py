@@ -16,15 +16,13 @@ from fefinger.records import Fields
 
 VERSION = (2, 2)
 TETRAHEDRON = 10
-# VTK names the components of a symmetric tensor in this order; Fields.strain has it too.
-STRAIN_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")
 
 
 def write(fields: Fields, path: str | PathLike[str]) -> None:
     """Write `fields` to `path` in single precision, one step per stored time.
 
-    Point data: displacement (3 components, mm), strain (6 components in the order of
-    STRAIN_COMPONENTS), pressure (kPa); cell data: region (1 skin, 2 subcutaneous tissue, 3 bone).
+    Point data: displacement (3 components, mm), strain (xx yy zz xy yz xz, the order of VTK and of
+    `Fields` alike), pressure (kPa); cell data: region (1 skin, 2 subcutaneous tissue, 3 bone).
     """
     import h5py
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fefinger.validation import fem_hertz
 
-from fefinger import bench
+from fefinger import bench, provenance
 from fefinger.__main__ import main
 from fefinger.bench import _solvers, fem, neural
 from fefinger.neural.membranes import HodgkinHuxley
@@ -33,6 +33,15 @@ def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch
     written = json.loads((tmp_path / "bench-neural.json").read_text())
     assert written["figures"][0]["ratio"] == 0.1
     assert set(written) == {"command", "commit", "date", "machine", "versions", "figures"}
+
+
+def test_the_record_names_the_commit_of_the_program_alone(monkeypatch, tmp_path):
+    """Not that of a repository around it, and none where there is no git."""
+    provenance.commit.cache_clear()
+    monkeypatch.setenv("PATH", "")
+    written = json.loads(bench.write("neural", [], tmp_path).read_text())
+    provenance.commit.cache_clear()
+    assert written["commit"] == ""
 
 
 def test_an_unknown_suite_is_refused(capsys):

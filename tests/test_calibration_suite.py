@@ -100,7 +100,7 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
 
 
-def test_levers_in_the_finger_are_drawn_as_a_table_of_what_each_would_change(monkeypatch):
+def test_levers_in_the_finger_are_drawn_and_a_table_tells_what_each_would_change(monkeypatch):
     plain = calibration_levers.Fitted(
         *("the finger as it is", 10.0, 1.0, 11.0, 0.06, 7.0, 3.6, 2.1, 0.2, 0.01, 1.1, 1.7, 3.0)
     )
@@ -109,9 +109,10 @@ def test_levers_in_the_finger_are_drawn_as_a_table_of_what_each_would_change(mon
     rows = [asdict(each) for each in (plain, other, unable)]
     tried = calibration_report.levers() | {"finger": rows}
     monkeypatch.setattr(calibration_lever_figures, "levers", lambda: tried)
-    drawn = list(calibration_lever_figures.figures())
-    assert len(drawn) == 3
-    caption, table = drawn[1]
-    assert "b from 0.2 to 0.25 N/mm and R from 10 to 11 mm" in caption
-    assert "11 (+10 %)" in figures.svg(table)
-    assert all("<svg" in figures.svg(each) for _, each in drawn)
+    ((_, drawn),) = calibration_lever_figures.figures()
+    assert "<svg" in figures.svg(drawn)
+    told, sessions = calibration_lever_figures.tables()
+    assert "b from 0.2 to 0.25 N/mm and R from 10 to 11 mm" in told["caption"]
+    assert [row[0] for row in told["rows"]] == [each["lever"] for each in rows]
+    assert told["rows"][1][5] == "11 (+10 %)"
+    assert {len(row) for row in sessions["rows"]} == {1, len(sessions["heading"])}

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 import fefinger as ff
 from fefinger import validation_report
 from fefinger.checks import InputError
-from fefinger.mechanics import hertz, layered, linear, lumped
+from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
@@ -211,6 +211,15 @@ def test_a_contact_smaller_than_a_facet_is_told_from_none():
     with pytest.raises(InputError, match="smaller than a facet of the pad; press deeper"):
         linear.respond(shallow)
     assert not any("too coarse" in each.reason for each in linear.refuse(scene()))
+
+
+@pytest.mark.parametrize("each", [linear, condensed, solid])
+def test_a_ball_between_the_vertices_of_the_pad_is_refused_by_depth_and_by_force(each):
+    ball = {"finger": ff.Finger.subject("a.h.", resolution="coarse"), "indenter": ff.Sphere(0.5)}
+    with pytest.raises(InputError, match="smaller than a facet of the pad; press deeper"):
+        each.respond(ff.Scene(motion=ff.Ramp(20, 0.1), **ball))
+    with pytest.raises(InputError, match="one that no vertex of the pad is under; move it, or"):
+        each.respond(ff.Scene(motion=ff.ForceRamp(2.0, 0.05), **ball))
 
 
 def test_what_is_not_quasi_static_is_warned_of():

@@ -1,8 +1,6 @@
 """The suite `fem`: its oracles, its measures, and that a wrong program would not pass."""
 
-import json
 from dataclasses import replace
-from importlib import resources
 
 import numpy as np
 import pytest
@@ -155,14 +153,16 @@ def test_the_kinds_of_linear_elements_hold_a_linear_displacement():
 
 
 def test_the_report_on_elements_is_drawn_beside_other_programs():
-    text = resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
-    rows = json.loads(text)["rows"]
+    rows = fem_drawings.measured()
     names = {kind.name for kind in element_kinds.KINDS}
     assert {row["element"] for row in rows} == names
-    (axis,) = fem_drawings.beside(rows).axes
-    (table,) = axis.tables
-    shown = [cell.get_text().get_text() for cell in table.get_celld().values()]
+    told = fem_drawings.beside(rows)
+    shown = [row[0] for row in told]
     assert shown.count("fefinger") == 3 * len(element_kinds.RATIOS)
     assert {peer.program for peer in PEERS} < set(shown)
+    assert [row for row in told if len(row) == 1] == [
+        [f"Poisson's ratio {poisson:g}"] for poisson in element_kinds.RATIOS
+    ]
+    assert len(told) == len(PEERS) + 4 * len(element_kinds.RATIOS)
     drawn = fem_drawings.kinds(rows)
     assert {line.get_label() for line in drawn.axes[0].lines} == names

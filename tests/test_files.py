@@ -210,3 +210,25 @@ def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> Non
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with pytest.raises(InputError, match="damaged or is no result"):
         load(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize("part", [b"FHDB", b"BTLF"])  # blocks of links and of their names
+def test_a_result_with_damaged_links_is_refused(
+    synthetic: Result, tmp_path: Path, part: bytes
+) -> None:
+    path = Path(save(synthetic, tmp_path)[0])
+    whole = path.read_bytes()
+    assert part in whole
+    path.write_bytes(whole.replace(part, b"xxxx"))
+    with pytest.raises(InputError, match="damaged or is no result"):
+        load(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_another_record_is_no_result(synthetic: Result, tmp_path: Path) -> None:
+    with xr.open_dataset(save(synthetic, tmp_path)[0], engine="h5netcdf") as kept:
+        other = kept.load().assign(record='{"dict": {}}')
+    other.to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match="its record is a dict, not a Result"):
+        load(tmp_path / "other.nc")

@@ -17,7 +17,7 @@ PACKAGES = {"fefinger": ROOT / "fefinger", "fefinger.validation": ROOT / "valida
 
 BELOW = {
     "fefinger.theory": ("fefinger.theory",),
-    "fefinger.neural": ("fefinger.neural", "fefinger.checks", "fefinger.theory"),
+    "fefinger.neural": ("fefinger.neural", "fefinger.checks", "fefinger.cores", "fefinger.theory"),
     "fefinger.fem": (
         *("fefinger.fem", "fefinger.checks", "fefinger.tolerances", "fefinger.stages"),
         *("fefinger.mesh.record", "fefinger.mesh.topology", "fefinger.units"),

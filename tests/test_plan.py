@@ -75,6 +75,13 @@ def asked(**changes):
 
 
 @pytest.mark.usefixtures("four")
+def test_a_scene_may_be_named_as_for_a_run():
+    named, given = "flat-press", scenes.load("flat-press")
+    assert ff.explain(named) == ff.explain(given)
+    assert ff.choose(named) == ff.choose(given)
+
+
+@pytest.mark.usefixtures("four")
 def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
     found = plan.explain(scene())
     assert (found.mechanics, found.settings.resolution) == ("linear", "standard")

@@ -304,6 +304,27 @@ def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
 
 
 @pytest.mark.parametrize(
+    "indenter", [ff.Bar(2.0, 0.5, roll=20), ff.Bar(2.0, 1.0), ff.Grating(4.0, 2.0, 2.0)]
+)
+def test_an_edge_is_answered_to_the_depth_that_was_said(indenter: ff.Bar | ff.Grating) -> None:
+    """Beside an edge the gap grows within a facet to more than any reach."""
+    finger = Condensed(FINGER, indenter, deepest=1.2)
+    scene = ff.Scene(
+        finger=FINGER, indenter=indenter, motion=ff.Ramp(10.0, 1.2), ask=ff.Ask(fields=False)
+    )
+    expected = condensed.respond(scene)
+    assert finger.run(scene.motion).force == pytest.approx(expected.force, rel=1e-9, abs=1e-12)
+
+
+def test_where_the_indenter_ends_and_where_the_pad_ends_are_told_apart() -> None:
+    ball = Condensed(FINGER, ff.Sphere(2.0), deepest=1.2)
+    with pytest.raises(InputError, match="beyond which the indenter turns away"):
+        ball.step(1.0, 1e-3)
+    with pytest.raises(InputError, match=r"deepest: expected a depth .* received 3 mm"):
+        Condensed(FINGER, ff.Flat(30), deepest=3.0)
+
+
+@pytest.mark.parametrize(
     ("refused", "words"),
     [
         (lambda f: f.step(3.0, 5e-3), "reaches their rim"),

@@ -70,6 +70,14 @@ def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
     assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
 
 
+def test_the_highest_pressure_at_a_point_is_told_with_its_own_time(synthetic: Result) -> None:
+    assert synthetic.pressure is not None
+    step = int(np.argmax(synthetic.pressure.max(axis=1)))
+    (told,) = (tile["source"] for tile in report._tiles(synthetic) if "pressure" in tile["name"])
+    top = f"{synthetic.pressure[step].max():.3g} kPa at a point"
+    assert told.endswith(f"{top} (at {report._time(synthetic.time[step])})")
+
+
 def test_block_is_warned_of(synthetic: Result, tmp_path: Path) -> None:
     assert synthetic.spikes is not None
     spikes = dataclasses.replace(synthetic.spikes, block_seconds=np.array([0.0, 2.5, 0.0, 0.0]))

@@ -132,13 +132,14 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
         "indenter.radius=3",
         "indenter.kind=sphere",
         "motion.depth = 1",
+        "motion.speed=.5",
         "finger.subject=d.s.",
         "ask.spikes=['FAI']",
         "ask.depths.FAI=0.6",
     ]
     scene = scenes.load("flat-press", scenes.settings(texts))
     assert scene.indenter == Sphere(3)
-    assert scene.motion == RampHold(60, 1, hold=5, corner=0.01)
+    assert scene.motion == RampHold(0.5, 1, hold=5, corner=0.01)
     assert scene.finger == Finger.subject("d.s.")
     assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
 
@@ -324,6 +325,26 @@ def test_a_setting_that_cannot_be_used_is_refused(text, message):
 def test_python_gets_the_same_checks(changes, message):
     with pytest.raises(InputError, match=message):
         Scene(**{"finger": FINGER, "motion": Ramp(60, 1)} | changes)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Tissue(30, 0.48, prony=3), "tissue.prony: expected a Prony, received 3"),
+        (lambda: Finger(14, 10, surface=3), "finger.surface: expected a file .* found none at 3"),
+        (lambda: scenes.given(3), "scene: expected a Scene, the name of a built-in one"),
+    ],
+)
+def test_python_gets_a_sentence_for_what_no_file_can_say(build, message):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+def test_the_path_of_a_surface_survives_toml(tmp_path):
+    (tmp_path / "scan.stl").touch()
+    finger = Finger(14, 10, surface=tmp_path / "scan.stl")
+    assert finger.surface == str(tmp_path / "scan.stl")
+    assert tomllib.loads(Scene(finger=finger, motion=Ramp(1, 1)).to_toml())["finger"]["surface"]
 
 
 ODD_VALUES = [[], {}, "x", "", float("nan"), float("inf"), -1, 0, 10**20, True, [1], [[]], {"a": 1}]

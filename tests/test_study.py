@@ -13,6 +13,7 @@ import pytest
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.checks import InputError
+from fefinger.cores import cores
 from fefinger.run import run
 from fefinger.studies import tasks, workers
 from fefinger.studies.columns import column
@@ -43,6 +44,7 @@ def test_ranges_and_lists_make_a_grid_whose_last_field_changes_fastest():
     assert over["indenter.angle"] == (0.0, 0.1, 0.2, 0.3)
     assert over["finger.subject"] == ("a.h.", "d.p.")
     assert over["indenter.at"] == ([0, 1],)
+    assert parse_over(["motion.depth=.5,1."])["motion.depth"] == (0.5, 1.0)
     points = product({"a": (1, 2), "b": ("x", "y")})
     assert points == [{"a": a, "b": b} for a in (1, 2) for b in ("x", "y")]
 
@@ -365,8 +367,14 @@ def test_without_the_extra_the_cluster_is_refused(monkeypatch):
         ff.study("flat-press", {"indenter.angle": (20,)}, scheduler="tcp://127.0.0.1:1")
 
 
+@pytest.mark.parametrize("values", [30, "a.h.", None])
+def test_a_grid_takes_lists_of_values(values):
+    with pytest.raises(InputError, match=f"expected a list of values, received {values!r}"):
+        ff.study("flat-press", {"finger.subject": values})
+
+
 def test_cores_are_those_this_process_may_use():
-    assert 1 <= workers._cores() <= (os.cpu_count() or 1)
+    assert 1 <= cores() <= (os.cpu_count() or 1)
 
 
 def test_a_page_over_names_and_one_where_all_failed(tmp_path):

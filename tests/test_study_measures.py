@@ -7,6 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger import pressures
+from fefinger.mechanics import _by_force
 from fefinger.plan import choose
 from fefinger.run import run
 from fefinger.scene import Scatter
@@ -77,17 +78,40 @@ def test_errors_are_those_of_the_plan_at_the_largest_force_and_of_a_shallower_pr
     assert told["end"]["force_rel_error"] == pytest.approx(chosen.error * fallen)
 
 
-def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_none():
-    motion = ff.ForceRampHold(2.0, 0.5, hold=0.2)
+PRESCRIBED = (ff.ForceRampHold(2.0, 0.5, hold=0.2), ff.RampHold(20, 1.0, hold=0.1))
+
+
+@pytest.mark.parametrize("motion", PRESCRIBED, ids=("by force", "by depth"))
+def test_at_a_force_the_depth_has_an_error_and_at_a_depth_the_force(motion):
     held = run(ff.Scene(finger=FINGER, motion=motion, ask=ff.Ask(fields=False)), mechanics="hertz")
-    told = {row["at"]: row for row in rows(held, forces=(0.2,))}
-    assert not any("force_rel_error" in row for row in told.values())
-    assert told["end"]["depth_rel_error"] == held.plan.chosen.errors["depth"]
-    assert told["end"]["contact_area_rel_error"] == held.plan.chosen.errors["area"]
-    shallow = replace(held.scene, motion=ff.ForceRamp(1.0, told["0.2 N"]["force_N"], corner=0))
-    there = choose(shallow, "hertz").chosen
-    assert told["0.2 N"]["depth_rel_error"] == pytest.approx(there.errors["depth"])
-    sentence = report.errors(list(told.values()))
+    top, deepest = float(held.response.force.max()), float(held.depth.max())
+    told = {row["at"]: row for row in rows(held, forces=(0.2, top), depths=(0.4, deepest))}
+    given, other = ("depth", "force")[:: 1 if motion.control == "depth" else -1]
+    for at, known, unknown in (
+        ("end", given, other),
+        ("peak", given, other),
+        ("0.2 N", "force", "depth"),
+        ("0.4 mm", "depth", "force"),
+        (f"{top:g} N", "force", "depth"),
+        (f"{deepest:g} mm", "depth", "force"),
+    ):
+        assert f"{known}_rel_error" not in told[at]
+        assert told[at][f"{unknown}_rel_error"] > 0
+    errors = held.plan.chosen.errors
+    assert told["end"]["contact_area_rel_error"] == errors["area"]
+    assert told["end"].get("depth_rel_error") == errors.get("depth")
+    press = replace(held.scene, motion=ff.Ramp(20, told["0.2 N"]["depth_mm"], corner=0))
+    there = choose(press, "hertz").chosen
+    at_force = _by_force.errors(there.errors, there.error, press)
+    for column, name in (("depth", "depth"), ("contact_area", "area"), ("strain", "strain")):
+        assert told["0.2 N"][f"{column}_rel_error"] == pytest.approx(at_force[name], rel=1e-9)
+
+
+def test_the_errors_of_rows_at_a_force_are_said_of_the_depth():
+    held = run(
+        ff.Scene(finger=FINGER, motion=PRESCRIBED[0], ask=ff.Ask(fields=False)), mechanics="hertz"
+    )
+    sentence = report.errors(rows(held, forces=(0.2,)))
     assert "depth" in sentence
     assert "force in" not in sentence
 

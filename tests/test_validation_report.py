@@ -167,6 +167,20 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
     assert [link.partition(";")[0] for link in links[3:]] == ["data:image/svg+xml"]
 
 
+def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():
+    drawn = [("wide", figures.figure(9.2, 7.6)), ("narrow", figures.figure(6.2, 2.8))]
+    html = validation_report.html(RECORD, {"one": drawn}, {})
+    assert re.findall(r'<figure( class="wide")?><img [^>]*alt="(\w+)"', html) == [
+        (' class="wide"', "wide"),
+        ("", "narrow"),
+    ]
+    cases = [case("bare", "pass", unit="1"), case("slope", "pass", unit="1/mm")]
+    text = console.validation_summary({"suites": [{"suite": "one", "cases": cases}]})
+    ends = [line.partition("+- ")[2].split() for line in text.splitlines()[1:3]]
+    assert [len(end) for end in ends] == [2, 3]
+    assert ends[1][1] == "1/mm"
+
+
 def test_a_case_that_breaks_fails_alone_and_is_told(monkeypatch):
     def breaks() -> float:
         msg = "depth: expected less than the tissue"

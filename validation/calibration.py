@@ -185,6 +185,13 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
         )
 
 
+def finding() -> dict[str, Any]:
+    """Return the tables of the calibrated subjects and of what moves what is found."""
+    if not rows():
+        return {}
+    return {"tables": [calibration_figures.table(), *calibration_lever_figures.tables()]}
+
+
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield captions and matplotlib Figures of the calibrated subjects."""
     if rows():

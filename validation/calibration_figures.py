@@ -1,4 +1,4 @@
-"""Figures of suite `calibration`: curves, what stiffens a finger, and the array."""
+"""Table and figures of suite `calibration`: curves, what stiffens a finger, and the array."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -18,11 +18,10 @@ PART_COLORS = dict(zip(PARTS, ("#56B4E9", "#E69F00", "#009E73", "#D55E00", "#BBB
 
 
 def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and Figure: stiffness, split, table, profiles."""
+    """Yield caption and Figure: stiffness, split, profiles."""
     with style():
         yield _said(), _split()
         yield _stiffness_caption(), _stiffness()
-        yield _table_caption(), _table()
         yield _profile_caption(), _profiles()
 
 
@@ -97,17 +96,11 @@ def _cost() -> str:
     return f"Presses took, in CPU time: {', '.join(said)}; the fits a few seconds each."
 
 
-def _table() -> Any:
-    made = figure(WIDE, 0.6 + 0.45 * len(rows()))
-    axes = made.subplots()
-    axes.axis("off")
-    heads = ["", "mesh", "E kPa", "exponent", "m (2.1)", "b (2.1)", *PARTS, "R (3.2)", "c0 b (3.2)"]
-    cells = [_cells(name) for name in rows()]
-    drawn = axes.table(cells, colLabels=heads, loc="center", edges="horizontal")
-    drawn.auto_set_font_size(False)
-    drawn.set_fontsize(7.5)
-    drawn.scale(1, 1.5)
-    return made
+def table() -> dict[str, Any]:
+    """Return the calibrated sets with what of the stiffening is whose."""
+    heads = ["", "mesh", "E in kPa", "exponent", "m (2.1)", "b (2.1)", *PARTS, "R (3.2)"]
+    rows_ = [_cells(name) for name in rows()]
+    return {"caption": _table_caption(), "heading": [*heads, "c0 b (3.2)"], "rows": rows_}
 
 
 def _cells(name: str) -> list[str]:
@@ -150,4 +143,6 @@ def _profiles() -> Any:
             ax.plot(r, mine / mine.max(), ".", color=COLORS[0], markersize=3)
             ax.plot(r, theirs / theirs.max(), color=INK, linewidth=1)
             ax.set_title(f"{name}, {each['force_N']:.2g} N", fontsize=8)
+    made.supxlabel("distance from the center of pressure / mm", fontsize=9)
+    made.supylabel("reading / its largest value", fontsize=9)
     return made

@@ -1,4 +1,4 @@
-"""Figures of suite `calibration`: what moves R, m and c0 b, and what two tables leave of them."""
+"""Tables and figure of suite `calibration`: what moves R, m and c0 b, and what is left of them."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -15,15 +15,21 @@ HEADS = ("R in mm", "m in 1/mm", "c0 b in kPa/mm")
 OF_FORCE = ("stiffness_m", "stiffness_b", "radius")
 MISSES = 0.1
 """Misfit from which a finger no longer has the force of its subject: ten times that of the best."""
+ROUNDING = 1e-9
+"""What the fit leaves of a value that it drives to zero."""
 
 
 def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and Figure: the levers, and the two tables."""
+    """Yield caption and Figure: the levers."""
     with style():
         yield _caption(), _levers()
-        if levers()["finger"]:
-            yield _assumptions_caption(), _assumptions()
-        yield _tables_caption(), _tables()
+
+
+def tables() -> Iterator[dict[str, Any]]:
+    """Yield the table of the assumptions, if they were tried, and that of the two sessions."""
+    if levers()["finger"]:
+        yield _assumptions()
+    yield _sessions()
 
 
 def _caption() -> str:
@@ -77,7 +83,7 @@ def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
         hollow = each.get("misfit", 0.0) >= MISSES
         ax.plot(each[name], place, "o", color=BLUE, mfc="none" if hollow else BLUE, markersize=4)
         ax.annotate(
-            f"{each[name]:.3g}",
+            f"{each[name] if each[name] > ROUNDING else 0:.3g}",
             (each[name], place),
             xytext=(5, -2.5),
             textcoords="offset points",
@@ -100,12 +106,9 @@ def _assumptions_caption() -> str:
     )
 
 
-def _assumptions() -> Any:
+def _assumptions() -> dict[str, Any]:
     rows = levers()["finger"]
-    made = figure(WIDE, 0.5 + 0.22 * (len(rows) + 1))
-    axes = made.subplots()
-    axes.axis("off")
-    heads = ("", "E in kPa", "exponent", "m in 1/mm", "b in N/mm", "R in mm", "misfit")
+    heads = ("assumption", "E in kPa", "exponent", "m in 1/mm", "b in N/mm", "R in mm", "misfit")
     cells = [
         [
             row["lever"],
@@ -116,19 +119,14 @@ def _assumptions() -> Any:
         ]
         for place, row in enumerate(rows)
     ]
-    drawn = axes.table(cells, colLabels=heads, loc="center", edges="horizontal")
-    drawn.auto_set_font_size(False)
-    drawn.set_fontsize(7.5)
-    drawn.auto_set_column_width(range(len(heads)))
-    drawn.scale(1, 1.15)
-    return made
+    return {"caption": _assumptions_caption(), "heading": heads, "rows": cells}
 
 
 def _changed(value: float, plain: float, *, first: bool) -> str:
     return f"{value:.3g}" if first else f"{value:.3g} ({100 * (value / plain - 1):+.0f} %)"
 
 
-def _tables_caption() -> str:
+def _sessions_caption() -> str:
     return (
         "Tables 2.1 and 3.2 are of two sessions and do not describe one contact. The thesis's fit "
         "of frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns "
@@ -139,47 +137,36 @@ def _tables_caption() -> str:
     )
 
 
-def _tables() -> Any:
-    subjects = list(levers()["force"])
-    kinds = (
-        "Table 3.2",
-        "its half-space, read",
-        "force of Table 2.1",
-        "touched 0.3 mm before",
-        "calibrated finger",
-    )
-    made = figure(WIDE, 0.5 + 0.22 * len(subjects) * len(kinds))
-    axes = made.subplots()
-    axes.axis("off")
-    cells = [row for name in subjects for row in _rows(name, kinds)]
-    drawn = axes.table(
-        cells, colLabels=["", "", *HEADS, "squared error"], loc="center", edges="horizontal"
-    )
-    drawn.auto_set_font_size(False)
-    drawn.set_fontsize(7.5)
-    drawn.scale(1, 1.15)
-    return made
+def _sessions() -> dict[str, Any]:
+    cells = [row for name in levers()["force"] for row in ([name], *_rows(name))]
+    heads = ("frames of", *HEADS, "squared error")
+    return {"caption": _sessions_caption(), "heading": heads, "rows": cells}
 
 
-def _rows(subject: str, kinds: tuple[str, ...]) -> list[list[str]]:
+def _rows(subject: str) -> list[list[str]]:
     printed = pad.printed(subject)
     force = {each["lever"]: each for each in levers()["force"][subject]}
     at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
     found = calibrated(subject).residuals
-    rows = [
-        (*(getattr(printed, name) for name in NAMES), None),
-        *(
-            (*(each[name] for name in NAMES), each["error"])
-            for each in (force["Table 3.2 itself, with noise"], at_zero, early)
+    rows = {
+        "Table 3.2": (*(getattr(printed, name) for name in NAMES), None),
+        "its half-space, read": _fitted(force["Table 3.2 itself, with noise"]),
+        "force of Table 2.1": _fitted(at_zero),
+        "touched 0.3 mm before": _fitted(early),
+        "calibrated finger": (
+            *(found[f"array {name}"] for name in NAMES),
+            levers()["reading"][subject][0]["error"],
         ),
-        (*(found[f"array {name}"] for name in NAMES), levers()["reading"][subject][0]["error"]),
-    ]
+    }
     return [
         [
-            subject if not i else "",
             kind,
             *(f"{value:.3g}" for value in row[:3]),
             "" if row[3] is None else f"{100 * row[3]:.1f} %",
         ]
-        for i, (kind, row) in enumerate(zip(kinds, rows, strict=True))
+        for kind, row in rows.items()
     ]
+
+
+def _fitted(row: dict[str, Any]) -> tuple[float, ...]:
+    return (*(row[name] for name in NAMES), row["error"])

@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
+from fefinger.validation import condensed_drawings
 from fefinger.validation.case import Case
 from fefinger.validation.half_space import Quarter
 from numpy.typing import NDArray
@@ -99,10 +101,29 @@ def quarter(poisson: float, cells: int, thickness: float | None = None) -> Quart
     return Quarter(**BLOCK, poisson=poisson, cells=cells, thickness=thickness)
 
 
-def hertz_error(poisson: float, cells: int, part: str) -> float:
-    """Return the largest error of a press in and out of a half-space in %, over the peak.
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure: in and out of a half-space, and ten thousand steps of a finger."""
+    poisson, cells = 0.49, 4
+    yield (
+        "A ball pressed into a half-space within 0.1 s, held, and withdrawn within 0.15 s: the "
+        f"condensed block (line; {cells} cells per contact radius, nu {poisson:g}) and Hertz's "
+        "force with Ting's history (dots). The contact is lost before the ball is back.",
+        condensed_drawings.half_space(*half_space(poisson, cells)),
+    )
+    tilt, time, depth = 10.0, np.arange(STEPS) * DT, sweep()
+    yield (
+        f"{STEPS} steps of {1e3 * DT:g} ms by the condensed finger of a.h. (coarse mesh, a plate "
+        f"at 30 degrees tilted by {tilt:g}): pressed, held, shaken at 8 Hz, left and touched "
+        "again. The force relaxes and never pulls.",
+        condensed_drawings.steps(time, depth, forces(stepped("coarse", tilt=tilt))),
+    )
 
-    The oracle is Hertz's elastic force and the solution of Ting for its history.
+
+@cache
+def half_space(poisson: float, cells: int) -> tuple[Array, Array, Array, Array]:
+    """Return time in s, depth in mm, the force in mN of a press in and out, and the exact one.
+
+    That is Hertz's elastic force with the solution of Ting for its history.
     """
     block, prony = quarter(poisson, cells), pawluk_relaxation()["a.h."]
     deepest = block.contact**2 / block.radius
@@ -114,7 +135,13 @@ def hertz_error(poisson: float, cells: int, part: str) -> float:
         [Hertz(block.radius, d, block.modulus, poisson).force if d > 0 else 0.0 for d in nodes]
     )
     exact = press_by_depth(prony, time, depth, nodes).stress(instant / prony.long_time)
-    error = 100 * np.abs(block.forces(prony, time, depth) - exact) / exact.max()
+    return time, depth, block.forces(prony, time, depth), exact
+
+
+def hertz_error(poisson: float, cells: int, part: str) -> float:
+    """Return the largest error of a press in and out of a half-space in %, over the peak."""
+    time, _, found, exact = half_space(poisson, cells)
+    error = 100 * np.abs(found - exact) / exact.max()
     chosen = time <= 0.5 if part == "loading" else time > 0.5
     return float(error[chosen].max())
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from fefinger import library
 from fefinger.mechanics import solid
+from fefinger.mechanics._crept import REPORT
 from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT, read
-from fefinger.mechanics._identified import REPORT
 from fefinger.mechanics._tradeoff import REPORT as TRADEOFF
 from fefinger.mechanics._tradeoff import rules
 from fefinger.scene import Ask, Finger, Flat, Ramp, Scene

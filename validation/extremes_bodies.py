@@ -11,13 +11,12 @@ from fefinger.validation.extremes_trial import ANSWERED, REFUSED, Findings, Kind
 
 from fefinger.fem import active
 from fefinger.fem.contact import Complementarity
-from fefinger.fem.equilibrium import Asked
+from fefinger.fem.equilibrium import Asked, State
 from fefinger.fem.finite import Memory, continuum
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.loop import check
-from fefinger.fem.passage import State
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
 from fefinger.fem.strain import logarithmic

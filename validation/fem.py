@@ -26,6 +26,11 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from part.cases(quick=quick)
 
 
+def finding() -> dict[str, Any]:
+    """Return the table of fefinger beside other programs."""
+    return fem_drawings.finding()
+
+
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and matplotlib Figure."""
     yield from fem_drawings.figures()

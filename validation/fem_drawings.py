@@ -1,4 +1,4 @@
-"""Figures of the suite `fem`: fefinger beside other programs and elements, pressures, histories."""
+"""Table and figures of the suite `fem`: other programs and elements, pressures, histories."""
 
 import json
 from collections.abc import Iterator
@@ -18,27 +18,18 @@ DRAWN = (
     *("sphere, a / R = 0.3", "cone", "ellipse", "bonded layer, a = h"),
     *("bonded layer, a = h, nu 0.5", "sliding layer, a = h"),
 )
-COLUMNS = ("program", "nodes", "nu", "force %", "peak %", "pressure RMS %", "CPU s")
+COLUMNS = ("program", "nodes", "force %", "peak %", "pressure RMS %", "CPU s")
 
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and matplotlib Figure."""
-    rows = json.loads(
-        resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
-    )["rows"]
     with style():
-        yield (
-            "Hertz contact: fefinger (reports/elements.json) beside other programs, each in its "
-            "own mesh of tetrahedra and measured on two cores. Errors of force, largest pressure "
-            "and pressure over the true disk; FEBio's RMS is the scatter about its own fit.",
-            beside(rows),
-        )
         yield (
             "Elements on the same meshes: error of force and of strain against the CPU seconds of "
             "assembly, factor, loads and contact (reports/elements.json). P1 at nu = 0.4999 is "
             "beyond the axis. Right: skin on softer tissue, where one continuous pressure smears "
             "what the pressure per tissue keeps.",
-            kinds(rows),
+            kinds(measured()),
         )
         yield "Hertz pressure at nu = 0.49 on two meshes, at every vertex, over the peak.", _hertz()
         yield (
@@ -59,8 +50,25 @@ def figures() -> Iterator[tuple[str, Any]]:
         )
 
 
-def beside(rows: list[dict[str, Any]]) -> Any:
-    """Draw the rows of Hertz contact with our element as a table with other programs."""
+def measured() -> list[dict[str, Any]]:
+    """Return the rows of the report on kinds of elements."""
+    text = resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
+    rows: list[dict[str, Any]] = json.loads(text)["rows"]
+    return rows
+
+
+def finding() -> dict[str, Any]:
+    """Return the table of Hertz contact by our element and by other programs."""
+    caption = (
+        "Hertz contact: fefinger (reports/elements.json) beside other programs, each in its own "
+        "mesh of tetrahedra and measured on two cores. Errors of force, largest pressure and "
+        "pressure over the true disk; FEBio's RMS is the scatter about its own fit."
+    )
+    return {"tables": [{"caption": caption, "heading": COLUMNS, "rows": beside(measured())}]}
+
+
+def beside(rows: list[dict[str, Any]]) -> list[list[str]]:
+    """Return the rows of the table, those of a Poisson's ratio under its heading."""
     ours = [
         Peer(
             "fefinger",
@@ -74,32 +82,22 @@ def beside(rows: list[dict[str, Any]]) -> Any:
         for row in rows
         if row["case"] == "Hertz" and row["element"] == element_kinds.OURS.name
     ]
-    lines = [
-        [
-            one.program,
-            f"{one.nodes:,}",
-            f"{one.poisson:g}",
-            f"{one.force:+.2f}",
-            f"{one.peak:+.2f}",
-            f"{one.rms:.1f}",
-            _seconds(one.cpu_s),
+    lines = []
+    for poisson in sorted({one.poisson for one in ours}):
+        lines.append([f"Poisson's ratio {poisson:g}"])
+        lines += [
+            [
+                one.program,
+                f"{one.nodes:,}",
+                f"{one.force:+.2f}",
+                f"{one.peak:+.2f}",
+                f"{one.rms:.1f}",
+                _seconds(one.cpu_s),
+            ]
+            for one in (*ours, *PEERS)
+            if one.poisson == poisson
         ]
-        for one in sorted([*ours, *PEERS], key=lambda one: one.poisson)
-    ]
-    drawn = figure(WIDE, 0.3 + 0.19 * len(lines))
-    axis = drawn.subplots()
-    axis.axis("off")
-    table = axis.table(lines, colLabels=COLUMNS, loc="center", cellLoc="right", edges="horizontal")
-    table.auto_set_font_size(False)
-    table.set_fontsize(8)
-    table.auto_set_column_width(list(range(len(COLUMNS))))
-    for (row, column), cell in table.get_celld().items():
-        cell.set_edgecolor("#e8ecf0")
-        cell.set_text_props(
-            ha="left" if column == 0 else "right",
-            weight="bold" if row == 0 or lines[row - 1][0] == "fefinger" else "normal",
-        )
-    return drawn
+    return lines
 
 
 def _seconds(value: float) -> str:

@@ -17,8 +17,8 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
 from fefinger.finger import RIGID
 from fefinger.mechanics import _placing, linear, solid
-from fefinger.mechanics._hard import with_nail
-from fefinger.mechanics._press import held, press, tissues
+from fefinger.mechanics._hard import held, with_nail
+from fefinger.mechanics._press import press, tissues
 from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
 from fefinger.records import Response

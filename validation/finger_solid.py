@@ -16,7 +16,8 @@ from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.mechanics import _placing, solid
-from fefinger.mechanics._press import held, tissues
+from fefinger.mechanics._hard import held
+from fefinger.mechanics._press import tissues
 from fefinger.mechanics._squeeze import laws, squeeze
 from fefinger.mesh.ready import ready
 from fefinger.motion import Motion

@@ -15,7 +15,8 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.mechanics import _placing
-from fefinger.mechanics._press import held, tissues
+from fefinger.mechanics._hard import held
+from fefinger.mechanics._press import tissues
 from fefinger.mechanics._touch import meshed_at, sites
 from fefinger.mesh.ready import ready
 from fefinger.scene import Flat, Indenter, Sphere
@@ -38,7 +39,7 @@ def strains(resolution: str, name: str) -> Array:
     points = sites(scene, touch.origin, touch.axis).points
     probes = (
         recovered_strain_at(whole.space, points, whole.planes),
-        strain_at(whole.space, points, medial=True),
+        strain_at(whole.space, points, whole.planes),
     )
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * DEPTH)
     small = reduce(whole, on_pad, sparse.vstack(probes).tocsr())

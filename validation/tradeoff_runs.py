@@ -19,7 +19,7 @@ import numpy as np
 from fefinger.validation import tradeoff_scenes as scenes
 from numpy.typing import NDArray
 
-from fefinger import pressures
+from fefinger import cache, pressures
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.mechanics import get
 from fefinger.records import Response
@@ -68,11 +68,9 @@ class Run:
     @property
     def path(self) -> Path:
         """Where the run is kept."""
-        from platformdirs import user_cache_path
-
         key = f"{FORMAT} {self.label} {self.scene.to_toml()}"
         digest = hashlib.sha256(key.encode()).hexdigest()[:16]
-        return user_cache_path("fefinger") / "tradeoff" / f"{digest}.npz"
+        return cache.root() / "tradeoff" / f"{digest}.npz"
 
 
 def campaign() -> tuple[Run, ...]:

@@ -7,7 +7,6 @@ never checked.
 import json
 import os
 import platform
-import subprocess
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.checks import choice
+from fefinger.provenance import commit
 
 
 SUITES = ("fem", "solid", "condensed", "neural")
@@ -55,11 +55,9 @@ def as_json(figures: Iterable[Figure]) -> dict[str, Any]:
 
 def write(suite: str, figures: Iterable[Figure], folder: Path) -> Path:
     """Write bench-SUITE.json, with command, commit, machine and versions; return its path."""
-    git = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
-    commit = subprocess.run(git, capture_output=True, text=True, check=False).stdout.strip()
     record = {
         "command": f"fefinger bench {suite} -o {folder.name}",
-        "commit": commit,
+        "commit": commit(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": {name: version(name) for name in ("fefinger", "numba", "numpy", "scipy")},

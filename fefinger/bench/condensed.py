@@ -22,10 +22,10 @@ from fefinger.bench import Figure, Progress
 from fefinger.bench.fem import timed
 from fefinger.fem import active, loop, solve
 from fefinger.fem.body import body
-from fefinger.fem.condense import palmar
+from fefinger.fem.condense import Compliance, palmar
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.threads import one_thread
-from fefinger.mechanics import _kept, _operator, _press, _touch
+from fefinger.mechanics import _hard, _kept, _operator, _press, _touch
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
@@ -121,7 +121,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, _press.tissues(finger), _press.held(finger))
+    solid = body(mesh, _press.tissues(finger), _hard.held(finger))
     own, space = solid.system, solid.space
     found, factoring = timed(lambda: solve.factor(space, own.matrix, own.fixed, "superlu"))
     count = 3 * len(palmar(solid))
@@ -131,7 +131,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
     return 2 * (factoring + solving * count / LOADS)
 
 
-def _entries(built: _operator.Compliance) -> int:
+def _entries(built: Compliance) -> int:
     return sum(front.lower.size + front.below.size for front in built.fronts)
 
 

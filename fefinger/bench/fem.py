@@ -19,7 +19,8 @@ from fefinger.fem.forms import stiffness
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.probe import strain_at
 from fefinger.fem.threads import one_thread
-from fefinger.mechanics import _placing, _press
+from fefinger.indenter import STANDARD
+from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
 from fefinger.scene import Finger
 from fefinger.validation import fem_hertz
@@ -44,7 +45,7 @@ def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(scenes.load("flat-press").finger, resolution=RESOLUTION)
     mesh = ready(finger, half=True)
-    tissues, held = _press.tissues(finger), _press.held(finger)
+    tissues, held = _press.tissues(finger), _hard.held(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)
@@ -92,7 +93,7 @@ def hertz_figures() -> list[Figure]:
 
 def contact(solid: body.Body, finger: Finger) -> float:
     """Return the CPU seconds of STEPS steps of a press to DEPTH and back on a reduced finger."""
-    touch = _placing.obstacle(_press.STANDARD, solid)
+    touch = _placing.obstacle(STANDARD, solid)
     on_pad = patch(solid.space, solid.pad, solid.normals, touch, REACH)
     small = body.reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
     prony, size = finger.prony, len(on_pad.vertices)

@@ -113,7 +113,9 @@ def calibrate(
         A fit or a press that fails.
     """
     choice("mechanics", mechanics, MECHANICS)
-    wanted = _target(source, finger)
+    start = finger or Finger.subject(_named(source))
+    work = Work(replace(start, resolution=resolution), progress)
+    wanted = _target(work, source)
     if check is not None and isinstance(wanted, Bulk):
         msg = (
             "check: expected the record of a user (DATA.csv) beside it, because it is predicted "
@@ -121,13 +123,8 @@ def calibrate(
             "checked on sinusoids by themselves"
         )
         raise InputError(msg)
-    start = finger or Finger.subject(wanted.name)
     measured = None if frames is None else target.frames(frames)
     again = None if check is None else target.unloading(check)
-    work = Work(replace(start, resolution=resolution), progress)
-    if isinstance(wanted, Record):
-        with work.stage("lumped") as misfit:
-            misfit(math.sqrt(wanted.lumped.mse))
     rung = {"condensed": condensed, "solid": solid}[mechanics]
     done = rung(work, wanted, measured)
     return done if again is None else checked(done, again)
@@ -211,19 +208,29 @@ def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
     return family(exponents, radius, found.__getitem__)
 
 
-def _target(source: str | Path, finger: Finger | None) -> Bulk | Record:
+def _named(source: str | Path) -> str:
+    """Return the subject that a source is, whose size a finger has that is not given."""
+    names = [each for each in library.pawluk_bulk() if each != "means"]
+    if isinstance(source, str) and source in names:
+        return source
+    msg = (
+        f"{source}: expected the size of the finger beside a record, received none; give width "
+        "and thickness in mm, or the subject whose size it has"
+    )
+    if not Path(source).exists():
+        known = ", ".join(names)
+        msg = f"calibrate: expected a subject ({known}) or a CSV file, received {str(source)!r}"
+    raise InputError(msg)
+
+
+def _target(work: Work, source: str | Path) -> Bulk | Record:
+    """Return what is to be met, of a record after its lumped fit."""
     if isinstance(source, str) and source in library.subjects():
         return target.subject(source)
-    if finger is None:
-        msg = (
-            f"{source}: expected the size of the finger beside a record, received none; give width "
-            "and thickness in mm, or the subject whose size it has"
-        )
-        if not Path(source).exists():
-            names = ", ".join(each for each in library.pawluk_bulk() if each != "means")
-            msg = f"calibrate: expected a subject ({names}) or a CSV file, received {str(source)!r}"
-        raise InputError(msg)
-    return target.record(source)
+    with work.stage("lumped") as misfit:
+        found = target.record(source)
+        misfit(found.lumped_misfit)
+    return found
 
 
 def _forces(

@@ -58,14 +58,12 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
-    found = []
     with ProcessPoolExecutor(min(workers, len(todo)), mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(_one, job) for job in todo]
         for done, _ in enumerate(as_completed(futures), start=1):
             if report is not None:
                 report("subjects", done / len(todo))
-        found = [future.result() for future in futures]
-    return found
+        return [future.result() for future in futures]
 
 
 def _one(job: Job) -> Calibration:
@@ -95,7 +93,7 @@ def save(found: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
 
 def summary(found: Calibration) -> str:
     """Return a calibration as text: parameters, misfits, what was not found, stages."""
-    from fefinger.console import table
+    from fefinger.text import table
 
     rows = [
         [

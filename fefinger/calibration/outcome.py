@@ -19,10 +19,17 @@ from fefinger.calibration.force import (
     stiffness,
 )
 from fefinger.calibration.inverse import Solution
-from fefinger.calibration.record import Calibration, Stage, parameters_of, tissue
+from fefinger.calibration.record import (
+    Calibration,
+    Stage,
+    correlations_of,
+    parameters_of,
+    tissue,
+)
 from fefinger.calibration.target import Bulk, Record
 from fefinger.finger import Finger
 from fefinger.motion import RampSinusoid
+from fefinger.theory import doubt
 from fefinger.theory.lumped import contact_force
 from fefinger.tissue import Tissue
 
@@ -91,7 +98,7 @@ def outcome(
             "resolution": finger.resolution,
         },
         parameters=parameters_of(solution),
-        correlations=tuple(tuple(row) for row in solution.correlation.tolist()),
+        correlations=correlations_of(solution),
         residuals=residuals,
         unidentified=_unidentified(wanted, found, array or {}),
         stages=tuple(stages),
@@ -194,6 +201,10 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
             f"the presses go to {found.curve.deepest:.3g} mm, the target to {deep:.3g} mm: beyond, "
             "the logarithm of the force goes on as a straight line"
         )
+    if isinstance(wanted, Record):
+        lumped = wanted.lumped
+        spread = lumped.uncertainty["x0"]
+        said += doubt.bias(wanted.record, lumped.prony, lumped.spring.x0, spread)
     if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")
     if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:

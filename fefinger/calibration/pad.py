@@ -104,7 +104,10 @@ def thesis_fit(frames: Frames) -> PadFit:
     try:
         found = fit_fingerpad(frames.depth, frames.pressure, frames.distance)
     except ValueError as error:
-        msg = f"frames: the fit of Eq. 3.17 did not end: {error}"
+        msg = (
+            f"frames: the fit of Eq. 3.17 did not end ({error}); check that their position is in "
+            "mm from touch"
+        )
         raise ConvergenceError(msg) from None
     values = found.parameters
     return PadFit(values["radius"], values["m"], values["c0_b"], found.error)

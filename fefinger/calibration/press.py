@@ -11,10 +11,12 @@ import json
 import os
 import tempfile
 import time
+import zlib
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,9 @@ from fefinger.theory.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]
+
+DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
+"""What reading a press raises that is not there or damaged: it is solved again."""
 
 FORMAT = 5
 """Raised when the mechanics or this file change, so that presses are solved again."""
@@ -73,7 +78,7 @@ def press(finger: Finger, mechanics: str, part: float | None = None) -> Press:
     """
     scene = pressed(finger, part or PART[mechanics])
     place = root() / f"{key(scene, mechanics)}.npz"
-    with suppress(OSError, ValueError, KeyError), np.load(place) as kept:
+    with suppress(*DAMAGED), place.open("rb") as opened, np.load(opened) as kept:
         depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
         return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
     found = _solved(scene, mechanics)

@@ -60,10 +60,10 @@ class Calibration:
     """A finger that was fitted to a subject or a record.
 
     target and mechanics: names; finger: width and thickness mm, pad_radius mm, resolution;
-    parameters; correlations (n, n) in their order, of what was searched for; residuals: misfits by
-    name; unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers;
-    prony: G; deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions
-    of what was not fitted, by name.
+    parameters; correlations (n, n) of them, in their order; residuals: misfits by name;
+    unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers; prony: G;
+    deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions of what
+    was not fitted, by name.
     """
 
     target: str
@@ -201,13 +201,29 @@ def parameters_of(found: Solution) -> tuple[Parameter, ...]:
 
 def weights_of(found: Solution) -> tuple[list[float], list[float]]:
     """Return c0, c1, ... and their standard deviations, from the ratios to c0."""
+    weights, jacobian = _weights(found)
+    deviations = np.sqrt(np.diag(jacobian @ found.covariance @ jacobian.T))
+    return weights.tolist(), deviations.tolist()
+
+
+def correlations_of(found: Solution) -> tuple[tuple[float, ...], ...]:
+    """Return the correlations (n, n) of `parameters_of`, in its order."""
+    kept = [i for i, each in enumerate(found.unknowns) if not each.name.endswith("/c0")]
+    jacobian = np.concatenate([np.eye(len(found.unknowns))[kept], _weights(found)[1]])
+    covariance = jacobian @ found.covariance @ jacobian.T
+    deviation = np.sqrt(np.diag(covariance))
+    return tuple(tuple(row) for row in (covariance / np.outer(deviation, deviation)).tolist())
+
+
+def _weights(found: Solution) -> tuple[Array, Array]:
+    """Return c0, c1, ... and their derivatives (n, n_unknowns) by what was searched for."""
     at = [i for i, each in enumerate(found.unknowns) if each.name.endswith("/c0")]
     shares = np.array([1.0, *(found.values[found.unknowns[i].name] for i in at)])
     weights = shares / shares.sum()
-    jacobian = -np.outer(weights, weights[1:])
-    jacobian[1:] += np.diag(weights[1:])
-    covariance = jacobian @ found.covariance[np.ix_(at, at)] @ jacobian.T
-    return weights.tolist(), np.sqrt(np.diag(covariance)).tolist()
+    jacobian = np.zeros((len(weights), len(found.unknowns)))
+    jacobian[:, at] = -np.outer(weights, weights[1:])
+    jacobian[1:, at] += np.diag(weights[1:])
+    return weights, jacobian
 
 
 def tissue(law: Tissue) -> dict[str, Any]:

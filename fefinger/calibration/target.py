@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from fefinger import fitting, library
 from fefinger.checks import InputError, choice
 from fefinger.theory.identify import Identification, joint
-from fefinger.theory.lumped import Spring, constant_velocity
-from fefinger.theory.ramphold import RampHold, averages, split
+from fefinger.theory.lumped import Spring, constant_velocity, force
+from fefinger.theory.ramphold import RampHold, averages, deviation_of, split
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.sensor import ArraySensor
 
@@ -77,6 +77,14 @@ class Record:
     position: Array
     force: Array
     force_sd: Array
+
+    @property
+    def lumped_misfit(self) -> float:
+        """What the lumped model misses over what the data allow, as of a `Stage`."""
+        model = force(self.lumped.spring, self.lumped.prony, self.time, self.position)
+        missed = (model - self.force) / self.force_sd
+        # The weights of G sum to 1, so one of the parameters is not free.
+        return float(missed @ missed) / max(1, len(missed) - len(self.lumped.parameters) + 1)
 
 
 @dataclass(frozen=True)
@@ -154,10 +162,8 @@ def made(name: str, time: Array, position: Array, force: Array) -> Record:
         msg = f"{name}: expected a force that rises on the ramp and falls in the hold, but {error}"
         raise InputError(msg) from None
     _check_finger(name, parts, found)
-    t, x, f, size = averages(parts)
-    stiffness = np.where(x > found.spring.x0, found.spring.stiffness(found.spring.force(x)), 0.0)
-    noise = np.hypot(parts.force_noise, stiffness * parts.position_noise)
-    sd = np.hypot(np.maximum(noise, 1e-6 * f.max()) / np.sqrt(size), MESH * f)
+    t, x, f, _ = averages(parts)
+    sd = np.hypot(deviation_of(parts, found.spring, found.prony), MESH * f)
     return Record(name, parts, found, t, x, f, sd)
 
 

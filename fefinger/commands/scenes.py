@@ -4,6 +4,7 @@ import click
 
 from fefinger import console
 from fefinger.commands.options import json_option
+from fefinger.text import table
 
 
 @click.command()
@@ -27,4 +28,4 @@ def scenes(name: str | None, as_json: bool) -> None:
     if as_json:
         console.print_json({"scenes": [{"name": n, "summary": summary} for n, summary in rows]})
     else:
-        click.echo(console.table(rows))
+        click.echo(table(rows))

@@ -25,7 +25,7 @@ RESIDUAL = 1e-13  # of the largest offset, above which a solution is refined
 FALLING = 0.05  # what has to be left of a residual, or H is made anew
 REFINED = 1e-10  # of the largest offset: a residual that no longer falls from there is a failure
 
-DONE, ENDLESS, SINGULAR, MISSED, BEYOND = 0, 1, 2, 3, 4
+DONE, ENDLESS, SINGULAR, MISSED, BEYOND, TURNED = 0, 1, 2, 3, 4, 5
 
 K, SOLVED, ROUNDS, EXCHANGED, REBUILT = 0, 1, 2, 3, 4
 """Places in `Active.counts`: active vertices; solutions, rounds of exchange in them and vertices

@@ -34,6 +34,7 @@ LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the neares
 SHARP = 0.05  # least rise of an edge over the chord of a side
 TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
 FAINT = 2e-3  # of the highest pressure: what holds a facet spreads so much over open gaps beside it
+ROWS = 4096  # fits at a time, as far as memory is near
 SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
 
 
@@ -61,28 +62,32 @@ class Surface:
         pressed (n_t, n) are the vertices `touching`, gap (n_t, n) mm the distance of every
         vertex from the obstacle, along its normal; FAR where that is not ahead.
         """
-        rims = _Rims.of(self)
-        areas = np.zeros(len(gap))
-        last = -1
-        for k in np.flatnonzero(pressed.any(axis=1)).tolist():
-            if last >= 0 and np.array_equal(pressed[k], pressed[last]):
-                change = np.abs(gap[k] - gap[last]).max()
-                if change <= SAME * np.abs(gap[k]).max():
-                    areas[k] = areas[last]
-                    continue
-            ended = self._ended(pressed[k], gap[k], rims.areas)
-            areas[k], last = rims.area(pressed[k], gap[k]) if ended is None else ended, k
-        return areas
+        rims, areas = _Rims.of(self), np.zeros(len(gap))
+        closed = pressed | (gap <= 0)  # pressures alternate towards an edge
+        source = _sources(pressed, gap)
+        ended: dict[bytes, float | None] = {}
+        alike: dict[bytes, list[int]] = {}
+        for k in np.unique(source[source >= 0]).tolist():
+            key = closed[k].tobytes()
+            if key not in ended:
+                ended[key] = self._ended(closed[k], rims.areas)
+            known = ended[key]
+            if known is None:
+                alike.setdefault(pressed[k].tobytes(), []).append(k)
+            else:
+                areas[k] = known
+        for times in alike.values():
+            areas[times] = rims.area(pressed[times[0]], gap[times])
+        return np.asarray(np.where(source >= 0, areas[source], 0.0))
 
-    def _ended(self, pressed: Flags, gap: Array, areas: Array) -> float | None:
-        """Return the area of a contact that ends at edges; None of one that ends elsewhere.
+    def _ended(self, closed: Flags, areas: Array) -> float | None:
+        """Return the area of a contact (n,) that ends at edges; None of one that ends elsewhere.
 
         Between a vertex in contact and one that is free, it ends where the obstacle stands out
         most over the line between them; without an edge, half way.
         """
         if self.obstacle is None:
             return None
-        closed = pressed | (gap <= 0)  # pressures alternate towards an edge
         count = closed[self.triangles].sum(axis=1)
         mixed = np.flatnonzero((count > 0) & (count < 3))
         sides = self.triangles[mixed][:, SIDES]
@@ -111,6 +116,20 @@ class Surface:
         distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
         chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
         return distance, chord - distance
+
+
+def _sources(pressed: Flags, gap: Array) -> Integers:
+    """Return at which time (n_t,) each area is found: an earlier one at rest, -1 without contact.
+
+    As the gaps hardly change there, that is the last one that was found.
+    """
+    sources, last = np.full(len(gap), -1), -1
+    for k in np.flatnonzero(pressed.any(axis=1)).tolist():
+        same = last >= 0 and np.array_equal(pressed[k], pressed[last])
+        if not same or np.abs(gap[k] - gap[last]).max() > SAME * np.abs(gap[k]).max():
+            last = k
+        sources[k] = last
+    return sources
 
 
 def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
@@ -151,29 +170,41 @@ class _Rims:
         edge = np.sqrt(2 * total / np.maximum(around, 1))
         return cls(surface.triangles, areas, surface.points, across, near, edge)
 
-    def area(self, pressed: Flags, gap: Array) -> float:
-        """Return the area at one time."""
+    def area(self, pressed: Flags, gap: Array) -> Array:
+        """Return the areas (n_t,) at times with gaps (n_t, n) that have one contact (n,)."""
         count = pressed[self.triangles].sum(axis=1)
-        edge = np.zeros(len(gap), dtype=bool)
+        edge = np.zeros(len(pressed), dtype=bool)
         edge[self.triangles[(count > 0) & (count < 3)]] = True
-        crossed = edge[self.triangles].any(axis=1)  # the rim may lie one triangle farther out or in
+        by_rim = edge[self.triangles]  # the rim may lie one triangle farther out or in
+        crossed = np.asarray(by_rim.any(axis=1))
         inner = float(self.areas[~crossed & (count == 3)].sum())
         rim = np.unique(self.triangles[crossed])
         if not len(rim):
-            return inner
-        phi, bend, fitted = self._fits(rim, pressed, gap)
-        place = np.zeros(len(gap), dtype=np.int64)
-        place[rim] = np.arange(len(rim))
-        corner = place[self.triangles[crossed]]
-        share, chord = _below_zero(phi[corner], self.across[self.triangles[crossed]])
-        curved = np.clip(bend[corner].mean(axis=1) * chord, -1.0, 1.0) * chord**2 / 12
-        known = fitted[corner].all(axis=1)
-        cut = np.where(known, share * self.areas[crossed] + curved, 0.0)
-        whole = np.where(known, 0.0, count[crossed] / 3 * self.areas[crossed])
-        found = inner + float((cut + whole).sum())
+            return np.full(len(gap), inner)
+        few = range(max(1, ROWS // len(rim)), len(gap), max(1, ROWS // len(rim)))
+        parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
+        whole = count[crossed] / 3 * self.areas[crossed]
+        found = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
         vertices = float((count * self.areas).sum()) / 3
         # Under an edge the gap does not grow smoothly, and its power means nothing.
-        return found if vertices < PLAUSIBLE * found < PLAUSIBLE**2 * vertices else vertices
+        plausible = (vertices < PLAUSIBLE * found) & (PLAUSIBLE * found < PLAUSIBLE**2 * vertices)
+        return np.asarray(np.where(plausible, found, vertices))
+
+    def _cut(
+        self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
+    ) -> tuple[Array, Flags]:
+        """Return the areas (n_t, n_crossed) of the triangles by the rim, and if they are known."""
+        phi, bend, fitted = self._fits(rim, pressed, gap)
+        place = np.zeros(len(pressed), dtype=np.int64)
+        place[rim] = np.arange(len(rim))
+        corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
+        corners = np.tile(self.across[self.triangles[crossed]], (len(gap), 1, 1))
+        share, chord = (
+            x.reshape(shape) for x in _below_zero(phi[:, corner].reshape(-1, 3), corners)
+        )
+        curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
+        known = np.asarray(fitted[:, corner].all(axis=2))
+        return share * self.areas[crossed] + curved, known
 
     def _offsets(self, rim: Integers) -> Array:
         """Return where (n, k, 2) mm the neighbors of `rim` are, as far as they are in space.
@@ -188,17 +219,22 @@ class _Rims:
         return np.asarray(seen * np.where(short > 0, stretch, 1.0)[..., None])
 
     def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
-        """Return phi, the curvature of its zero level, and whether they are known, at `rim`."""
-        near = self.near[rim]
-        offset = self._offsets(rim) / self.edge[rim, None, None]
+        """Return phi, the curvature of its zero level, and whether they are known, at `rim`.
+
+        All (n_t, n_rim), of gaps (n_t, n); a fit is a row, those of one time stand together.
+        """
+        near, times = self.near[rim], len(gap)
+        size = np.tile(self.edge[rim], times)
+        offset = np.tile(self._offsets(rim), (times, 1, 1)) / size[:, None, None]
         within = np.linalg.norm(offset, axis=2) < REACH
+        apart, touched = gap[:, near].reshape(len(size), -1), np.tile(pressed[near], (times, 1))
         # A gap counts if it is wider than what is left of it inside the contact nearby.
-        left = np.where(within & pressed[near], np.abs(gap[near]), 0.0).max(axis=1, keepdims=True)
-        outside = ~pressed[near] & (gap[near] > left) & (gap[near] < FAR)
+        left = np.where(within & touched, np.abs(apart), 0.0).max(axis=1, keepdims=True)
+        outside = ~touched & (apart > left) & (apart < FAR)
         close = outside & within
         first = outside & (np.cumsum(outside, axis=1) <= FIRST)
         used = np.where(close.sum(axis=1, keepdims=True) >= LEAST, close, first)
-        values = np.maximum(gap[near], 0.0) ** (2 / 3)
+        values = np.maximum(apart, 0.0) ** (2 / 3)
         weights = np.where(used, values**2, 0.0)
         weights /= np.maximum(weights.max(axis=1, keepdims=True), 1e-300)
         one = np.ones_like(values)
@@ -209,8 +245,9 @@ class _Rims:
         t = offset[..., 1] * outward[:, None, 0] - offset[..., 0] * outward[:, None, 1]
         fit = _fitted(np.stack([one, s, t, t**2], axis=2), values, weights)
         fitted = (used.sum(axis=1) >= LEAST) & (fit[:, 1] > 0)
-        bend = 2 * fit[:, 3] / np.where(fitted, fit[:, 1], 1.0) / self.edge[rim]
-        return fit[:, 0], np.where(fitted, bend, 0.0), fitted
+        bend = np.where(fitted, 2 * fit[:, 3] / np.where(fitted, fit[:, 1], 1.0) / size, 0.0)
+        shape = (times, len(rim))
+        return fit[:, 0].reshape(shape), bend.reshape(shape), fitted.reshape(shape)
 
 
 def _fitted(basis: Array, values: Array, weights: Array) -> Array:

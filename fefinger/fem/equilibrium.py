@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.fem.anderson import Anderson
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import depth_at
@@ -35,7 +36,7 @@ RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new fa
 SOON = 3  # iterations that a factor is given at least
 STIFF = 2.0  # what a factor need not know of what holds a facet, in shear moduli over its size
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
-BED = 4.0  # stiffness under the contact, in shear moduli over the size of the patch
+BEDS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
 DESCENT = 150  # iterations downhill
@@ -79,7 +80,9 @@ class Equilibrium:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
-        self._excess = 0
+        self._excess, self._bed = 0, 0
+        # A tangent has as many negative eigenvalues as pressures where the body is stable.
+        self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest = np.zeros(body.space.n_unknowns)
         first = rough(body.space, system.matrix, system)
         _, loads = contact.gaps(at_rest, 0.0)
@@ -106,7 +109,7 @@ class Equilibrium:
     def _search(self, start: State, asked: Asked, *, whole: bool = True) -> State:
         """Iterate from `start`, accelerated; with true tangents if `whole`."""
         state, sound = start, start
-        mixing, retreats, error, renewed = _Anderson(MEMORY), 0, np.inf, -SOON
+        mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
         best, found, stuck = np.inf, 0, STUCK if whole else PATIENCE
         for count in range(ITERATIONS):
             look = self._look(state, asked)
@@ -115,7 +118,7 @@ class Equilibrium:
                 if retreats > RETREATS or sound is start:
                     break
                 state = replace(state, values=(state.values + sound.values) / 2)
-                mixing = _Anderson(MEMORY)
+                mixing = Anderson(MEMORY)
                 continue
             sound, error = state, look.error
             if error <= EQUILIBRIUM:
@@ -128,13 +131,13 @@ class Equilibrium:
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
             if worn or (count - renewed >= SOON and self._outgrown(look.hold, asked)):
                 self._renew(state, asked, whole=whole)
-                mixing, renewed = _Anderson(MEMORY), count
+                mixing, renewed = Anderson(MEMORY), count
             state = self._step(look, mixing)
         raise _missed(error, count + 1)
 
     def _descend(self, start: State, asked: Asked) -> State:
         """Go downhill from `start` with tangents made positive definite, accelerated at the end."""
-        state, sound, plain = start, start, _Anderson(1)
+        state, sound, plain = start, start, Anderson(1)
         last, calm, sure, best, found = np.inf, 0, SURE, np.inf, 0
         self._renew(start, asked, whole=False)
         for count in range(DESCENT):
@@ -223,8 +226,8 @@ class Equilibrium:
 
         Without what it leans on, a body under pressure may be about to buckle. Under depth control
         the true tangent is therefore factored with a stiffness of its own against what the contact
-        forbids anyhow; `_step` takes its force off again. Unless `whole`, it is made positive
-        definite instead.
+        forbids anyhow, the least of BEDS on which it is stable; `_step` takes its force off again.
+        Unless `whole`, it is made positive definite instead.
 
         Raises
         ------
@@ -238,21 +241,32 @@ class Equilibrium:
         if hold.stiffness.nnz:
             matrix = matrix + hold.stiffness
         touched, bed = state.pressure > 0, 0.0
-        if whole and asked.control == "depth":
-            bed = BED * gain * body.scale / float(np.sqrt(contact.travel.sum()))
-            matrix = matrix + bed * contact.bed(state.values, state.depth, touched)
+        if not (whole and asked.control == "depth"):
+            renewed = self._rough(matrix)
+        else:
+            under = contact.bed(state.values, state.depth, touched)
+            unit = gain * body.scale / float(np.sqrt(contact.travel.sum()))
+            while True:
+                bed = BEDS[self._bed] * unit
+                renewed = self._rough(matrix + bed * under)
+                if renewed.negative <= self._pressures or self._bed == len(BEDS) - 1:
+                    break
+                self._bed += 1
+        self._factored = _Factored(
+            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0), hold.rise
+        )
+        self._excess = 0
+
+    def _rough(self, matrix: sparse.csr_matrix) -> Single:
+        self.factors += 1
         try:
-            renewed = rough(body.space, matrix, self.system)
+            return rough(self.body.space, matrix, self.system)
         except InputError as error:
             # The body at rest was factored, so that it is this iterate that has gone astray.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
-        self._factored = _Factored(
-            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0), hold.rise
-        )
-        self.factors, self._excess = self.factors + 1, 0
 
-    def _step(self, look: "_Look", mixing: "_Anderson") -> State:
+    def _step(self, look: "_Look", mixing: "Anderson") -> State:
         """Return the state after one iteration."""
         state, asked, gaps, loads = look.state, look.asked, look.gaps, look.loads
         held, travel = self._factored, self.contact.travel
@@ -367,27 +381,3 @@ class _Factored:
         seen = self.known >= 0
         weights[self.known[seen]] = pressure[seen]
         return np.asarray(weights @ self.columns, dtype=np.float64)
-
-
-class _Anderson:
-    """Acceleration of a fixed-point iteration (Anderson, J. ACM 12:547, 1965)."""
-
-    def __init__(self, depth: int) -> None:
-        self.depth = depth
-        self.points: list[Array] = []
-        self.changes: list[Array] = []
-
-    def next(self, point: Array, change: Array) -> Array:
-        """Return the next point after `point`, which the iteration would move by `change`."""
-        self.points = [*self.points, point][-self.depth :]
-        self.changes = [*self.changes, change][-self.depth :]
-        if len(self.points) == 1:
-            return point + change
-        differences = np.diff(self.changes, axis=0)
-        square = differences @ differences.T
-        if not np.isfinite(square).all():
-            message = "equilibrium: the iteration ran away; take shorter steps"
-            raise ConvergenceError(message)
-        weights = np.linalg.lstsq(square, differences @ change, rcond=1e-12)[0]
-        moved = np.diff(self.points, axis=0) + differences
-        return np.asarray(point + change - weights @ moved)

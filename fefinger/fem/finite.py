@@ -13,7 +13,7 @@ from scipy import sparse
 from skfem import Basis, ElementTetP1
 
 from fefinger.checks import InputError
-from fefinger.fem import kernels
+from fefinger.fem import assembly, kernels
 from fefinger.fem.laws import Law
 from fefinger.fem.spaces import Array, Integers, Space
 
@@ -160,11 +160,6 @@ def continuum(
 def _pattern(space: Space) -> tuple[sparse.csr_matrix, NDArray[np.int32]]:
     """Return a matrix with every place that cells fill, and the places of each cell's entries."""
     n, members = space.n_unknowns, space.unknowns
-    cells = np.repeat(np.arange(len(members)), members.shape[1])
-    filled = np.ones(members.size, dtype=np.int8)
-    incidence = sparse.csr_matrix((filled, (members.ravel(), cells)), shape=(n, len(members)))
-    places = (incidence @ incidence.T).tocsr()
-    places.sort_indices()
-    data = np.zeros(places.nnz)
-    pattern = sparse.csr_matrix((data, places.indices, places.indptr), shape=(n, n))
-    return pattern, kernels.slots(members, pattern.indptr, pattern.indices)
+    starts, columns = assembly.pattern(members, n)
+    pattern = sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n))
+    return pattern, kernels.slots(members, starts, columns)

@@ -322,7 +322,9 @@ def energy(
 
 
 @njit(cache=True)
-def slots(members: Integers, starts: Integers, columns: Integers) -> NDArray[np.int32]:
+def slots(
+    members: Integers, starts: NDArray[np.int32], columns: NDArray[np.int32]
+) -> NDArray[np.int32]:
     """Return where the entries (n_cells, 34, 34) of each cell stand in a sorted CSR matrix."""
     found = np.empty((len(members), members.shape[1], members.shape[1]), dtype=np.int32)
     for e in range(len(members)):

@@ -10,11 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import active as contact
-from fefinger.fem.active import BEYOND, CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active, Floats
+from fefinger.fem.active import (
+    BEYOND,
+    CORRECTIONS,
+    DONE,
+    ENDLESS,
+    MISSED,
+    SINGULAR,
+    Active,
+    Floats,
+)
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
 from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH
@@ -77,15 +85,16 @@ FORCE, AREA, X, Y = 0, 1, 2, 3
 class Output(NamedTuple):
     """What is read off the pad after a step.
 
-    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, rim (n,) where
-    contact is more than the patch can answer; elastic (n,) kPa the pressure q of the linear
-    body; rows (n, n_strains) the strains under unit pressures, of either precision, chosen (n,) and
-    factor (n,) those that count; strain (n_strains,); summary (4,).
+    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, limits (n,) what
+    contact there comes to: DONE, or BEYOND or TURNED on the rim of the patch or of the indenter;
+    elastic (n,) kPa the pressure q of the linear body; rows (n, n_strains) the strains under unit
+    pressures, of either precision, chosen (n,) and factor (n,) those that count; strain
+    (n_strains,); summary (4,).
     """
 
     areas: Array
     moments: Array
-    rim: NDArray[np.bool_]
+    limits: Integers
     elastic: Array
     rows: Floats
     chosen: Integers
@@ -129,8 +138,8 @@ def advance(
     g = recall(m, dt)
     failed = _find(s, m, g, target, by_force, stiffening)
     for j in range(len(s.x)):
-        if failed == DONE and out.rim[j] and s.x[j] > 0.0:
-            failed = BEYOND
+        if failed == DONE and s.x[j] > 0.0:
+            failed = out.limits[j]
     if failed != DONE:
         contact.restore(s, active)
         m.depth[0] = depth
@@ -264,8 +273,8 @@ def check(outcome: int, deepest: float = np.inf) -> None:
     if outcome == BEYOND:
         message = (
             f"step: expected contact inside the candidates for a depth of {deepest:g} mm, but it "
-            "reaches their rim; make the finger with a larger `deepest`, press less, or take a "
-            "larger indenter"
+            "reaches their rim; make the finger with a larger `deepest`, or press less where the "
+            "pad ends"
         )
         raise InputError(message)
     if outcome != DONE:

@@ -1,6 +1,6 @@
 """Fields at points: strain of a displacement at end-organ sites and at mesh vertices."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,33 +21,38 @@ ODD = (3, 4)
 """Components that change sign in the mirror y = 0."""
 
 
-def strain_at(space: Space, points: Array, *, medial: bool = False) -> sparse.csr_matrix:
+def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
     """Return the operator (6 n_points, n_unknowns) from unknowns to the strain at `points`.
 
-    A point that several cells share gets their mean, as strain jumps between cells. With `medial`
-    the plane y = 0 is a mirror: a point on it gets the mean with its image.
+    A point that several cells share gets their mean, as strain jumps between cells. `planes` are
+    the axes across whose coordinate plane the body goes on as its mirror image: a point on one gets
+    the mean with its image.
 
     Raises
     ------
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    mirrored = np.ones((len(points), 6))
-    if medial:
-        mirrored[np.ix_(points[:, 1] == 0, ODD)] = 0.0
+    mirrored = _mirrored(points, planes)[:, *np.transpose(VOIGT)]
     return _at_points(space, points, _strain_rows, mirrored)
 
 
-def gradient_at(space: Space, points: Array, *, medial: bool = False) -> sparse.csr_matrix:
+def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
     """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at `points`, i before j.
 
-    Shared points and the mirror are treated as by `strain_at`, which raises the same error.
+    Shared points and mirrors are treated as by `strain_at`, which raises the same error.
     """
-    mirrored = np.ones((len(points), 3, 3))
-    if medial:
-        on = points[:, 1] == 0
-        mirrored[on, 1, ::2] = mirrored[on, ::2, 1] = 0.0
-    return _at_points(space, points, _gradient_rows, mirrored)
+    return _at_points(space, points, _gradient_rows, _mirrored(points, planes))
+
+
+def _mirrored(points: Array, planes: Sequence[int]) -> Array:
+    """Return what the mean with its image leaves of a point's gradient (n_points, 3, 3): 1 or 0."""
+    left = np.ones((len(points), 3, 3))
+    for axis in planes:
+        across = np.arange(3) == axis
+        left[np.ix_(points[:, axis] == 0, across, ~across)] = 0.0
+        left[np.ix_(points[:, axis] == 0, ~across, across)] = 0.0
+    return left
 
 
 def _at_points(space: Space, points: Array, rows_at: Rows, mirrored: Array) -> sparse.csr_matrix:
@@ -112,14 +117,10 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    origin = space.points[space.vertices[:, 0]]
-    inverse = _inverse_jacobians(space)
     owners, cells, local = [], [], []
-    for k, point in enumerate(points):
-        inner = np.einsum("eij,ej->ei", inverse, point - origin)
-        least = np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1))
-        if least.max() < -INSIDE:
-            listed = ", ".join(f"{x:.3g}" for x in point)
+    for k, (near, inner, least) in enumerate(_coordinates(space, points)):
+        if not (least >= -INSIDE).any():
+            listed = ", ".join(f"{x:.3g}" for x in points[k])
             message = (
                 f"site ({listed}) mm: expected a point in the soft tissue, received one outside; "
                 "choose a smaller depth or another place on the pad"
@@ -127,7 +128,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
             raise InputError(message)
         found = np.flatnonzero(least >= min(least.max(), -SHARED))
         owners.append(np.full(len(found), k))
-        cells.append(found)
+        cells.append(near[found])
         local.append(inner[found])
     if not cells:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
@@ -136,12 +137,25 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
 
 def inside(space: Space, points: Array) -> NDArray[np.bool_]:
     """Return which points (n, 3) mm lie in the body, by the measure of `locate`."""
-    origin, inverse = space.points[space.vertices[:, 0]], _inverse_jacobians(space)
-    found = np.zeros(len(points), dtype=np.bool_)
-    for k, point in enumerate(points):
-        inner = np.einsum("eij,ej->ei", inverse, point - origin)
-        found[k] = np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1)).max() >= -INSIDE
-    return found
+    holds = [(least >= -INSIDE).any() for _, _, least in _coordinates(space, points)]
+    return np.array(holds, dtype=np.bool_)
+
+
+def _coordinates(space: Space, points: Array) -> Iterator[tuple[Integers, Array, Array]]:
+    """Give, per point, the cells near it, its reference coordinates (m, 3) and its least one (m,).
+
+    The least of the four barycentric ones: 0 or more in a cell. Near are the cells in whose sphere
+    the point lies, which are all that may hold it.
+    """
+    corners = space.points[space.vertices]
+    centers, inverse = corners.mean(axis=1), _inverse_jacobians(space)
+    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+    reach = ((1 + 8 * INSIDE) * radii) ** 2
+    for point in points:
+        apart = centers - point
+        near = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= reach)
+        inner = np.einsum("eij,ej->ei", inverse[near], point - corners[near, 0])
+        yield near, inner, np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1))
 
 
 def _inverse_jacobians(space: Space) -> Array:

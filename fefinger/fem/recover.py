@@ -71,7 +71,7 @@ class _Around:
     """
 
     def __init__(self, space: Space, planes: Sequence[int]) -> None:
-        self.space = space
+        self.space, self.planes = space, planes
         self.signs = np.ones((1, 3))
         for axis in planes:
             flip = np.where(np.arange(3) == axis, -1.0, 1.0)
@@ -128,7 +128,7 @@ def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
             values = slopes[None] * signs.T[:, None]  # (i, j, n): du_i / dX_j
             where = (np.arange(9).repeat(len(nodes)), columns.T.repeat(3, axis=0).ravel())
             return sparse.coo_matrix((values.ravel(), where), (9, space.n_unknowns)).tocsr()
-    return gradient_at(space, point[None])
+    return gradient_at(space, point[None], around.planes)
 
 
 def _slopes(offsets: Array) -> Array | None:
@@ -141,7 +141,8 @@ def _slopes(offsets: Array) -> Array | None:
     near = distance < 3 * reach
     weights = np.zeros(len(distance))
     weights[near] = np.exp(-FADE * (distance[near] / reach) ** 2)
-    monomials = np.prod((offsets / reach)[:, None, :] ** POWERS, axis=2) * weights[:, None]
+    x, y, z = (offsets / reach).T[:, :, None] ** np.arange(4)
+    monomials = x[:, POWERS[:, 0]] * y[:, POWERS[:, 1]] * z[:, POWERS[:, 2]] * weights[:, None]
     left, size, right = np.linalg.svd(monomials, full_matrices=False)
     if size[-1] < RANK * size[0]:
         return None

@@ -32,13 +32,15 @@ class Single:
     """F^-1 and R F^-1 of all fronts.
 
     order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
-    these; values: F^-1 and R F^-1, front by front and row by row.
+    these; values: F^-1 and R F^-1, front by front and row by row; negative: how many eigenvalues
+    of the matrix are, by Sylvester's law of inertia.
     """
 
     order: Integers
     table: Integers
     rest: Integers
     values: Floats
+    negative: int
 
     @property
     def entries(self) -> int:
@@ -68,7 +70,8 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
         arranged.data = arranged.data.astype(np.float32)
     if not np.isfinite(arranged.data).all():
         raise InputError(LARGE)
-    single, places = _empty(order, dissection.fronts)
+    table, values, places = _empty(dissection.fronts)
+    negative = 0
     place = np.full(len(order), -1, dtype=np.int64)
     updates: dict[int, Floats] = {}
     for index, (front, (inverse, below)) in enumerate(zip(dissection.fronts, places, strict=True)):
@@ -83,17 +86,19 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
             add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
         place[front.start : front.stop] = -1
         place[front.rest] = -1
-        inverse[:] = _inverse(columns[:n])
+        inverse[:], below_zero = _inverse(columns[:n])
+        negative += below_zero
         np.matmul(columns[n:], inverse, out=below)
         for first in range(0, m, STRIP):
             strip = slice(first, first + STRIP)
             rest[first:, strip] -= below[first:] @ columns[n:][strip].T
         updates[index] = rest
-    return single
+    rests = np.concatenate([front.rest for front in dissection.fronts])
+    return Single(order, table, rests, values, negative)
 
 
-def _empty(order: Integers, fronts: Sequence[Front]) -> tuple[Single, list[tuple[Floats, Floats]]]:
-    """Return a factor to be filled, and where F^-1 and R F^-1 of every front go."""
+def _empty(fronts: Sequence[Front]) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
+    """Return the table and the values of a factor to be filled, and where those of a front go."""
     table = np.array([(f.start, f.stop, len(f.rest)) for f in fronts])
     counts = table[:, 1] - table[:, 0]
     starts = np.concatenate([[0], np.cumsum(counts * (counts + table[:, 2]))])
@@ -102,11 +107,13 @@ def _empty(order: Integers, fronts: Sequence[Front]) -> tuple[Single, list[tuple
     for n, m, start, stop in zip(counts, table[:, 2], starts[:-1], starts[1:], strict=True):
         block = values[start:stop].reshape(n + m, n)
         places.append((block[:n], block[n:]))
-    return Single(order, table, np.concatenate([f.rest for f in fronts]), values), places
+    return table, values, places
 
 
-def _inverse(block: Floats) -> Floats:
-    """Return the inverse of a symmetric matrix (n, n) of which the lower triangle is given.
+def _inverse(block: Floats) -> tuple[Floats, int]:
+    """Return the inverse of a symmetric matrix (n, n), and how many eigenvalues are negative.
+
+    Its lower triangle is read.
 
     Raises
     ------
@@ -114,13 +121,22 @@ def _inverse(block: Floats) -> Floats:
         If it is singular.
     """
     if not len(block):
-        return block
+        return block, 0
     size = int(ssytrf_lwork(len(block), lower=1)[0])  # without it, LAPACK works column by column
     factored, exchanges, singular = ssytrf(block, lower=1, lwork=size)
     inverse, _ = ssytri(factored, exchanges, lower=1)
     if singular or not np.isfinite(np.diagonal(inverse)).all():
         raise InputError(SINGULAR)
-    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
+    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T), _negative(factored, exchanges)
+
+
+def _negative(factored: Floats, exchanges: Integers) -> int:
+    """Return how many eigenvalues are negative, of D in L D L' of Bunch and Kaufman.
+
+    A block of two rows is taken where it has one of either sign.
+    """
+    alone = exchanges > 0
+    return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
 
 
 @njit(cache=True)

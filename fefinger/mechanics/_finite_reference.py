@@ -10,8 +10,9 @@ from fefinger.fem.passage import Path, StressHistory, follow
 from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import sliding
 from fefinger.fem.strain import logarithmic
+from fefinger.indenter import STANDARD
 from fefinger.mechanics import _placing, _press
-from fefinger.mechanics._touch import REFERENCE_DEPTH, STANDARD, sites
+from fefinger.mechanics._touch import REFERENCE_DEPTH, sites
 from fefinger.records import Reference
 from fefinger.scene import Scene
 

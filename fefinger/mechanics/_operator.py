@@ -20,9 +20,10 @@ from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.fem.spaces import Array
+from fefinger.mechanics._hard import held
 from fefinger.mechanics._kept import folder, identity, parities
 from fefinger.mechanics._notes import apart, yielding
-from fefinger.mechanics._press import Method, held
+from fefinger.mechanics._press import Method
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
@@ -84,7 +85,7 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
     try:
         found = json.loads((place / "identity.json").read_text(encoding="utf-8"))
         arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, EOFError) as error:
         message = f"operator: expected {len(ARRAYS)} arrays and their identity ({error}); {advice}"
         raise InputError(message) from None
     for name, value in identity.items():
@@ -116,9 +117,12 @@ def reduced(
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
-    with suppress(OSError, ValueError):
-        found = (np.load(place / f"{name}.npy", mmap_mode="r") for name in names)
-        return Reduced(patch, *(array.view(np.ndarray) for array in found))
+    with suppress(OSError, ValueError, EOFError):
+        found = [np.load(place / f"{name}.npy", mmap_mode="r") for name in names]
+        count = len(patch.vertices)
+        rows = (count, 6 * len(points), len(patch.seen.vertices))
+        if [array.shape for array in found] == [(row, count) for row in rows]:
+            return Reduced(patch, *(array.view(np.ndarray) for array in found))
     made = reduction.reduce(solid, patch, probe())
     if None not in known:
         with suppress(OSError), cache.appearing(place) as new:

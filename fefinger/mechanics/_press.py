@@ -20,7 +20,8 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at_vertices, tensors
 from fefinger.fem.recover import recovered_strain_at
-from fefinger.mechanics import _placing
+from fefinger.indenter import STANDARD
+from fefinger.mechanics import _missed, _placing
 from fefinger.mechanics._hard import elastic, held, with_nail
 from fefinger.mechanics._notes import normalized, relaxing
 from fefinger.mechanics._skin import meshed
@@ -28,7 +29,6 @@ from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import (
     REFERENCE_DEPTH,
-    STANDARD,
     check_reached,
     folded,
     meshed_at,
@@ -108,16 +108,18 @@ def press(
     with stages.stage("factor") as report:
         finger = method.solid(scene, mesh, report)
     touch = _placing.obstacle(scene.indenter, finger)
-    check_depth(scene, finger, mesh, touch)
+    check_depth(scene, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
     contact = _contact(scene, finger, touch, time, stages, method)
     with stages.stage("reference"):
-        reference = _reference(scene, finger, contact, method)
+        reference = reference_of(scene, finger, contact, method)
     with stages.stage("fields"):
         fields = _fields(contact, finger, mesh, method) if scene.ask.fields else None
+    with stages.stage("pressure"):
+        answered = answer(scene, finger, contact, reference, fields)
     return Response(
         mechanics=mechanics,
-        **_answer(scene, finger, contact, reference, fields),
+        **answered,
         seconds=stages.seconds,
         notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
         sources=origins(mesh, finger, stages),
@@ -143,7 +145,7 @@ def skin(finger: Solid) -> Surface:
 
 
 @dataclass(frozen=True)
-class _Contact:
+class Contact:
     """The solved contact: where, on what, when, and the end organs that it strains."""
 
     touch: Rigid
@@ -155,7 +157,7 @@ class _Contact:
 
 def _contact(
     scene: Scene, finger: Solid, touch: Obstacle, time: Array, stages: Stages, method: Method
-) -> _Contact:
+) -> Contact:
     """Solve the contact, with more candidate vertices as long as it meets their rim.
 
     Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
@@ -173,6 +175,7 @@ def _contact(
     reach = REACH * deepest
     for rings in range(ATTEMPTS):
         candidates = patch(finger.space, finger.pad, finger.normals, touch, reach, rings)
+        _missed.check_under(scene, len(candidates.vertices))
         with stages.stage("unit loads") as report:
             reduced = method.reduce(finger, candidates, probe, report)
         prony = scene.finger.prony
@@ -186,35 +189,18 @@ def _contact(
         pressed = (history.pressure > 0).any(axis=0)
         _placing.check_inside(finger, candidates.vertices[pressed], float(history.depth.max()))
         if not pressed.any():
-            raise InputError(unresolved(float(history.depth.max())))
+            raise InputError(_missed.unresolved(float(history.depth.max())))
         if (pressed & candidates.rim).any():
-            raise InputError(rim_reached(len(candidates.vertices)))
+            raise InputError(_missed.rim_reached(len(candidates.vertices)))
         if not (pressed & candidates.edge).any():
-            return _Contact(touch, reduced, found, time, history)
+            return Contact(touch, reduced, found, time, history)
         reach *= GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
 
 
-def rim_reached(count: int) -> str:
-    """Return what to say when contact reaches the rim of an indenter over `count` vertices."""
-    return (
-        f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
-        f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
-        "larger indenter or a finer mesh (finger.resolution)"
-    )
-
-
-def unresolved(depth: float) -> str:
-    """Return what to say when a press to `depth` mm moves no vertex of the pad."""
-    return (
-        f"motion: expected a contact that the mesh resolves, but at a depth of {depth:.3g} mm it "
-        "is smaller than a facet of the pad; press deeper, or take a finer mesh "
-        "(finger.resolution) or hertz"
-    )
-
-
-def check_depth(scene: Scene, finger: Solid, mesh: FingerMesh, touch: Obstacle) -> None:
+def check_depth(scene: Scene, mesh: FingerMesh, touch: Obstacle) -> None:
+    """Raise InputError for a depth that leaves no tissue over the bone."""
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))
     if scene.motion.control == "depth" and scene.motion.peak >= pulp:
@@ -247,7 +233,7 @@ def reference_press(
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 
-def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -> Reference | None:
+def reference_of(scene: Scene, finger: Solid, contact: Contact, method: Method) -> Reference | None:
     """Return the reference press of afferents; on the scene's own patch if that is the same."""
     if contact.sites is None or not scene.ask.spikes:
         return None
@@ -258,7 +244,7 @@ def _reference(scene: Scene, finger: Solid, contact: _Contact, method: Method) -
     return reference_press(finger, central, method, contact.reduced if own else None)
 
 
-def _fields(contact: _Contact, finger: Solid, mesh: FingerMesh, method: Method) -> Fields:
+def _fields(contact: Contact, finger: Solid, mesh: FingerMesh, method: Method) -> Fields:
     """Solve for the whole body at some of the times."""
     force = contact.history.pressure @ contact.reduced.patch.travel
     frames = frames_of(contact.history.depth, int(np.argmax(force)))
@@ -286,10 +272,10 @@ def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
     return np.unique(np.concatenate([moving, evenly, [peak]]).astype(np.int64))
 
 
-def _answer(
+def answer(
     scene: Scene,
     finger: Solid,
-    contact: _Contact,
+    contact: Contact,
     reference: Reference | None,
     fields: Fields | None,
 ) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from fefinger.fem.probe import gradient_at_vertices
 from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.strain import logarithmic
-from fefinger.mechanics import _placing, _press
+from fefinger.mechanics import _missed, _placing, _press
 from fefinger.mechanics._finite_reference import reference
 from fefinger.mechanics._limit import told
 from fefinger.mechanics._stride import Stride, heaviest, memories, stride
@@ -69,7 +69,7 @@ def squeeze(
         finger = _press.factored(scene, mesh)
         elements = continuum(finger.space, laws(scene.finger), soft=(1, 2))
     touch = _placing.obstacle(scene.indenter, finger)
-    _press.check_depth(scene, finger, mesh, touch)
+    _press.check_depth(scene, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     steps = stride(scene.motion, time, memories(scene.finger), refine)
     passage = _passage(scene, finger, elements, touch, steps, stages)
@@ -79,10 +79,12 @@ def squeeze(
         pressed = _reference(scene, finger, elements, passage)
     with stages.stage("fields"):
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
+    with stages.stage("pressure"):
+        answer = _answer(scene, finger, passage, steps)
     response = Response(
         mechanics=mechanics,
         time=steps.time,
-        **_answer(scene, finger, passage, steps),
+        **answer,
         sites=passage.sites,
         reference=pressed,
         fields=fields,
@@ -214,6 +216,7 @@ def _passage(
     reach = SPREAD * _press.REACH * deepest
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
+        _missed.check_under(scene, len(contact))
         passage = _followed(scene, finger, elements, contact, found, steps, stages)
         pressed = np.asarray((passage.pressure > 0).any(axis=0))
         _check_contact(finger, contact.on, pressed, passage.depth)
@@ -299,9 +302,9 @@ def _asked(scene: Scene) -> bool:
 def _check_contact(finger: Body, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
     _placing.check_inside(finger, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
-        raise InputError(_press.unresolved(float(depth.max())))
+        raise InputError(_missed.unresolved(float(depth.max())))
     if (pressed & on.rim).any():
-        raise InputError(_press.rim_reached(len(pressed)))
+        raise InputError(_missed.rim_reached(len(pressed)))
 
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:

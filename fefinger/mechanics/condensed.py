@@ -78,5 +78,5 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     try:
         return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
     except OutsideError:
-        whole, notes = replace(WHOLE_MESH, touch=METHOD.touch), (*linear.NOTES, BEYOND)
+        whole, notes = replace(WHOLE_MESH, touch=METHOD.touch), (*linear.NOTES, RIGID_BONE, BEYOND)
         return press(scene, progress, mechanics=name, notes=notes, method=whole)

@@ -21,7 +21,7 @@ PATCH_RADIUS = 5.0
 """Ball, mm, in which the pad meets the plate: it reaches farther towards the flat pad."""
 
 FIT_RADIUS = 2.0
-"""Radius in mm around P30 within which the quadric is fitted (design 4.6)."""
+"""Radius in mm around P30 within which the quadric is fitted."""
 
 
 def fitted_radii(points: Array) -> tuple[float, float]:

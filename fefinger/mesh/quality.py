@@ -20,10 +20,10 @@ VOLUME_ERROR = 0.02
 """Largest relative error of a region's volume: facets cut corners, this says how much."""
 
 RADIUS_ERROR = 0.05
-"""Largest relative error of the pad's curvature radii at P30 (issue 2, point 2)."""
+"""Largest relative error of the pad's curvature radii at P30."""
 
 SURFACE_GAP = 1e-5
-"""mm; pad vertices are on the smooth skin, from which the contact gap is taken (design 4.8)."""
+"""mm; pad vertices are on the smooth skin, from which the contact gap is taken."""
 
 FIRST_TOUCH = 1e-6
 """mm; how far a vertex may stand out before the origin against the 30-degree plate."""

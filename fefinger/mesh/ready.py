@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from importlib.resources import files as package_files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fefinger import cache
 from fefinger.checks import InputError
@@ -15,8 +15,12 @@ from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 
 
+if TYPE_CHECKING:
+    from fefinger.finger import Finger
+
+
 def ready(
-    finger: Any,
+    finger: "Finger | Recipe",
     *,
     half: bool,
     touch: Touch = None,
@@ -33,13 +37,13 @@ def ready(
     return mesh if half else whole(mesh)
 
 
-def at_hand(finger: Any, touch: Touch = None) -> bool:
+def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     """Return whether the mesh for a scene's finger is shipped or cached, and need not be built."""
     recipe = Recipe.of(finger, touch)
     return shipped_path(recipe) is not None or cached_path(recipe).is_file()
 
 
-def fault(finger: Any, touch: Touch = None) -> str:
+def fault(finger: "Finger", touch: Touch = None) -> str:
     """Return what keeps a scene's finger from having a mesh, in a sentence; empty if nothing known.
 
     A shape is tried as far as it takes no mesher, some 50 ms.
@@ -59,7 +63,7 @@ def fault(finger: Any, touch: Touch = None) -> str:
     return ""
 
 
-def sha256(finger: Any) -> str | None:
+def sha256(finger: "Finger") -> str | None:
     """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
     recipe = Recipe.of(finger)
     sidecar = files.sidecar_path(shipped_path(recipe) or cached_path(recipe))

@@ -1,8 +1,26 @@
-"""The compiled response of real poles between samples; imported when an end organ is evaluated."""
+"""The compiled modes of an end organ, at samples and between; imported when one is evaluated."""
+
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True)
+def remember(
+    decay: NDArray[Any], ramp: NDArray[Any], columns: NDArray[np.float64], out: NDArray[Any]
+) -> None:
+    """Fill the modes (n_t, n_poles, n) at the samples after the first, which is given.
+
+    decay, ramp (n_t - 1, n_poles): what an interval leaves of a mode, and of the change of its
+    input; columns (n_t, n).
+    """
+    for k in range(len(decay)):
+        for i in range(decay.shape[1]):
+            for u in range(columns.shape[1]):
+                change = columns[k + 1, u] - columns[k, u]
+                out[k + 1, i, u] = decay[k, i] * out[k, i, u] + ramp[k, i] * change
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -164,13 +164,13 @@ def _memory(
     time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[Any]
 ) -> NDArray[Any]:
     """Return the integrals of exp(-p (t - s)) dx(s) at every time, (n_t, n_poles, n_units)."""
+    from fefinger.neural._modes import remember
+
     a = np.multiply.outer(np.diff(time), p)
-    decay = np.exp(-a)[:, :, None]
-    ramp = np.where(a != 0, -np.expm1(-a) / np.where(a != 0, a, 1.0), 1.0)[:, :, None]
+    ramp = np.where(a != 0, -np.expm1(-a) / np.where(a != 0, a, 1.0), 1.0)
     out = np.empty((len(time), len(p), columns.shape[1]), p.dtype)
     out[0] = columns[0]
-    for i, change in enumerate(np.diff(columns, axis=0)):
-        out[i + 1] = decay[i] * out[i] + ramp[i] * change
+    remember(np.exp(-a), ramp, np.ascontiguousarray(columns), out)
     return out
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.checks import InputError, nearest
+from fefinger.text import plain
 
 
 if TYPE_CHECKING:
@@ -33,6 +34,18 @@ def summary(name: str) -> str:
     """Return the first sentence of the comment that a built-in scene begins with."""
     lines = takewhile(lambda line: line.startswith("#"), text(name).splitlines())
     return re.split(r"(?<=\.) (?=[A-Z])", " ".join(line.lstrip("# ") for line in lines))[0]
+
+
+def given(scene: Any) -> "Scene":
+    """Return a Scene as it is, or that of a built-in name or a TOML file; errors as `load`."""
+    from fefinger.scene import Scene
+
+    if isinstance(scene, str | Path):
+        return load(scene)
+    if isinstance(scene, Scene):
+        return scene
+    msg = f"scene: expected a Scene, the name of a built-in one or a TOML file, received {scene!r}"
+    raise InputError(msg)
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
@@ -90,7 +103,7 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
 
 
 def settings(texts: Iterable[str]) -> dict[str, Any]:
-    """Return overrides from texts such as "motion.depth=2"; values are TOML, or else bare text."""
+    """Return overrides from texts such as "motion.depth=2": TOML, numbers (".3"), or bare text."""
     found: dict[str, Any] = {}
     for line in texts:
         path, equals, value = (part.strip() for part in line.partition("="))
@@ -100,7 +113,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
         try:
             found[path] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            found[path] = value
+            found[path] = plain(value)
     return found
 
 

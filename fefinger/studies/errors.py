@@ -1,11 +1,14 @@
 """Stated errors of the rows of a study: of mesh, time steps and model, not of the tissue."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from fefinger.mechanics._by_force import errors as at_force
+from fefinger.plan import choose, settled
 from fefinger.records import Result, Rung
-from fefinger.scene import ForceRamp, Ramp
+from fefinger.scene import Ramp
 from fefinger.studies.columns import ERRORS
 from fefinger.studies.times import SAME, until
 
@@ -20,39 +23,39 @@ OF = {
 """Columns of what the plan states errors of."""
 
 SPEED = 10.0
-"""mm/s, or N/s, of the press that is asked about: stated errors do not depend on it."""
+"""Speed in mm/s of the press that is asked about: stated errors do not depend on it."""
 
 
-def stated(result: Result, where: float) -> dict[str, float]:
+def stated(result: Result, where: float, given: str) -> dict[str, float]:
     """Return the relative errors of a row, each of the value in it, by column.
 
-    They are those of the plan from the largest force on, and before that those that the same
+    A row is told at a depth or at a force, whichever is `given` ("depth" or "force"): that has no
+    error, but the other has one, and the rest are told there. The errors are those of the plan from
+    the largest force on, where the motion prescribes what is given; else those that the same
     mechanics states of a press that ends at the depth of the row. That of the force is one of its
     peak, so the farther the force has fallen the larger it is; of the rest none is known once the
-    indenter has withdrawn. What is not known is left out. Where the force is prescribed it has no
-    error, but the depth has one.
+    indenter has withdrawn. What is not known is left out.
     """
     force, depth = until(result.response.force, where), until(result.depth, where)
-    rung = result.plan.chosen
-    if force.max() < result.response.force.max() * (1 - SAME):
-        rung = _shallower(result, float(depth.max()), float(force.max()))
-    found = dict(rung.errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
-    if force[-1] > 0 and result.scene.motion.control == "depth":
+    rung, errors = result.plan.chosen, result.plan.chosen.errors
+    fallen = force.max() < result.response.force.max() * (1 - SAME)
+    if (fallen or given != result.scene.motion.control) and min(depth.max(), force.max()) > 0:
+        rung, errors = _pressed(result, float(depth.max()), given)
+    found = dict(errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
+    if force[-1] > 0 and given == "depth":
         found["force"] = rung.error * float(force.max() / force[-1])
     known = {name: found[name] for name in OF if np.isfinite(found.get(name, np.nan))}
     return {ERRORS[OF[name]]: error for name, error in known.items()}
 
 
-def _shallower(result: Result, depth: float, force: float) -> Rung:
-    """Return what is stated of the same finger and object, pressed to a depth in mm or force in N.
+def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[str, float]]:
+    """Return what is stated of the same finger and object pressed to a depth in mm.
 
-    As the motion of the scene has it.
+    The errors are those there, or where the force is given those at that force.
     """
-    from fefinger.plan import choose, settled
-
-    if depth <= 0 or force <= 0:
-        return result.plan.chosen
     scene = settled(result.scene, result.plan)
-    by_force = scene.motion.control == "force"
-    motion = ForceRamp(SPEED, force, corner=0) if by_force else Ramp(SPEED, depth, corner=0)
-    return choose(replace(scene, motion=motion), result.plan.mechanics).chosen
+    scene = replace(scene, motion=Ramp(SPEED, depth, corner=0))
+    rung = choose(scene, result.plan.mechanics).chosen
+    if given == "depth" or not np.isfinite(rung.error):
+        return rung, rung.errors
+    return rung, at_force(rung.errors, rung.error, scene)

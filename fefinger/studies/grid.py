@@ -3,10 +3,11 @@
 import itertools
 import math
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from fefinger.checks import InputError, number
+from fefinger.text import plain
 
 
 EACH = "each"
@@ -47,6 +48,10 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
 def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
     """Return the values of each field as plain Python, or raise InputError for none or twice."""
     found: dict[str, tuple[Any, ...]] = {}
+    for field, values in over.items():
+        if isinstance(values, str) or not isinstance(values, Collection):
+            msg = f"--over {field}: expected a list of values, received {values!r}"
+            raise InputError(msg)
     count = math.prod(len(values) for values in over.values())
     if count > MOST:
         msg = f"--over: expected at most {MOST} scenes, received {count}; take fewer values"
@@ -81,15 +86,15 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
 
 
 def _list(text: str, listed: str) -> tuple[Any, ...]:
-    """Return the values of a list, as TOML or else as bare texts."""
+    """Return the values of a list: TOML, or else numbers and bare texts."""
     try:
         return tuple(tomllib.loads(f"values = [{listed}]")["values"])
     except tomllib.TOMLDecodeError:
-        values = tuple(part.strip() for part in listed.split(","))
+        values = [part.strip() for part in listed.split(",")]
     if not all(values):
         msg = f"--over {text!r}: {OVER}; a value is missing"
         raise InputError(msg)
-    return values
+    return tuple(plain(value) for value in values)
 
 
 def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]]:

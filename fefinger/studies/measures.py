@@ -17,7 +17,7 @@ from fefinger.sensing import response
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
-from fefinger.studies.times import at, moments
+from fefinger.studies.times import Moment, at, moments
 from fefinger.theory.moments import Moments
 from fefinger.theory.moments import moments as shape_of
 from fefinger.theory.sensor import ArraySensor, isobar
@@ -62,7 +62,7 @@ def rows(
         about["seed"] = result.scene.ask.population.seed
     return [
         {"at": time.name, "status": time.missed or "done"}
-        | ({} if time.missed else _row(result, seen, time.where, highest.get(time.where)))
+        | ({} if time.missed else _row(result, seen, time, highest.get(time.where)))
         | about
         for time in times
     ]
@@ -77,13 +77,11 @@ def _highest(result: Result, places: Sequence[float]) -> dict[float, float]:
 
 
 def _row(
-    result: Result, seen: "View | None", where: float, highest: float | None
+    result: Result, seen: "View | None", moment: Moment, highest: float | None
 ) -> dict[str, Any]:
     """Return the numbers at one time, by column."""
-    slope = stiffness(
-        *(result.time, result.depth, result.response.force, where),
-        control=result.scene.motion.control,
-    )
+    where, control = moment.where, result.scene.motion.control
+    slope = stiffness(result.time, result.depth, result.response.force, where, control=control)
     row: dict[str, Any] = {
         "time_s": float(at(result.time, where)),
         "depth_mm": float(at(result.depth, where)),
@@ -99,7 +97,7 @@ def _row(
     if result.strain is not None:
         size = np.linalg.norm(at(result.strain, where), axis=(1, 2))
         row["strain_rms_percent"] = 100 * float(np.sqrt(np.mean(size**2)))
-    row |= stated(result, where)
+    row |= stated(result, where, moment.given or control)
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
     if seen is not None and row["force_N"] > 0:

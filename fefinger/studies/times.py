@@ -12,11 +12,15 @@ SAME = 1e-9
 
 
 class Moment(NamedTuple):
-    """A time by its name, as an index with a fraction; nan where `missed` says why."""
+    """A time by its name, as an index with a fraction; nan where `missed` says why.
+
+    given: "force" or "depth" for the level it is told at, or "" for what the motion prescribes.
+    """
 
     name: str
     where: float
     missed: str
+    given: str = ""
 
 
 def moments(
@@ -35,7 +39,8 @@ def moments(
         for level in levels:
             where = _reached(signal, level)
             reason = f"not reached: {name} = {signal[-1]:.4g} {unit} at most"
-            found.append(Moment(f"{level:g} {unit}", where, reason if np.isnan(where) else ""))
+            missed = reason if np.isnan(where) else ""
+            found.append(Moment(f"{level:g} {unit}", where, missed, given=name))
     return found
 
 

@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from queue import SimpleQueue
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.cores import cores
 from fefinger.studies.tasks import Answer, Task
 
 
@@ -103,7 +104,7 @@ def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[i
 
     They come from processes of this machine, by default one per core.
     """
-    team = [Worker() for _ in range(min(workers or _cores(), len(tasks)))]
+    team = [Worker() for _ in range(min(workers or cores(), len(tasks)))]
     free: SimpleQueue[Worker] = SimpleQueue()
     for worker in team:
         free.put(worker)
@@ -124,11 +125,6 @@ def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[i
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in team:
             worker.end()
-
-
-def _cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]:

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.theory import doubt
+from fefinger.theory.doubt import covariance as covariance_of
+from fefinger.theory.doubt import deviations
 from fefinger.theory.lumped import Spring, force
 from fefinger.theory.ramphold import (
     RAMP_POINTS,
@@ -19,6 +22,7 @@ from fefinger.theory.ramphold import (
     accounted,
     averages,
     derivative,
+    deviation_of,
     mse,
     smooth,
     split,
@@ -35,8 +39,7 @@ TERMS = 3
 FASTEST = 300.0  # 1/s, where the search for the rates starts
 EVALUATIONS = 500  # of the hold, at most
 FAINT = 1e-6  # weight of a term that is none
-LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
-APART = 2.0  # ratio of successive rates below which they cannot be told apart
+GOOD = 1.5  # squared error over that of the noise up to which a search has not gone astray
 STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
 CUT = SMOOTHING // 2 + 1  # samples before the hold into which smoothing carries it
 
@@ -86,18 +89,23 @@ def thesis(
     """
     _check_terms(terms)
     record = split(time, position, force)
-    m, b, spread, vaf_stiffness = _line(record)
-    x0, x0_spread, touch_said = _touch(record, m, b)
+    m, b, of_line, vaf_stiffness = _line(record)
+    x0, x0_spread, touch_said = _touch(record, m, b, of_line)
     prony, hold_spread, vaf_hold, hold_said = _relaxation(record, terms)
     spring = Spring(b, m, x0)
     return Identification(
         spring=spring,
         prony=prony,
-        uncertainty={"b": spread[1], "m": spread[0], "x0": x0_spread} | hold_spread,
+        uncertainty={
+            "b": float(np.sqrt(of_line[1, 1])),
+            "m": float(np.sqrt(of_line[0, 0])),
+            "x0": x0_spread,
+        }
+        | hold_spread,
         mse=mse(record, spring, prony),
         vaf_hold=vaf_hold,
         vaf_stiffness=vaf_stiffness,
-        warnings=touch_said + hold_said + _warnings(record, prony, hold_spread),
+        warnings=touch_said + hold_said + doubt.terms(record, prony, hold_spread),
     )
 
 
@@ -121,9 +129,9 @@ def joint(
     t, x, f, _ = averages(record)
     guess = thesis(time, position, force, terms=terms)
     spring = Spring(1.5 * guess.spring.b, guess.spring.m, guess.spring.x0)
-    shown = _shown(guess.prony, record)
-    prony = guess.prony if shown else _spaced(terms, record.hold_seconds)
-    found = _together(record, _packed(spring, prony))
+    spaced = _spaced(terms, record.hold_seconds)
+    starts = (guess.prony, spaced) if _shown(guess.prony, record) else (spaced,)
+    found = _best(record, [_packed(spring, each) for each in starts])
     if not found.success:
         msg = (
             f"joint: the fit did not converge in {found.nfev} evaluations "
@@ -132,7 +140,7 @@ def joint(
         raise RuntimeError(msg)
     values = found.x
     spring, prony = _unpacked(values)
-    covariance = _covariance(found.jac, found.fun, at_least=1.0)
+    covariance = covariance_of(found.jac, found.fun, at_least=1.0)
     order = np.argsort(prony.v)[::-1]
     prony = _sorted(prony, order)
     spread = _spread(spring, prony, covariance, order)
@@ -143,7 +151,8 @@ def joint(
         uncertainty=spread,
         mse=mse(record, spring, prony),
         vaf_hold=accounted(f[hold], force_of(values, t, x)[hold]),
-        warnings=_warnings(record, prony, spread),
+        warnings=doubt.terms(record, prony, spread)
+        + doubt.bias(record, prony, spring.x0, spread["x0"]),
     )
 
 
@@ -163,6 +172,22 @@ def _spaced(terms: int, seconds: float) -> Prony:
     )
 
 
+def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
+    """Return the first of the fits from `starts` that is as near as the noise, or the nearest."""
+    t, x, f, _ = averages(record)
+    found = [_together(record, starts[0])]
+    sigma = _sigma(record, found[0].x)
+
+    def rank(each: "OptimizeResult") -> tuple[bool, float]:
+        return not each.success, float(np.mean(((force_of(each.x, t, x) - f) / sigma) ** 2))
+
+    for start in starts[1:]:
+        if rank(found[0]) < (False, GOOD):
+            break
+        found.append(_together(record, start))
+    return min(found, key=rank)
+
+
 def _together(record: RampHold, values: Array) -> "OptimizeResult":
     """Return the least squares of Eq. 2.3 through ramp and hold, from the start `values`."""
     from scipy.optimize import least_squares
@@ -180,12 +205,8 @@ def _together(record: RampHold, values: Array) -> "OptimizeResult":
 
 
 def _sigma(record: RampHold, values: Array) -> Array:
-    """Return the standard deviations (n,) N of the averages, of force and of position."""
-    _, x, f, size = averages(record)
-    spring, _ = _unpacked(values)
-    stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
-    sigma = np.hypot(record.force_noise, stiffness * record.position_noise)
-    return np.asarray(np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size))
+    """Return the standard deviations (n,) N of the averages."""
+    return deviation_of(record, *_unpacked(values))
 
 
 def _check_terms(terms: int) -> None:
@@ -199,14 +220,14 @@ def force_of(values: Array, time: Array, position: Array) -> Array:
     return force(*_unpacked(values), time, position)
 
 
-def _line(record: RampHold) -> tuple[float, float, tuple[float, float], float]:
-    """Return m, b, their standard deviations and the variance accounted for (Eq. 2.4)."""
+def _line(record: RampHold) -> tuple[float, float, Array, float]:
+    """Return m, b, their covariance (2, 2) and the variance accounted for (Eq. 2.4)."""
     t, x, f, _ = averages(record)
-    if record.hold - record.touch <= RAMP_POINTS:  # few samples: smooth them as the thesis does
+    if record.beyond - record.touch <= RAMP_POINTS:  # few samples: smooth them as the thesis does
         part = _steady(record)
         x, f = (smooth(values)[part] for values in (record.position, record.force))
     else:
-        part = (t >= record.time[record.touch]) & (t < record.time[record.hold - CUT])
+        part = (t >= record.time[record.touch]) & (t < record.time[record.beyond - CUT])
         x, f = x[part], f[part]
     k, f = derivative(x, f), f[2:-2]
     design = np.column_stack([f, np.ones_like(f)])
@@ -214,37 +235,46 @@ def _line(record: RampHold) -> tuple[float, float, tuple[float, float], float]:
     if not min(m, b) > 0:
         msg = (
             f"stiffness against force: expected a rising line above 0, found m = {m:.3g} 1/mm and "
-            f"b = {b:.3g} N/mm; is this a ramp into a finger, sampled fast enough?"
+            f"b = {b:.3g} N/mm; is the force 0 before touch, and is this a ramp into a finger, "
+            "sampled fast enough?"
         )
         raise ValueError(msg)
     rest = k - design @ (m, b)
-    deviation = np.sqrt(np.diag(np.linalg.inv(design.T @ design)) * (rest @ rest) / (len(k) - 2))
-    return float(m), float(b), (float(deviation[0]), float(deviation[1])), accounted(k, k - rest)
+    covariance = np.linalg.inv(design.T @ design) * (rest @ rest) / (len(k) - 2)
+    return float(m), float(b), covariance, accounted(k, k - rest)
 
 
 def _steady(record: RampHold) -> slice:
     """Return the part of the ramp in contact between the corners, where the speed is steady."""
-    part = slice(record.touch, record.hold - CUT)
+    part = slice(record.touch, record.beyond - CUT)
     speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
     fast = np.flatnonzero(speed >= STEADY * np.median(speed))
     return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)
 
 
-def _touch(record: RampHold, m: float, b: float) -> tuple[float, float, tuple[str, ...]]:
+def _touch(
+    record: RampHold, m: float, b: float, covariance: Array
+) -> tuple[float, float, tuple[str, ...]]:
     """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation.
 
-    And a sentence where the search was not done.
+    Most of it is that of m and b, by their `covariance`. And a sentence where the search was not
+    done.
     """
     from scipy.optimize import least_squares
 
-    x, f = record.position[: record.hold], record.force[: record.hold]
-    start = float(x[record.touch : record.hold].min())
+    x, f = record.position[: record.beyond], record.force[: record.beyond]
+    start = float(x[record.touch :].min())
 
     def residual(x0: Array) -> Array:
         return Spring(b, m, float(x0[0])).force(x) - f
 
     found = least_squares(residual, [start], x_scale="jac")
-    spread = float(np.sqrt(_covariance(found.jac, found.fun)[0, 0]))
+    spring, by_x0 = Spring(b, m, float(found.x[0])), found.jac[:, 0]
+    pressed, y = spring.force(x), spring.depth(x)
+    by_line = np.stack([(b * y * np.exp(m * y) - pressed) / m, pressed / b], axis=1)
+    moved = by_x0 @ by_line / (by_x0 @ by_x0)
+    own = covariance_of(found.jac, found.fun)[0, 0]
+    spread = float(np.sqrt(own + moved @ covariance @ moved))
     said = f"x0 = {found.x[0]:.4g} mm had not settled after {found.nfev} evaluations"
     return float(found.x[0]), spread, () if found.success else (said,)
 
@@ -263,11 +293,11 @@ def _relaxation(
     amplitudes = np.exp(np.clip(found.x[: terms + 1], -40, 40))
     rates = np.exp(np.clip(found.x[terms + 1 :], -20, 20))
     prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
-    covariance = _covariance(found.jac, found.fun)
+    covariance = covariance_of(found.jac, found.fun)
     share = _rows(order, terms, offset=1)
     weights = np.array(prony.weights)
     jacobian = np.diag(weights) - np.outer(weights, weights)
-    deviation = _deviation(jacobian, covariance[np.ix_(share, share)])
+    deviation = deviations(jacobian, covariance[np.ix_(share, share)])
     spread = {f"c{i}": value for i, value in enumerate(deviation)}
     for i, row in enumerate(order, start=1):
         spread[f"v{i}"] = prony.v[i - 1] * float(np.sqrt(covariance.diagonal()[terms + 1 + row]))
@@ -343,7 +373,7 @@ def _spread(
     weights = np.array(prony.weights)
     jacobian = -np.outer(weights, weights[1:])
     jacobian[1:] += np.diag(weights[1:])
-    of_weights = _deviation(jacobian, covariance[np.ix_(shares, shares)])
+    of_weights = deviations(jacobian, covariance[np.ix_(shares, shares)])
     spread = {
         "b": spring.b * float(deviation[0]),
         "m": spring.m * float(deviation[1]),
@@ -352,48 +382,3 @@ def _spread(
     spread |= {f"c{i}": value for i, value in enumerate(of_weights)}
     rates = enumerate(order, start=1)
     return spread | {f"v{i}": prony.v[i - 1] * float(deviation[3 + terms + j]) for i, j in rates}
-
-
-def _deviation(jacobian: Array, covariance: Array) -> list[float]:
-    with np.errstate(invalid="ignore"):
-        spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian))
-    return [float(value) if np.isfinite(value) else np.inf for value in spread]
-
-
-def _covariance(jacobian: Array, residual: Array, at_least: float = 0.0) -> Array:
-    """Return the covariance of the parameters; infinite where the data say nothing.
-
-    The scatter of the residual about the fit scales it, but counts as `at_least`: where the noise
-    is known and smoothing has made the residual smaller, 1 keeps what smoothing cannot remove.
-    """
-    scale = np.linalg.norm(jacobian, axis=0)
-    scale = np.where(scale > 0, scale, 1.0)
-    _, singular, vectors = np.linalg.svd(jacobian / scale, full_matrices=False)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = (vectors.T / singular**2) @ vectors
-    scatter = max(at_least, float(residual @ residual) / max(1, len(residual) - len(scale)))
-    return np.where(np.isfinite(inverse), inverse, np.inf) * scatter / np.outer(scale, scale)
-
-
-def _warnings(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str, ...]:
-    """Return what the data do not decide, as sentences."""
-    found = []
-    for i, (weight, rate) in enumerate(zip(prony.weights[1:], prony.v, strict=True), start=1):
-        doubt = spread[f"v{i}"]
-        if not doubt < LOOSE * rate or weight < 2 * spread[f"c{i}"]:
-            found.append(
-                f"term {i} is not identified: v{i} = {rate:.3g} +- {doubt:.2g} 1/s, c{i} = "
-                f"{weight:.3g} +- {spread[f'c{i}']:.2g}; fit fewer terms"
-            )
-        if rate * record.hold_seconds < 1:
-            found.append(
-                f"term {i} is slower than the hold: 1/v{i} = {1 / rate:.3g} s > "
-                f"{record.hold_seconds:.3g} s; it cannot be told from c0, hold longer"
-            )
-    for i, (fast, slow) in enumerate(zip(prony.v, prony.v[1:], strict=False), start=1):
-        if fast < APART * slow:
-            found.append(
-                f"terms {i} and {i + 1} are too close: v = {fast:.3g} and {slow:.3g} 1/s; "
-                "only their sum is known, fit fewer terms"
-            )
-    return tuple(found)

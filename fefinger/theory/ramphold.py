@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.theory.lumped import Spring, force
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, exprel
 
 
 Array = NDArray[np.float64]
@@ -15,17 +15,20 @@ SMOOTHING = 9  # samples of the moving average (Pawluk 1997, section 2.4.1)
 FEWEST = 20  # samples that the ramp in contact and the hold need each
 RAMP_POINTS = 400  # averages that are fitted on the ramp, at most
 HOLD_RATIO = 1.03  # of the ends of successive averages in the hold
-REACHED = 0.98  # part of the travel above which the indenter is near its hold
+REACHED = 0.98  # part of the travel from which the indenter is near its hold
 STILL = 2e-3  # part of the travel within which a hold stays
 STRAY = 6.0  # standard deviations of smoothed noise that are not travel, in 1e5 samples
+LEVELS = 50  # of the upper half of the travel, among which the hold has most samples
+BEGUN = 0.01  # part of the largest force from which a record is taken to begin in contact
 
 
 @dataclass(frozen=True)
 class RampHold:
     """A checked record: time (n_t,) s, position (n_t,) mm, force (n_t,) N, and its parts.
 
-    `touch` is the first sample that is surely in contact, `hold` the first of the hold; the record
-    ends with the hold. `force_noise` in N and `position_noise` in mm are those of one sample.
+    `touch` is the first sample that is surely in contact, `hold` the first of the hold, with which
+    the record ends, and `beyond` the first before it that is farther in, or `hold`. `force_noise`
+    in N and `position_noise` in mm are those of one sample.
     """
 
     time: Array
@@ -33,6 +36,7 @@ class RampHold:
     force: Array
     touch: int
     hold: int
+    beyond: int
     force_noise: float
     position_noise: float
 
@@ -49,21 +53,15 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     ------
     ValueError
         Shapes that do not match, times that do not increase, values that are not finite, no
-        contact, no hold, or fewer than 20 samples in the ramp in contact or in the hold.
+        contact, no hold, fewer than 20 samples in the ramp in contact or in the hold, or contact
+        from the first sample on.
     """
     time, position, force = (np.asarray(values, float) for values in (time, position, force))
     _check(time, position, force)
     noise = _noise(position)
-    smoothed = smooth(position)
-    low, high = float(smoothed.min()), float(smoothed.max())
-    reached = smoothed > low + REACHED * (high - low)
-    level = float(np.median(smoothed[reached]))
-    tolerance = max(STRAY * noise / np.sqrt(SMOOTHING), STILL * (high - low))
-    away = np.abs(smoothed - level)
-    hold = int(np.argmax(away <= tolerance))
-    left = np.flatnonzero(away[hold:] > 2 * tolerance)  # twice: noise at the way in is no way out
-    end = hold + int(left[0]) if left.size else len(time)
-    above = np.flatnonzero(smooth(force)[:hold] < 0.02 * force[:end].max())
+    beyond, hold, end = _hold(position, noise)
+    largest, force_noise = float(force[:end].max()), _noise(force[hold:end])
+    above = np.flatnonzero(smooth(force)[:hold] < 0.02 * largest)
     touch = int(above[-1]) + 1 if above.size else 0
     for name, count in (("ramp in contact", hold - touch), ("hold", end - hold)):
         if count < FEWEST:
@@ -74,15 +72,49 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
                 "that position, both sampled often enough"
             )
             raise ValueError(msg)
+    if touch == 0 and force[0] > BEGUN * largest + STRAY * force_noise:
+        msg = (
+            f"force: expected a record that begins before touch, at 0 N, received {force[0]:.3g} N "
+            "in its first sample; begin it before touch, and tare the force"
+        )
+        raise ValueError(msg)
     return RampHold(
         time=time[:end],
         position=position[:end],
         force=force[:end],
         touch=touch,
         hold=hold,
-        force_noise=_noise(force[hold:end]),
+        beyond=beyond,
+        force_noise=force_noise,
         position_noise=noise,
     )
+
+
+def _hold(position: Array, noise: float) -> tuple[int, int, int]:
+    """Return the first sample beyond the hold, its own first one, and the one behind its last.
+
+    The hold is the longest stay. What an indenter does before it has settled, as to go too far and
+    come back, is of the ramp.
+    """
+    smoothed = smooth(position)
+    low, high = float(smoothed.min()), float(smoothed.max())
+    stays, edges = np.histogram(smoothed, LEVELS, ((low + high) / 2, high))
+    most = int(stays.argmax())
+    near = np.abs(smoothed - (edges[most] + edges[most + 1]) / 2) < (1 - REACHED) * (high - low)
+    level = float(np.median(smoothed[near]))
+    tolerance = max(STRAY * noise / np.sqrt(SMOOTHING), STILL * (high - low))
+    away = np.abs(smoothed - level)
+    # Twice: noise at the way in is no way out.
+    ends = np.flatnonzero(np.diff(away <= 2 * tolerance, prepend=False, append=False))
+    start, end = max(ends.reshape(-1, 2).tolist(), key=lambda stay: stay[1] - stay[0])
+    hold = start + int(np.argmax(away[start:end] <= tolerance))
+    # The average carries a sharp corner into the hold, so back to the first sample that is there.
+    first = max(hold - SMOOTHING // 2, 0)
+    still = max(STRAY / 2 * noise, 1e-6 * (high - low))
+    moving = np.flatnonzero(np.abs(position[first:hold] - level) > still)
+    hold = first + int(moving[-1]) + 1 if moving.size else first
+    over = smoothed[:hold] > level + 2 * tolerance
+    return int(np.argmax(over)) if over.any() else hold, hold, end
 
 
 def _check(time: Array, position: Array, force: Array) -> None:
@@ -165,16 +197,55 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
 
 
 def smooth_position(record: RampHold) -> Array:
-    """Return the position by straight lines through 9 points, of the ramp and of the hold."""
+    """Return the position by straight lines or cubics through some points, of ramp and hold.
+
+    As many points as nine of the averages of a ramp have, or nine, and no more smoothing than
+    takes away noise alone: none of a gentle start and stop that is sampled by few.
+    """
+    ramp, rest = np.split(record.position, [record.hold])
+    wide = SMOOTHING * max(1, round((record.hold - record.touch) / RAMP_POINTS)) | 1
+    noise = record.position_noise
+    ways = ((wide, 1), (SMOOTHING, 1), (SMOOTHING, 3))
+    return np.concatenate(
+        [_denoised(ramp, noise, ways, record.touch), _denoised(rest, noise, ways[1:])]
+    )
+
+
+def _denoised(
+    values: Array, noise: float, ways: tuple[tuple[int, int], ...], start: int = 0
+) -> Array:
+    """Return the values by the first of `ways`, (points, degree), that bends none from `start` on.
+
+    What smoothing did to the signal it does about once more to what it left, noise hardly.
+    """
     from scipy.signal import savgol_filter
 
-    parts = np.split(record.position, [record.hold])
-    return np.concatenate([savgol_filter(part, SMOOTHING, 1, mode="interp") for part in parts])
+    for points, degree in ways:
+        if points > len(values):
+            continue
+        once = savgol_filter(values, points, degree, mode="interp")
+        twice = savgol_filter(once, points, degree, mode="interp")
+        if np.abs(twice - once)[start:].max() <= noise * np.sqrt(SMOOTHING / points):
+            return np.asarray(once)
+    return values
 
 
 def _even(start: int, stop: int, most: int) -> list[int]:
     count = min(stop - start, most)
     return np.linspace(start, stop, count, endpoint=False).astype(int).tolist() if count else []
+
+
+def deviation_of(record: RampHold, spring: Spring, prony: Prony) -> Array:
+    """Return the standard deviations (n,) N of the averages, of force and of position.
+
+    What noise of a position makes of the model's force relaxes on the way from the average before.
+    """
+    time, x, f, size = averages(record)
+    passed = np.multiply.outer(np.diff(time, prepend=time[0]), np.array(prony.v))
+    kept = prony.weights[0] + exprel(-passed) @ np.array(prony.weights[1:])
+    stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
+    sigma = np.hypot(record.force_noise, kept * stiffness * record.position_noise)
+    return np.asarray(np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size))
 
 
 def accounted(measured: Array, model: Array) -> float:

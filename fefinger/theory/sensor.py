@@ -5,6 +5,7 @@ noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1
 and appendix A, Eq. 3.1 to 3.3, 3.18, A.1 and A.4.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,7 +17,10 @@ from fefinger.theory.elastic import Array
 
 
 QUADRATURE = 80
-"""Points of the radial convolution; 40 give the same eight digits."""
+"""Points of the radial convolution, at least; 40 give the same eight digits at 4 sigma."""
+
+PER_SIGMA = 3.0
+"""Points of it per sigma of its reach: they are then less than a sigma apart."""
 
 
 COARSEST = 1.5
@@ -222,7 +226,8 @@ def blurred(
 
     elastic.require_positive("blurred", reach=reach, sigma=sigma)
     r = elastic.numbers("blurred", "r", r)
-    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+    count = max(QUADRATURE, math.ceil(PER_SIGMA * reach / sigma))
+    nodes, weights = np.polynomial.legendre.leggauss(count)
     angle = np.pi / 4 * (nodes + 1)
     s = reach * np.sin(angle)
     weights = np.pi / 4 * weights * reach * np.cos(angle)

@@ -143,7 +143,7 @@ def _search(
     found = minimize(squares, np.log(start), method="Nelder-Mead", options=options)
     values = np.exp(found.x)
     if not found.success or values[0] * reach.max() > widest**2:
-        msg = f"fit: the search ended at {values.tolist()} without a minimum; give a nearer start"
+        msg = f"fit: the search ended at {values.round(4).tolist()} without a minimum"
         raise ValueError(msg)
     spread = float(np.sum((pressure - pressure.mean()) ** 2))
     return Fit(dict(zip(names, values.tolist(), strict=True)), float(found.fun) / spread)

@@ -1,7 +1,9 @@
-"""Contact of a sphere and a stack at any depth, from contacts solved once: splines in sqrt(depth).
+"""Contact of a sphere and a stack at any depth, from contacts solved once and joined by splines.
 
-What is interpolated is the departure from Hertz, which starts at one, so the table is right from
-the first touch on. Lengths in mm, moduli and stresses in kPa, forces in mN.
+What is interpolated is the logarithm of the departure from Hertz, which starts at 0, so the table
+is right from the first touch on. It is smooth in the contact radius, not in the depth: under a
+stiff skin the depth grows a thousandfold while the contact doubles. Lengths in mm, moduli and
+stresses in kPa, forces in mN.
 """
 
 import math
@@ -20,7 +22,7 @@ from fefinger.theory.indentation import Contact, over_edge, paraboloid
 from fefinger.theory.stack import Stack
 
 
-LEVELS = 40
+LEVELS = 48
 """Contacts per table; the force of a finger over bone is then within 1e-6, its strain 1e-4."""
 
 FEWEST = 4
@@ -49,17 +51,15 @@ class Table:
     def contact_radius(self, depth: ArrayLike) -> Array:
         """Return a (...,) in mm at the approach `depth` (...,) mm, 0 to `deepest`."""
         depth = self._within(depth)
-        return np.sqrt(self.radius * depth) * self._departure(np.sqrt(depth))[..., 0]
+        return np.sqrt(self.radius * depth) * np.exp(self._departure(self._rank(depth, 0))[..., 0])
 
     def force(self, depth: ArrayLike) -> Array:
         """Return P (...,) in mN at the approach `depth` (...,) mm, 0 to `deepest`."""
         depth = self._within(depth)
-        stiff = elastic.plane_modulus(*self.stack.surface)
-        hertz = 4 / 3 * stiff * math.sqrt(self.radius) * depth**1.5
-        return hertz * self._departure(np.sqrt(depth))[..., 1]
+        return self._hertz * depth**1.5 * np.exp(self._departure(self._rank(depth, 0))[..., 1])
 
     def depth(self, force: ArrayLike) -> Array:
-        """Return the approach (...,) in mm that carries `force` (...,) mN, by bisection.
+        """Return the approach (...,) in mm that carries `force` (...,) mN.
 
         ValueError for a force below zero or beyond that of the deepest contact.
         """
@@ -68,13 +68,8 @@ class Table:
         if not np.all((force >= 0) & (force <= most * (1 + 1e-12))):
             msg = f"Table: expected a force in 0 to {most:.6g} mN, received {force.max():.6g} mN"
             raise ValueError(msg)
-        low, high = np.zeros_like(force), np.full_like(force, self.deepest)
-        # 60 halvings reach rounding, whatever the curve.
-        for _ in range(60):
-            middle = (low + high) / 2
-            over = self.force(middle) > force
-            low, high = np.where(over, low, middle), np.where(over, middle, high)
-        return (low + high) / 2
+        departure = np.exp(self._departure(self._rank(force, 1))[..., 1])
+        return np.asarray(np.cbrt(force / (self._hertz * departure)) ** 2)
 
     def at(self, depth: float) -> Contact:
         """Return the contact at an approach of `depth` mm, above 0 to `deepest`."""
@@ -107,17 +102,37 @@ class Table:
         here = np.maximum(self.contact_radius(depth), self.contacts[0].contact_radius)
         return np.asarray(per_force(here) * self.force(depth)[:, None, None])
 
+    @property
+    def _hertz(self) -> float:
+        """P_Hertz over depth^(3/2), in mN / mm^(3/2)."""
+        return 4 / 3 * elastic.plane_modulus(*self.stack.surface) * math.sqrt(self.radius)
+
+    @property
+    def _widest(self) -> float:
+        return self.contacts[-1].contact_radius
+
+    def _rank(self, wanted: Array, which: int) -> Array:
+        """Return sqrt(a / widest) where the depth (0) or force (1) is `wanted`, by bisection."""
+        low, high = np.zeros_like(wanted), np.ones_like(wanted)
+        # 60 halvings reach rounding, whatever the curve.
+        for _ in range(60):
+            middle = (low + high) / 2
+            wide, load = np.moveaxis(np.exp(self._departure(middle)), -1, 0)
+            depth = (self._widest * middle**2 / wide) ** 2 / self.radius
+            over = (depth, self._hertz * depth**1.5 * load)[which] > wanted
+            low, high = np.where(over, low, middle), np.where(over, middle, high)
+        return (low + high) / 2
+
     @cached_property
     def _departure(self) -> CubicSpline:
-        """A / sqrt(R depth) and P / P_Hertz against sqrt(depth)."""
-        stiff = elastic.plane_modulus(*self.stack.surface)
+        """Logarithms of a / sqrt(R depth) and P / P_Hertz against sqrt(a / widest)."""
         depth = np.array([contact.depth for contact in self.contacts])
         wide = np.array([contact.contact_radius for contact in self.contacts])
         force = np.array([contact.force for contact in self.contacts])
-        hertz = 4 / 3 * stiff * math.sqrt(self.radius) * depth**1.5
-        ratios = np.stack([wide / np.sqrt(self.radius * depth), force / hertz], axis=1)
-        rows = np.concatenate([np.ones((1, 2)), ratios])
-        return CubicSpline(np.sqrt([0.0, *depth]), rows)
+        ratios = np.stack([wide / np.sqrt(self.radius * depth), force / self._hertz / depth**1.5])
+        rows = np.concatenate([np.zeros((1, 2)), np.log(ratios.T)])
+        rank = np.sqrt(np.append(0.0, wide) / self._widest)
+        return CubicSpline(rank, rows)
 
     @cached_property
     def _shape(self) -> CubicSpline:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.calibration import inverse
+from fefinger.calibration import inverse, record
 from fefinger.checks import ConvergenceError
 
 
@@ -57,3 +57,23 @@ def test_a_search_that_fails_says_so(monkeypatch):
     monkeypatch.setattr(inverse, "EVALUATIONS", 1)
     with pytest.raises(ConvergenceError, match="did not converge in 1 evaluations from any of 1"):
         inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), [unknown("p")])
+
+
+def test_correlations_are_those_of_the_parameters_in_their_order():
+    """By 4000 draws of what was searched for; the weights of G stand after all others."""
+    asked = [
+        unknown("t_b"),
+        *(unknown(f"c{i}/c0", prior=(1.0, 0.5)) for i in (1, 2)),
+        unknown("v1", prior=(1.0, 0.3)),
+    ]
+    way = np.array([[1.0, 0.5, 0.0, 0.0], [0.0, 1.0, -1.0, 0.5]]) / 0.02
+    names = [each.name for each in asked]
+    found = inverse.solve(lambda v: way @ [np.log(v[name]) for name in names], asked)
+    draws = np.random.default_rng(0).multivariate_normal(np.zeros(4), found.covariance, 4000).T
+    rows = dict(zip(names, 1e-3 * draws, strict=True))
+    shares = np.array(
+        [np.ones(4000), *(found.values[c] * np.exp(rows[c]) for c in ("c1/c0", "c2/c0"))]
+    )
+    rows |= dict(zip(("c0", "c1", "c2"), shares / shares.sum(axis=0), strict=True))
+    expected = np.corrcoef([rows[each.name] for each in record.parameters_of(found)])
+    np.testing.assert_allclose(record.correlations_of(found), expected, atol=0.05)

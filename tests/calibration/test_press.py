@@ -39,6 +39,20 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
     assert len(solved) == 4
 
 
+@pytest.mark.parametrize("left", [0.0, 0.5])
+def test_a_press_whose_file_was_cut_short_is_solved_again(tmp_path, monkeypatch, left):
+    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
+    finger = ff.Finger.subject("a.h.")
+    first = press(finger, "condensed")
+    (file,) = tmp_path.glob("*.npz")
+    whole = file.read_bytes()
+    file.write_bytes(whole[: int(left * len(whole))])
+    np.testing.assert_array_equal(press(finger, "condensed").felt, first.felt)
+    with np.load(file) as kept:  # and kept anew
+        np.testing.assert_array_equal(kept["felt"], first.felt)
+
+
 def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monkeypatch):
     monkeypatch.setattr(presses, "root", lambda: tmp_path)
 

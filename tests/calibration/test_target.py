@@ -148,3 +148,12 @@ def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, for
         target.frames(file)
     with pytest.raises(InputError, match="one column 'p3'"):
         target.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
+
+
+def test_the_misfit_of_the_lumped_model_is_measured_like_all_others():
+    """One where all is noise, or less: what is allowed for the mesh is not in this record."""
+    trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0)
+    found = target.made("twin", trial.time, trial.position, trial.force)
+    assert 0.1 < found.lumped_misfit < 1.2
+    bent = replace(found, force=found.force + 5 * found.force_sd)
+    assert bent.lumped_misfit == pytest.approx(25.0, rel=0.2)

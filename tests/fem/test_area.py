@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
+from fefinger.fem import area as areas
 from fefinger.fem.area import Surface, touching
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic, stiffness
@@ -40,6 +41,23 @@ def test_the_area_of_a_circular_contact_is_that_of_its_circle(a: float, seed: in
     surface = Surface(points, triangles, UP)
     area = surface.area((r < 0.97 * a)[None], hertz_gap(r, a)[None])[0]
     assert area == pytest.approx(np.pi * a**2, rel=0.025)
+
+
+def test_times_with_one_contact_are_fitted_together_and_as_each_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    points, triangles = scattered(0.25, 0)
+    r, fits = np.hypot(*points.T[:2]), []
+    pressed = np.array([r < bound for bound in (0.97, 0.97, 0.97, 0.7, 0.97)])
+    gap = np.array([hertz_gap(r, a) for a in (1.0, 1.01, 1.03, 0.75, 1.02)])
+    surface = Surface(points, triangles, UP)
+    alone = [surface.area(p[None], g[None])[0] for p, g in zip(pressed, gap, strict=True)]
+    fitted = areas._fitted
+    monkeypatch.setattr(areas, "_fitted", lambda *args: fits.append(0) or fitted(*args))
+    assert surface.area(pressed, gap).tolist() == alone
+    assert len(fits) == 4  # two for each of the two contacts
+    monkeypatch.setattr(areas, "ROWS", 1)
+    assert surface.area(pressed, gap).tolist() == alone
 
 
 def test_the_error_falls_with_the_mesh() -> None:
@@ -91,8 +109,8 @@ def test_what_the_obstacle_is_not_ahead_of_does_not_change_the_area() -> None:
     r = np.hypot(*points.T[:2])
     pressed, gap = (r < 0.97)[None], hertz_gap(r, 1.0)
     lost = np.where(r > 1.6, FAR, gap)
-    areas = [Surface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
-    assert areas[1] == pytest.approx(areas[0], rel=0.01)
+    found = [Surface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
+    assert found[1] == pytest.approx(found[0], rel=0.01)
 
 
 def test_vertices_that_all_but_bear_nothing_and_stand_off_do_not_touch() -> None:
@@ -189,6 +207,19 @@ def test_the_area_under_a_bar_is_that_of_its_face(cells: int) -> None:
     for area, _ in found:
         assert 1.9 < area < 2.0  # the contact ends somewhere on the rounded corners
     assert max(abs(blind - 1.95) for _, blind in found) > 0.3
+
+
+@pytest.mark.parametrize("end", [0.25, 0.625])
+@pytest.mark.parametrize("alone", [True, False])
+def test_an_edge_cuts_the_corner_of_a_triangle_off(end: float, alone: bool) -> None:
+    """One corner in contact and two free, or two and one: the edge of the bar lies at x = end."""
+    x = [0.0, 1.0, 1.0] if alone else [1.0, 0.0, 0.0]
+    points = np.column_stack([x, [0.0, 0.5, -0.5], np.zeros(3)])
+    bar = Obstacle(UP, np.array([end - 1.0, 0.0, 0.0]), Bar(2.0, 0.002))
+    gap, _ = bar.gap(points)
+    surface = Surface(points, np.array([[0, 1, 2]]), UP, bar)
+    share = end**2 if alone else 1 - (1 - end) ** 2
+    assert surface.area((gap == 0)[None], gap[None]) == pytest.approx([share / 2], rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from fefinger.fem.contact import patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.grids import box
 from fefinger.fem.probe import strain_at
-from fefinger.mechanics import _placing, _press
+from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
 
 
@@ -25,7 +25,7 @@ def parts() -> tuple[condense.Compliance, condense.Compliance]:
     """Return the even and the odd compliance of the half."""
     mesh = ready(FINGER, half=True)
     own = solid(mesh, TISSUES)
-    held = _press.held(FINGER)
+    held = _hard.held(FINGER)
     even, odd = (
         condense.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
         for odd in (False, True)
@@ -37,7 +37,7 @@ def parts() -> tuple[condense.Compliance, condense.Compliance]:
 def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condense.Operator]:
     """Return a factored body and its operator."""
     half = request.param == "half"
-    exact = body(ready(FINGER, half=half), TISSUES, _press.held(FINGER))
+    exact = body(ready(FINGER, half=half), TISSUES, _hard.held(FINGER))
     own = solid(ready(FINGER, half=True), TISSUES)
     if half:
         pieces = [condense.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
@@ -57,7 +57,7 @@ def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points
     touch = _placing.obstacle(ff.Sphere(6, at=place), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, points)[:, None] * touch.axis
-    probe = strain_at(exact.space, inside, medial=exact.half)
+    probe = strain_at(exact.space, inside, exact.planes)
     expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
     for name in ("flexibility", "strain"):
         scale = np.abs(getattr(expected, name)).max()
@@ -69,7 +69,7 @@ def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) ->
     touch = _placing.obstacle(ff.Flat(45), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 1.25)
     assert not np.isin(on_pad.seen.vertices, condense.palmar(exact)).all()
-    probe = strain_at(exact.space, touch.origin[None] + touch.axis, medial=exact.half)
+    probe = strain_at(exact.space, touch.origin[None] + touch.axis, exact.planes)
     expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
     for name in ("strain", "approach"):
         scale = np.abs(getattr(expected, name)).max()
@@ -99,7 +99,7 @@ def test_a_load_beyond_the_palmar_part_is_refused(both: tuple) -> None:
 
 @pytest.mark.parametrize("poisson", [(0.5, 0.48), (0.499999, 0.5)])
 def test_an_incompressible_body_is_reduced_as_well(poisson: tuple[float, float]) -> None:
-    mesh, held = ready(FINGER, half=True), _press.held(FINGER)
+    mesh, held = ready(FINGER, half=True), _hard.held(FINGER)
     stiff = {1: Elastic(80.0, poisson[0]), 2: Elastic(34.0, poisson[1])}
     exact = body(mesh, stiff, held)
     even = condense.condense(exact, stiff, prescribed(exact, mesh, held))
@@ -108,7 +108,7 @@ def test_an_incompressible_body_is_reduced_as_well(poisson: tuple[float, float])
     touch = _placing.obstacle(ff.Flat(30), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, 40)[:, None] * touch.axis
-    probe = strain_at(exact.space, inside, medial=True)
+    probe = strain_at(exact.space, inside, exact.planes)
     expected = reduce(exact, on_pad, probe)
     found = condense.reduce(condense.Operator(*shape, pieces), on_pad, probe)
     for name in ("flexibility", "strain", "approach"):

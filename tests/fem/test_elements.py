@@ -7,9 +7,10 @@ from skfem import MeshTet
 
 from fefinger.checks import InputError
 from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.probe import locate, strain_at, strain_at_vertices, tensors
+from fefinger.fem.probe import inside, locate, strain_at, strain_at_vertices, tensors
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
+from fefinger.tolerances import INSIDE
 
 
 RATIOS = [0.0, 0.3, 0.49, 0.5]
@@ -172,3 +173,16 @@ def test_a_site_that_cells_share_gets_their_mean() -> None:
 def test_a_site_outside_the_body_is_refused() -> None:
     with pytest.raises(InputError, match="expected a point in the soft tissue"):
         strain_at(cube(2), np.array([[0.5, 0.5, 1.2]]))
+
+
+def test_the_body_holds_its_points_and_as_much_beyond_as_flat_facets_cut_off() -> None:
+    """At a corner the middle of its cell is as far as it gets, and all others are beyond."""
+    space = cube(2)
+    within = np.random.default_rng(5).uniform(0.0, 1.0, (50, 3))
+    (alone,) = space.cells[(space.cells == 0).any(axis=1)][:1]
+    corner = space.points[0]
+    outward = 4 * INSIDE * (corner - space.points[alone].mean(axis=0))
+    near, far = (corner + part * outward for part in (0.9, 1.1))
+    assert inside(space, np.concatenate([within, near[None]])).all()
+    assert not inside(space, np.concatenate([within + 2.0, far[None]])).any()
+    assert inside(space, np.empty((0, 3))).shape == (0,)

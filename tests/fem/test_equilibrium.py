@@ -5,7 +5,9 @@ import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.equilibrium import STUCK, Asked, Equilibrium, State, _Anderson
+from fefinger.fem import equilibrium
+from fefinger.fem.anderson import Anderson
+from fefinger.fem.equilibrium import STUCK, Asked, Equilibrium, State
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Path, Series, StressHistory, follow
@@ -55,6 +57,23 @@ def test_all_nodes_of_the_plate_carry_the_same_pressure_and_none_pulls():
     material = neo_hookean(Elastic(40.0, 0.5))
     force, _, state = squeezed(material, [0.2])
     assert state.pressure == pytest.approx(np.full(len(state.pressure), force), rel=1e-5)
+
+
+def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pytest.MonkeyPatch):
+    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    solver = pressed.equilibrium
+    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    for depth in (0.1, 0.3, 0.5):
+        asked = Asked("depth", depth, pressed.body.at_rest)
+        state = solver.find(state, asked)
+    pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
+    solver._renew(state, asked)
+    assert solver._factored.rough.negative == pressures
+    monkeypatch.setattr(equilibrium, "BEDS", equilibrium.BEDS[:1])
+    soft = cube(neo_hookean(Elastic(40.0, 0.49))).equilibrium
+    soft._renew(state, asked)
+    assert soft._factored.rough.negative > pressures
+    assert soft._factored.bed.max() < solver._factored.bed.max()
 
 
 def test_a_step_too_large_is_reported():
@@ -173,7 +192,7 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
 
 def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_halved():
     """It left as an error of the linear algebra, which no step control catches."""
-    mixing = _Anderson(3)
+    mixing = Anderson(3)
     mixing.next(np.zeros(2), np.array([1.0, 1e200]))
     with np.errstate(over="ignore"), pytest.raises(ConvergenceError, match="ran away"):
         mixing.next(np.ones(2), np.array([2.0, -1e200]))

@@ -8,7 +8,7 @@ from skfem import Basis, ElementTetP2
 from fefinger.checks import InputError
 from fefinger.fem.finite import Continuum, Memory, continuum
 from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
+from fefinger.fem.grids import box, quarter
 from fefinger.fem.laws import Law, demiray, law, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.spaces import Space
 
@@ -51,6 +51,17 @@ def test_at_rest_the_tangent_is_the_small_strain_matrix(material: Law):
     exact = stiffness(space, {1: SOFT})
     found = body.tangent(np.zeros(space.n_unknowns), body.at_rest)
     assert abs(found - exact).max() < 1e-14 * abs(exact).max()
+
+
+def test_the_tangent_is_whole_where_256_cells_meet():
+    """As many as a byte counts to 0: their places in the matrix must not be lost."""
+    line = np.linspace(0.0, 1.0, 3)
+    space = quarter(line, line, lambda r, z: np.full_like(r, 2.0), 64)
+    assert np.bincount(space.cells.ravel()).max() == 256
+    exact = stiffness(space, {1: SOFT})
+    body = continuum(space, {1: LAWS["neo-hookean"]})
+    found = body.tangent(np.zeros(space.n_unknowns), body.at_rest)
+    assert abs(found - exact).max() < 1e-13 * abs(exact).max()
 
 
 def test_hard_parts_do_not_set_the_scale_that_soft_tissue_is_solved_to():

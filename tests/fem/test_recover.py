@@ -90,15 +90,30 @@ def test_it_does_not_look_into_the_next_tissue():
     assert two.node_points[used, 2].max() < 0.62
 
 
-def test_a_point_with_too_little_around_it_takes_the_strain_of_its_cell():
+def lonely() -> Space:
+    """Return a cube in which every cell is a tissue of its own."""
     space = grid(2)
-    alone = np.arange(len(space.cells), dtype=np.int64) % 100 + 1
-    lonely = Space(space.points, space.cells, alone.astype(np.int8))
-    point = np.array([[0.3, 0.3, 0.3]])
-    values = unknowns(lonely, waves)
-    assert recovered_strain_at(lonely, point) @ values == pytest.approx(
-        strain_at(lonely, point) @ values, rel=1e-12
+    return Space(space.points, space.cells, np.arange(1, len(space.cells) + 1, dtype=np.int8))
+
+
+def test_a_point_with_too_little_around_it_takes_the_strain_of_its_cell():
+    space, point = lonely(), np.array([[0.3, 0.3, 0.3]])
+    values = unknowns(space, waves)
+    assert recovered_strain_at(space, point) @ values == pytest.approx(
+        strain_at(space, point) @ values, rel=1e-12
     )
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_point_with_too_little_around_it_keeps_to_the_mirror(axis):
+    space, point = lonely(), np.array([[0.3, 0.2, 0.1]])
+    point[0, axis] = 0.0
+    values = unknowns(space, waves)
+    found, own = (recovered_gradient_at(space, point, p) @ values for p in ((axis,), ()))
+    across = np.arange(3) == axis
+    mixed = (across[:, None] != across).ravel()
+    assert np.abs(own[mixed]).max() > 0.1
+    assert found == pytest.approx(np.where(mixed, 0.0, own), rel=1e-12, abs=0)
 
 
 def test_half_a_body_and_its_mirror_images_give_what_the_whole_gives():

@@ -183,7 +183,7 @@ def test_gradients_of_a_quadratic_displacement_are_exact_at_points_and_vertices(
     points = np.array([[0.3, 0.2, 0.7], [0.5, 0.0, 0.25]])
     found = (gradient_at(space, points) @ values).reshape(-1, 3, 3)
     assert found == pytest.approx(exact(points), abs=1e-12)
-    mirrored = (gradient_at(space, points, medial=True) @ values).reshape(-1, 3, 3)
+    mirrored = (gradient_at(space, points, (1,)) @ values).reshape(-1, 3, 3)
     assert mirrored[0] == pytest.approx(found[0])
     assert mirrored[1, 1, ::2] == pytest.approx([0.0, 0.0])
     vertices = (gradient_at_vertices(space) @ values).reshape(-1, 3, 3)

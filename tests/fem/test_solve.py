@@ -9,6 +9,7 @@ from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import multifrontal, solve
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
+from fefinger.fem.solvers import compressible
 from fefinger.fem.spaces import Space
 
 
@@ -56,6 +57,9 @@ def test_the_rough_factor_takes_indefinite_matrices_and_one_or_many_loads(
     block = bent[system.free[system.free < n]][:, system.free[system.free < n]].toarray()
     assert np.linalg.eigvalsh(block)[0] < -0.01
     rough = solve.rough(space, bent.tocsr(), system)
+    neighbor = compressible(space, bent.tocsr())[system.free][:, system.free].toarray()
+    assert rough.negative == (np.linalg.eigvalsh(neighbor) < 0).sum()
+    assert rough.negative > (system.free >= n).sum()
     reduced = bent.tocsr()[system.free][:, system.free]
     exact = np.random.default_rng(0).normal(size=(len(system.free), 3))
     loads = reduced @ exact

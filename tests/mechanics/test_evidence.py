@@ -9,6 +9,7 @@ from fefinger.validation import evidence_cost
 import fefinger as ff
 from fefinger import machine, scenes
 from fefinger.mechanics import _evidence, _solid_cost, linear, solid
+from fefinger.mesh.build import SETTINGS
 from fefinger.scene import Ramp, Scene
 from fefinger.text import percent
 from fefinger.tissue import Tissue
@@ -20,6 +21,10 @@ def scene(**changes: Any) -> Scene:
 
 def at(depth: float) -> Scene:
     return scene(motion__depth=depth, motion__corner=0.0)
+
+
+def test_facets_are_as_long_as_the_mesher_is_asked_to_make_them() -> None:
+    assert _evidence.FACETS == {name: each.pad for name, each in SETTINGS.items()}
 
 
 def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:

@@ -12,7 +12,7 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
-from fefinger.mechanics import _placing, _press, linear
+from fefinger.mechanics import _hard, _placing, linear
 from fefinger.mechanics import solid as finite
 from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
@@ -21,7 +21,7 @@ from fefinger.mesh.symmetric import whole
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
-HELD = _press.held(FINGER)
+HELD = _hard.held(FINGER)
 DEPTH = 0.6
 
 

@@ -10,7 +10,7 @@ from fefinger import scenes
 from fefinger.ask import SOLVERS
 from fefinger.checks import InputError
 from fefinger.fem import solvers
-from fefinger.mechanics import LADDER, _hard, _press, condensed, get, linear, solid
+from fefinger.mechanics import LADDER, _hard, condensed, get, linear, solid
 from fefinger.mechanics._operator import operator
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
@@ -176,7 +176,7 @@ def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
 
 def test_the_held_facets_follow_the_hard_parts() -> None:
     def held(**parts: object) -> tuple[str, ...]:
-        return _press.held(replace(FINGER, **parts))
+        return _hard.held(replace(FINGER, **parts))
 
     assert held() == ("bone", "nail", "cut")
     assert held(cut="nail") == ("bone", "nail")

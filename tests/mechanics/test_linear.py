@@ -11,7 +11,7 @@ from fefinger.checks import InputError
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
-from fefinger.mechanics import _evidence, _placing, _press, _timeline, linear
+from fefinger.mechanics import _evidence, _hard, _placing, _press, _timeline, linear
 from fefinger.mesh.ready import ready
 from fefinger.motion import Motion
 from fefinger.records import Response
@@ -32,7 +32,7 @@ def scene(**parts: object) -> ff.Scene:
 @pytest.fixture(scope="module")
 def half() -> Body:
     mesh = ready(FINGER, half=True)
-    return body(mesh, _press.tissues(FINGER), _press.held(FINGER))
+    return body(mesh, _press.tissues(FINGER), _hard.held(FINGER))
 
 
 @pytest.fixture(scope="module")

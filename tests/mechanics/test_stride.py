@@ -154,3 +154,17 @@ def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() 
     exact = hereditary_integral(prony, steps.time, stiffening(steps.path))
     assert steps.times[found] == pytest.approx(steps.time[exact.argmax()], abs=1e-3)
     assert steps.times[found] < steps.times[steps.value.argmax()]
+
+
+@EACH
+@pytest.mark.parametrize("count", [4, 9])
+def test_the_first_steps_alone_are_those_steps(motion: Motion, count: int) -> None:
+    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    first = steps.until(count)
+    assert first.times.tolist() == steps.times[:count].tolist()
+    assert first.time[-1] == first.times[-1]
+    assert len(first.path) == len(first.clock) == len(first.time)
+    assert first.bounded(first.value)[first.chosen].tolist() == first.value.tolist()
+    kept = first.bounded(first.time[first.chosen])
+    assert (np.diff(kept) > 0).all()
+    assert kept[[0, -1]].tolist() == first.times[[0, -1]].tolist()

@@ -152,6 +152,7 @@ def test_counts_that_change_are_named():
         ([0, 0.5, 0.2], np.zeros((3, 1)), {"types": ("SAI",)}, "never decrease"),
         ([0, 1e6], np.zeros((2, 1)), {"types": ("SAI",)}, "at most 3600 s in one run"),
         ([0, 1], np.full((2, 1), np.nan), {"types": ("SAI",)}, "finite values"),
+        ([0, np.nan], np.zeros((2, 1)), {"types": ("SAI",)}, "finite values"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "generator": "quadratic"}, "generator"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "received 2"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 0.0}, "dt: expected a finite"),
@@ -235,3 +236,17 @@ def test_many_sentences_of_a_kind_become_one():
     found = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
     assert any("(so, or alike, 9 units)" in note for note in found.notes)
     assert len(found.notes) < 9
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (range(3, 12), "9 of 12 units change their spike count, by 11 at most, when it is"),
+        ([4], "unit 4: the spike count goes from 0 to 4 when it is"),
+    ],
+)
+def test_many_counts_that_change_become_one_sentence(changed, said):
+    names = [f"unit {i}" for i in range(12)]
+    before = [np.empty(0)] * 12
+    after = [np.zeros(i if i in changed else 0) for i in range(12)]
+    assert count_changes(names, before, after, "it is") == (said,)

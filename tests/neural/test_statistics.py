@@ -88,6 +88,7 @@ def test_the_chance_of_locking_is_that_of_random_phases():
 def test_impulses_per_cycle():
     assert per_cycle([0.1, 0.2, 1.1, 1.2, 2.0], 1.0, 0.0, 2.0) == 2.0
     assert per_cycle([0.1, 0.2], 4.0, 0.0, 1.0) == 0.5
+    assert per_cycle([0.1, 1.1, 1.2, 1.3], 2.0, 1.0, 1.5) == 3.0
 
 
 @EVERY_PAIR

@@ -5,7 +5,7 @@ import pytest
 from scipy import optimize
 
 from fefinger import library
-from fefinger.theory import identify, lumped, ramphold, synthetic
+from fefinger.theory import doubt, identify, lumped, ramphold, synthetic
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
@@ -75,7 +75,7 @@ def test_the_joint_fit_is_right_within_its_stated_uncertainty(scores, key):
     score = scores[key]
     assert np.abs(score).max() < 3.5
     assert abs(score.mean()) < 1.2
-    assert 0.3 < np.sqrt(np.mean(score**2)) < 1.6
+    assert 0.55 < np.sqrt(np.mean(score**2)) < 1.6
 
 
 def test_the_joint_fit_is_closer_than_the_thesis_to_b_and_c0():
@@ -101,12 +101,102 @@ def test_the_same_seed_makes_the_same_trial_with_the_stated_noise():
     assert record.position_noise == pytest.approx(3e-3, rel=0.05)
 
 
-def test_a_slow_ramp_of_many_samples_is_averaged_and_still_fits():
+def test_the_touch_of_the_thesis_is_as_unsure_as_its_line():
+    """It scatters by 0.02 mm; with m and b taken for sure it said 0.2 um."""
+    found = [identify.thesis(*trial(seed=seed)) for seed in range(12)]
+    scatter = np.std([each.spring.x0 for each in found], ddof=1)
+    stated = np.median([each.uncertainty["x0"] for each in found])
+    assert 0.4 < scatter / stated < 2.0
+
+
+def near(found, deviations=3.5):
+    """Return whether every parameter is that of a.h. within its stated uncertainty."""
+    return all(
+        abs(found.parameters[key] - value) < deviations * found.uncertainty[key]
+        for key, value in truth().items()
+    )
+
+
+def test_a_ramp_of_many_samples_is_averaged_and_still_fits():
+    assert near(identify.joint(*trial(seed=0, speed=20.0, hold=4.0)))
+
+
+def test_a_ramp_too_slow_for_the_fast_term_is_told():
+    """The stiffness is 20 % low then, by more than it says."""
     found = identify.joint(*trial(seed=0, speed=2.0, hold=4.0))
-    for key in ("b", "m", "c0"):
-        expected = truth()[key]
-        assert found.parameters[key] == pytest.approx(expected, abs=4 * found.uncertainty[key])
+    assert "term 1 has faded" in found.warnings[-1]
+    assert "ramp faster" in found.warnings[-1]
     assert identify.thesis(*trial(seed=0, speed=2.0, hold=4.0)).spring.b > 0
+
+
+def test_a_corner_between_few_samples_stays_sharp():
+    """At 1 kHz nine points are 0.5 mm: b came out at 0.35 N/mm instead of 0.18."""
+    found = identify.joint(*trial(seed=None, sample_rate=1e3))
+    assert found.spring.b == pytest.approx(AH[0].b, rel=0.02)
+    assert found.prony.v[0] == pytest.approx(AH[1].v[0], rel=0.02)
+
+
+def test_a_search_that_goes_astray_starts_again():
+    """It left out the fast term, and advised a longer hold."""
+    found = identify.joint(*trial(seed=4, speed=8.0))
+    assert found.prony.v[1:] == pytest.approx(AH[1].v[1:], rel=0.05)
+    assert not any("slower than the hold" in each for each in found.warnings)
+
+
+def moved(time, position, *, noise=3e-3, seed=0):
+    """Return the record of a.h. under a position, with noise."""
+    rng = np.random.default_rng(seed)
+    force = lumped.force(*AH, time, position)
+    return (
+        time,
+        position + rng.normal(0, noise, len(time)),
+        force + rng.normal(0, noise, len(time)),
+    )
+
+
+def test_a_gentle_ramp_of_few_samples_is_not_smoothed_away():
+    """The least jerk in 40 samples; b was 26 % high, six deviations."""
+    time = np.arange(0.0, 6.0, 1e-3)
+    u = np.clip(time / 0.04, 0.0, 1.0)
+    found = identify.joint(*moved(time, 0.2 + 1.85 * u**3 * (10 - 15 * u + 6 * u**2)))
+    assert near(found)
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e4])
+def test_an_indenter_that_goes_too_far_and_comes_back_still_holds(rate: float) -> None:
+    """The way through was taken for the hold: of 20 samples that there were to be, or 2.4 ms."""
+    time = np.arange(0.0, 6.0, 1 / rate)
+    after = np.maximum(time - 0.04, 0.0)
+    ring = 0.03 * np.exp(-after / 0.01) * np.sin(after / 0.005)
+    data = moved(time, 0.2 + 1.85 * np.clip(time / 0.04, 0.0, 1.0) + ring)
+    record = ramphold.split(*data)
+    assert 5.8 < record.hold_seconds < 5.96
+    assert record.beyond < record.hold
+    assert near(identify.joint(*data))
+    assert identify.thesis(*data).spring.b < AH[0].b
+
+
+def test_a_record_that_begins_in_contact_is_refused():
+    time, position, force = trial(seed=0)
+    with pytest.raises(ValueError, match="begins before touch, at 0 N, received"):
+        identify.joint(time[200:], position[200:], force[200:])
+    with pytest.raises(ValueError, match="tare the force"):
+        identify.thesis(time, position, force + 0.1)
+
+
+def test_a_force_that_is_not_tared_is_told():
+    time, position, force = trial(seed=0)
+    for offset, said in ((-0.05, "the force is -0.0"), (0.01, "the force is 0.0"), (0.03, "touch")):
+        found = identify.joint(time, position, force + offset)
+        assert found.warnings[-1].startswith(said)
+        assert "tare the force" in found.warnings[-1]
+
+
+def test_what_the_data_say_nothing_of_is_unknown_and_the_rest_is_not():
+    design = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]])
+    found = doubt.covariance(design, np.array([0.1, -0.1, 0.0]))
+    assert found[0, 0] == pytest.approx(0.02 / 3)
+    assert found[1, 1] == np.inf
 
 
 def test_a_ramp_that_starts_and_stops_gently_is_identified_as_well():

@@ -86,3 +86,13 @@ def test_a_frequency_that_is_not_above_zero_is_refused(frequency):
         impedance.relaxation_spectrum(MEANS[1], frequency)
     with pytest.raises(ValueError, match="preloads >= 0 N"):
         impedance.operating_stiffness(*MEANS, -1.0)
+    with pytest.raises(ValueError, match="preloads >= 0 N"):
+        impedance.operating_stiffness(*MEANS, [1.0, -1.0])
+
+
+def test_the_relaxed_preload_is_what_is_meant_unless_the_print_is_asked_for():
+    spring, prony = MEANS
+    for tone in (1.0, 30.0):
+        bare = impedance.relaxation_spectrum(prony, tone)
+        own = spring.stiffness(0.5 / prony.long_time) * bare
+        assert impedance.impedance(spring, prony, tone, 0.5) == pytest.approx(own, rel=1e-12)

@@ -43,7 +43,6 @@ def test_the_force_at_constant_speed_lies_between_relaxed_and_instantaneous(spri
     assert float(fast) == pytest.approx(1.0, rel=1e-4)
 
 
-RATIO_AT_60 = {"d.p.": 0.69, "d.s.": 0.74, "a.h.": 0.727, "p.w.": 0.69, "means": 0.72}
 SLOW_EXCESS = {"d.s.": 0.15, "p.w.": 0.16, "means": 0.24, "a.h.": 0.28, "d.p.": 0.44}
 
 

@@ -114,3 +114,16 @@ def test_a_contact_wider_than_the_radius_is_refused_and_one_as_wide_is_not():
 def test_what_is_out_of_range_is_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+def test_under_a_thin_and_stiff_skin_the_force_rises_from_the_first_touch():
+    """It was negative at a thousandth of the depth, and 35 times too large."""
+    stack = Stack((Layer(0.02, 5e3, 0.45), Layer(5.0, 10.0, 0.5)))
+    table = tabulate(stack, 10.0, widest=3.9)
+    depths = np.geomspace(1e-6, 1.0, 400) * table.deepest
+    assert (np.diff(table.force(depths)) > 0).all()
+    assert (np.diff(table.contact_radius(depths)) > 0).all()
+    np.testing.assert_allclose(table.depth(table.force(depths)), depths, rtol=1e-9)
+    for wide in (0.05, 0.3, 2.0):
+        solved = paraboloid(stack, 10.0, contact_radius=wide)
+        assert float(table.force(solved.depth)) == pytest.approx(solved.force, rel=1e-3)

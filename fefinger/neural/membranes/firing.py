@@ -1,7 +1,6 @@
 """What every membrane shares: the record of its spikes, the check of its input, its threads."""
 
 import math
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.checks import InputError, number
+from fefinger.cores import cores
 
 
 LARGEST_STEP = 5e-5
@@ -106,7 +106,7 @@ def in_blocks(
     firsts = range(0, units, width)
     if len(firsts) == 1:
         return block(0)
-    with ThreadPoolExecutor(min(_cores(), len(firsts))) as pool:
+    with ThreadPoolExecutor(min(cores(), len(firsts))) as pool:
         runs = list(pool.map(block, firsts))
     back = np.argsort(order)
     times = [each for part in runs for each in part[0]]
@@ -148,10 +148,3 @@ def trimmed(spikes: NDArray[np.float64], counts: NDArray[np.int64]) -> list[NDAr
         )
         raise InputError(msg)
     return [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]
-
-
-def _cores() -> int:
-    """Return the number of cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -1,0 +1,40 @@
+"""Figures of suite `condensed`: a half-space pressed and left, and a finger that is stepped."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.figures import INK, STEEL, figure, style
+
+
+ORANGE = "#D55E00"
+SIZE = (6.2, 3.6)  # inches; two stand side by side
+
+Array = NDArray[np.float64]
+
+
+def half_space(time: Array, depth: Array, found: Array, exact: Array) -> Any:
+    """Draw a press in and out, s and mm: the force in mN that was found, and the exact one."""
+    with style():
+        drawn = figure(*SIZE)
+        left, right = drawn.subplots(1, 2, sharey=True)
+        for axis, x, label in ((left, time, "time / s"), (right, 1e3 * depth, "depth / um")):
+            axis.plot(x[::5], exact[::5], "o", ms=3, color=ORANGE, label="Hertz and Ting")
+            axis.plot(x, found, color=INK, lw=1.2, label="condensed")
+            axis.set_xlabel(label)
+        left.set_ylabel("force / mN")
+        left.legend()
+    return drawn
+
+
+def steps(time: Array, depth: Array, force: Array) -> Any:
+    """Draw depths in mm and the forces in N of steps at times in s."""
+    with style():
+        drawn = figure(*SIZE)
+        top, bottom = drawn.subplots(2, 1, sharex=True, height_ratios=(1, 2))
+        top.plot(time, depth, color=STEEL, lw=0.8)
+        top.set_ylabel("depth / mm")
+        bottom.plot(time, force, color=INK, lw=0.8)
+        bottom.set(xlabel="time / s", ylabel="force / N")
+    return drawn
