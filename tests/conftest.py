@@ -1,6 +1,7 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
 import importlib
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from fefinger import machine
 from fefinger.neural.trains import SpikeTrains
 from fefinger.records import (
     Fields,
@@ -40,10 +42,29 @@ def one_thread() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _empty_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def empty_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Keep the user's cache out: the planner prefers an operator that is in it."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("empty")))
+        folder = tmp_path_factory.mktemp("empty")
+        patched.setenv("XDG_CACHE_HOME", str(folder))
+        yield folder
+
+
+@pytest.fixture(autouse=True)
+def _leaves_no_operator(empty_cache: Path) -> Iterator[None]:
+    """Keep what a test builds from later ones: it has to ask for the fixture `operators`."""
+    yield
+    left = empty_cache / "fefinger" / "operators"
+    if left.exists():
+        shutil.rmtree(left)
+        pytest.fail("this test built an operator without the fixture `operators`")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _machine_of_the_reports() -> Iterator[None]:
+    """Expect the times of the reports: what `ask.seconds` allows must not hang on this machine."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(machine, "measure", lambda: machine.REPORTED)
         yield
 
 

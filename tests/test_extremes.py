@@ -213,6 +213,7 @@ def test_a_contact_smaller_than_a_facet_is_told_from_none():
     assert not any("too coarse" in each.reason for each in linear.refuse(scene()))
 
 
+@pytest.mark.usefixtures("operators")
 @pytest.mark.parametrize("each", [linear, condensed, solid])
 def test_a_ball_between_the_vertices_of_the_pad_is_refused_by_depth_and_by_force(each):
     ball = {"finger": ff.Finger.subject("a.h.", resolution="coarse"), "indenter": ff.Sphere(0.5)}
