@@ -14,6 +14,9 @@ RESOLUTIONS = ("coarse", "standard", "fine")
 FORMAT = 1
 """Raised when the builder changes so that meshes cached from the same recipe must be made again."""
 
+SURFACE_FORMAT = 2
+"""The same of fingers from a surface file: since 2 it is checked how they lie in it."""
+
 
 Touch = float | tuple[float, float] | None
 """Where a mesh is fine, as in `Recipe`."""
@@ -77,7 +80,8 @@ class Recipe:
 
     def key(self) -> str:
         """Return a hash of all that decides the mesh, the content of a surface file included."""
-        parts = {**self.to_dict(), "format": FORMAT}
+        made = FORMAT if self.surface is None else SURFACE_FORMAT
+        parts = {**self.to_dict(), "format": made}
         for name in ("surface", "bone_surface"):
             file = getattr(self, name)
             if file is not None:

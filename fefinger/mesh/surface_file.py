@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.mesh import orientation
 
 
 Array = NDArray[np.float64]
@@ -29,9 +30,6 @@ BACK = 0.25
 
 LENGTH = 24.0
 """mm from the tip that the size of a finger is taken from, and that are meshed."""
-
-UPRIGHT = 0.3
-"""Least height of the tip above the pad over the thickness; below, the nail points down."""
 
 COARSE = 1.0
 """mm of the triangles among which intersections are looked for."""
@@ -61,7 +59,6 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     mesh, notes = read_closed(file, field)
     name = f"{field}: {file.name}"
     size = _check_size(mesh.extents, name)
-    _check_frame(mesh, name)
     crossing = crossings(mesh)
     if crossing is not None:
         x, y, z = crossing
@@ -70,13 +67,14 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
             "surface: remesh it or remove the overlap in the program that made it"
         )
         raise InputError(message)
+    turned = _check_frame(mesh, name)
     tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
     width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
     stated = (
         f"Surface {file.name}: {len(mesh.faces)} triangles in a box of {size} mm, taken as mm with "
         f"x distal, y radial and z dorsal; {width:.3g} mm wide and {thickness:.3g} mm thick."
     )
-    return SurfaceFile(mesh, width, thickness, (stated, *notes))
+    return SurfaceFile(mesh, width, thickness, (stated, *notes, *turned))
 
 
 def _loaded(file: Path, field: str) -> Any:
@@ -251,27 +249,17 @@ def _check_size(extents: Array, name: str) -> str:
     raise InputError(message)
 
 
-def _check_frame(mesh: Any, name: str) -> None:
-    """Raise InputError unless the finger lies along x with its tip ahead and its pad down."""
-    low, high = mesh.bounds
-    length, width, thickness = high - low
-    points = mesh.vertices
-    advice = "expected x distal, y radial and z dorsal: turn it about"
+def _check_frame(mesh: Any, name: str) -> tuple[str, ...]:
+    """Return notes on the frame, or raise InputError unless the tip is ahead and the pad down."""
+    notes = orientation.check(mesh, name)
+    length, width, thickness = np.ptp(mesh.bounds, axis=0)
     if length < 0.9 * max(width, thickness):
-        message = f"{name} is longest across x; {advice} y or z until the finger lies along x"
-        raise InputError(message)
-    ends = [points[np.abs(points[:, 0] - x) < 0.08 * length] for x in (low[0], high[0])]
-    behind, ahead = (float(np.ptp(end[:, 1])) for end in ends)
-    if ahead > 1.1 * behind:
-        message = f"{name} is wider at its distal end; {advice} z by 180 degrees"
-        raise InputError(message)
-    rise = float(points[np.argmax(points[:, 0]), 2] - low[2]) / thickness
-    if rise < UPRIGHT:
         message = (
-            f"{name} has its tip at {rise:.0%} of its thickness above its lowest point; {advice} x "
-            "by 180 degrees, until the pad faces down"
+            f"{name} is longest across x; expected x distal, y radial and z dorsal: turn it about "
+            "y or z until the finger lies along x"
         )
         raise InputError(message)
+    return notes
 
 
 def crossings(mesh: Any) -> Array | None:

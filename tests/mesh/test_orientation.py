@@ -1,0 +1,104 @@
+"""A scan that is turned out of its frame is refused with what turns it back, a good one is not."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from fefinger.checks import InputError
+from fefinger.mesh import surface
+from fefinger.mesh.orientation import SLENDER, UNSURE, check, lie
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.recipe import Recipe
+
+
+trimesh = pytest.importorskip("trimesh")
+
+SUBJECTS = {  # width, thickness and pad radius in mm
+    "d.p.": (12, 9.5, 15),
+    "d.s.": (14, 11.5, 12),
+    "a.h.": (14, 10, 14),
+    "p.w.": (17, 13, 17),
+}
+
+
+@cache
+def finger(name: str, widths: float = 2.0, askew: float = 0.0) -> Any:
+    """Return a closed finger, cut so many widths from its tip and askew by degrees about y."""
+    width, thickness, radius = SUBJECTS[name]
+    points, faces = surface.half(parametric(Recipe(width, thickness, radius)).skin, 0.6)
+    faces = faces[~np.all(points[faces][:, :, 1] == 0.0, axis=1)]
+    both = np.concatenate([faces, faces[:, ::-1] + len(points)])
+    whole = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
+    whole.merge_vertices()
+    normal = np.array([np.cos(np.radians(askew)), 0.0, np.sin(np.radians(askew))])
+    at = whole.bounds.mean(axis=0)
+    at[0] = whole.bounds[1, 0] - min(widths * width, np.ptp(whole.bounds[:, 0]) - 0.5)
+    points, faces, *_ = trimesh.intersections.slice_faces_plane(
+        whole.vertices, whole.faces, normal, at
+    )
+    mesh = trimesh.Trimesh(points, faces)
+    mesh.merge_vertices()
+    edges, count = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    rim = edges[count == 1]
+    fan = np.column_stack([rim, np.full(len(rim), len(mesh.vertices))])
+    middle = mesh.vertices[np.unique(rim)].mean(axis=0)
+    return trimesh.Trimesh(np.vstack([mesh.vertices, middle]), np.vstack([mesh.faces, fan]))
+
+
+def turned(mesh: Any, axis: str, degrees: float) -> Any:
+    mesh = mesh.copy()
+    mesh.vertices = Rotation.from_euler(axis, degrees, degrees=True).apply(mesh.vertices)
+    return mesh
+
+
+@pytest.mark.parametrize("name", SUBJECTS)
+@pytest.mark.parametrize(("widths", "askew"), [(1.5, -20.0), (1.5, 20.0), (2.0, 0.0)])
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_a_good_scan_gets_no_word(name: str, widths: float, askew: float, noise: float) -> None:
+    mesh = finger(name, widths, askew).copy()
+    mesh.vertices += np.random.default_rng(7).normal(scale=noise, size=mesh.vertices.shape)
+    assert check(mesh, "surface") == ()
+    assert lie(mesh).rise > UNSURE
+    assert lie(mesh).slender > SLENDER
+
+
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_a_short_piece_is_not_taken_for_a_turned_one(name: str) -> None:
+    for askew in (-20.0, 0.0, 20.0):
+        assert check(finger(name, 1.1, askew), "surface") == ()
+
+
+@pytest.mark.parametrize("axis", "xyz")
+@pytest.mark.parametrize("degrees", [-90, -45, -30, -20, 20, 30, 45, 90, 120, 180])
+def test_a_turned_scan_is_refused_with_what_turns_it_back(axis: str, degrees: float) -> None:
+    mesh = turned(finger("a.h."), axis, degrees)
+    found = lie(mesh)
+    back = Rotation.from_matrix(found.axes) * Rotation.from_euler(axis, degrees, degrees=True)
+    assert np.degrees(back.magnitude()) < 5.0
+    with pytest.raises(InputError, match=f"is turned by .*turn it about {axis} by -?[0-9]+ degre"):
+        check(mesh, "surface")
+
+
+def test_a_scan_turned_about_two_axes_gets_both_in_order() -> None:
+    mesh = turned(turned(finger("d.s."), "x", 40.0), "z", 30.0)
+    with pytest.raises(InputError, match=r"turn it about z by -30 degrees, then .*x by -40 degr"):
+        check(mesh, "surface")
+
+
+@pytest.mark.parametrize(("axis", "degrees"), [("x", 13), ("z", -13), ("y", -13)])
+def test_a_scan_that_may_be_turned_gets_a_note(axis: str, degrees: float) -> None:
+    (note,) = check(turned(finger("p.w."), axis, degrees), "surface")
+    assert "may be turned: to bring its symmetry and its axis into the frame" in note
+    assert f"turn it about {axis} by" in note
+
+
+def test_a_long_scan_is_judged_by_its_end() -> None:
+    mesh = finger("a.h.").copy()
+    behind = np.minimum(mesh.vertices[:, 0] - mesh.bounds[1, 0] + 20.0, 0.0)
+    mesh.vertices[:, 0] += 4.0 * behind
+    assert check(mesh, "surface") == ()
+    with pytest.raises(InputError, match="about z by -30"):
+        check(turned(mesh, "z", 30.0), "surface")
