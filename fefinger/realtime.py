@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from fefinger.checks import InputError, choice, number
 from fefinger.fem import active, loop
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.condense import Operator, OutsideError
+from fefinger.fem.condense import Operator, OutsideError, faces_down
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.march import History
 from fefinger.fem.obstacle import Rigid
@@ -283,12 +283,14 @@ def _answering(
 ) -> Reduced:
     """Return the finger reduced to what a press of `deepest` mm touches, as far as it is kept.
 
-    Beside an edge the gap grows within a facet to any reach: there, one ring more each time.
+    Beside an edge the gap grows within a facet to any reach: there, one ring more each time, but
+    none beyond the palmar part: a step whose contact gets there is refused.
     """
     probe, found = partial(recovered_strain_at, solid.space, where, solid.planes), None
+    within = faces_down(solid)
     for rings in range(_press.ATTEMPTS):
         reach = _press.REACH * deepest
-        on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings)
+        on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings, within)
         if len(on_pad.vertices) == 0:
             raise InputError(_missed.NOTHING_UNDER)
         try:

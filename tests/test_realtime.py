@@ -316,6 +316,13 @@ def test_an_edge_is_answered_to_the_depth_that_was_said(indenter: ff.Bar | ff.Gr
     assert finger.run(scene.motion).force == pytest.approx(expected.force, rel=1e-9, abs=1e-12)
 
 
+def test_an_edge_along_the_finger_is_answered_to_the_depth_that_was_said() -> None:
+    """Its candidates reach the end of the palmar part, beside which they still have to grow."""
+    finger = Condensed(FINGER, ff.Bar(2.0, 0.5, roll=90), deepest=2.0)
+    force = [finger.step(depth, 1e-3).force for depth in (0.5, 1.0, 1.5, 2.0)]
+    assert (np.diff(force) > 0).all()
+
+
 def test_where_the_indenter_ends_and_where_the_pad_ends_are_told_apart() -> None:
     ball = Condensed(FINGER, ff.Sphere(2.0), deepest=1.2)
     with pytest.raises(InputError, match="beyond which the indenter turns away"):

@@ -98,9 +98,14 @@ class Operator(Solid):
     parts: tuple[Part, ...]
 
 
+def faces_down(solid: Solid) -> NDArray[np.bool_]:
+    """Return which vertices (n_points,) belong to the palmar part with all of their triangles."""
+    return np.asarray(solid.normals[:, 2] < PALMAR)
+
+
 def palmar(solid: Solid) -> Integers:
     """Return the nodes of the pad that an operator keeps."""
-    under = solid.normals[:, 2] < PALMAR
+    under = faces_down(solid)
     return solid.space.face_nodes(solid.pad[under[solid.pad].any(axis=1)])
 
 

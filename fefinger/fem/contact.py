@@ -116,11 +116,13 @@ def candidates(
     obstacle: Rigid,
     reach: float,
     rings: int = 0,
+    within: NDArray[np.bool_] | None = None,
 ) -> Candidates:
     """Return the pad vertices whose gap at first touch is at most `reach` mm, and rings around.
 
     `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
-    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles.
+    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles. Rings
+    grow `within` (n_points,) flags alone, where given.
     """
     surface = trace(space, triangles)
     distance, _ = obstacle.gap(smooth_places(space.points, normals, surface))
@@ -128,8 +130,11 @@ def candidates(
     used = np.zeros(len(space.points), dtype=bool)
     pad = np.unique(triangles)
     used[pad[obstacle.gap(space.points[pad])[0] <= reach]] = True
+    near = used.copy()
     for _ in range(rings):
         used[triangles[used[triangles].any(axis=1)]] = True
+        if within is not None:
+            used &= within | near
     used[triangles[behind]] = False
     carrying = used[triangles].any(axis=1)
     border, beyond, rim = (np.zeros_like(used) for _ in range(3))
@@ -152,9 +157,10 @@ def patch(
     obstacle: Rigid,
     reach: float,
     rings: int = 0,
+    within: NDArray[np.bool_] | None = None,
 ) -> Patch:
     """Return the patch of the `candidates`, their unit loads, and what is seen around them."""
-    chosen = candidates(space, triangles, normals, obstacle, reach, rings)
+    chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)
     part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
     distance, direction = obstacle.gap(chosen.places)
     cosine = direction @ obstacle.axis
