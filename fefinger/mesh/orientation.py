@@ -76,10 +76,10 @@ UPRIGHT, UNSURE = 0.42, 0.48
 TIP = 0.03
 """Part of the length at the tip whose mean height counts, against noise."""
 
-REFUSED = 17.0
+REFUSED = 25.0
 """Degrees by which a scan is turned for sure. Good ones come to 10 at most, and to 1.3 about x or z
 alone; copies turned by 20 about x or z come to 20, about y to 15 to 22 (d.p. cut at 1.5 widths: 11,
-as its pad slopes)."""
+as its pad slopes). No scan of a real finger is among them, so that up to here it is a note."""
 
 NOTED = 11.0
 """Degrees from which it is worth a note."""

@@ -72,7 +72,7 @@ def test_a_short_piece_is_not_taken_for_a_turned_one(name: str) -> None:
 
 
 @pytest.mark.parametrize("axis", "xyz")
-@pytest.mark.parametrize("degrees", [-90, -45, -30, -20, 20, 30, 45, 90, 120, 180])
+@pytest.mark.parametrize("degrees", [-90, -45, -30, 30, 45, 90, 120, 180])
 def test_a_turned_scan_is_refused_with_what_turns_it_back(axis: str, degrees: float) -> None:
     mesh = turned(finger("a.h."), axis, degrees)
     found = lie(mesh)
@@ -88,7 +88,9 @@ def test_a_scan_turned_about_two_axes_gets_both_in_order() -> None:
         check(mesh, "surface")
 
 
-@pytest.mark.parametrize(("axis", "degrees"), [("x", 13), ("z", -13), ("y", -13)])
+@pytest.mark.parametrize(
+    ("axis", "degrees"), [("x", 13), ("z", -13), ("y", -13), ("x", -20), ("z", 20)]
+)
 def test_a_scan_that_may_be_turned_gets_a_note(axis: str, degrees: float) -> None:
     (note,) = check(turned(finger("p.w."), axis, degrees), "surface")
     assert "may be turned: to bring its symmetry and its axis into the frame" in note
