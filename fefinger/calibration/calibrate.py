@@ -183,7 +183,8 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
     with work.stage("array"):
         shape = _array(wanted, frames, found)
     adapted = replace(start, pad_radius=radius)
-    return outcome(wanted, adapted, found, work.stages, "solid", shape, coarse.ripple)
+    early = work.ended(found.curve.deepest)
+    return outcome(wanted, adapted, found, work.stages, "solid", shape, coarse.ripple, early)
 
 
 def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
@@ -321,16 +322,20 @@ def _finished(
 ) -> Trial:
     """Return the best of the trials on the final mesh, until exponent and fitted R settle.
 
-    Each shifts the coarse family to a press of its own. Without a power the pad radius is kept.
+    Each shifts the coarse family to a press of its own. Without a power the pad radius is kept. Once
+    a press ended early that holds what the target needs, none goes deeper.
     """
     goal = math.nan if power is None else _goal(wanted, frames)
     trials: list[Trial] = []
+    end = math.inf
     while len(trials) < CORRECTIONS:
         exponent = round(found.solution.values[SHAPE], 2)
-        part = _deep_enough(work, wanted, curves, radius, found) / work.finger.thickness
+        part = min(_deep_enough(work, wanted, curves, radius, found), end) / work.finger.thickness
         own = work.press("solid", work.finger.resolution, radius, exponent, part=part)
         curves = curves.corrected(own, exponent, radius)
         found = _solved(_forces(work, wanted, curves, radius), found)
+        if own.halt and reach(wanted, found) <= own.depth[-1]:
+            end = float(own.depth[-1])
         fitted = math.nan if power is None else _fitted(found)
         trials.append(Trial(radius, found, curves, fitted))
         steady = abs(found.solution.values[SHAPE] - exponent) < SETTLED

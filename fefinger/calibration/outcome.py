@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.calibration import pad
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import (
     MODULUS,
@@ -75,10 +76,12 @@ def outcome(
     mechanics: str,
     array: dict[str, float] | None = None,
     ripple: float = math.nan,
+    early: Sequence[str] = (),
 ) -> Calibration:
     """Return the record of a solution on a finger.
 
-    array: what the thesis's fit finds, by name; ripple: distance of the last press from its curve.
+    array: what the thesis's fit finds, by name; ripple: distance of the last press from its curve;
+    early: sentences on presses that ended early, where the curve ends.
     """
     solution = found.solution
     factor, exponent = 1.0, None
@@ -100,7 +103,7 @@ def outcome(
         parameters=parameters_of(solution),
         correlations=correlations_of(solution),
         residuals=residuals,
-        unidentified=_unidentified(wanted, found, array or {}),
+        unidentified=(*_unidentified(wanted, found, array or {}), *early),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(layer(finger.skin, exponent, factor)),
@@ -213,6 +216,13 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
             f"of this finger instead of {array['array radius, wanted']:.3g} mm; the pads that were "
             "pressed come no nearer"
         )
+    if array:
+        top = pad.heaviest(found.curve, found.factor, prony_of(found.solution.values))
+        if top < pad.HEAVIEST:
+            said.append(
+                f"pad_radius: the frames of this finger go to {top:.2g} N, where its presses end, "
+                f"instead of {pad.HEAVIEST:g} N as those of the thesis"
+            )
     return tuple(said)
 
 

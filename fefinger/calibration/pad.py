@@ -68,6 +68,12 @@ def slow_press(curve: Curve, factor: float, prony: Prony, heaviest: float = HEAV
     return np.linspace(0.0, float(depth[last - 1]), 200)
 
 
+def heaviest(curve: Curve, factor: float, prony: Prony) -> float:
+    """Return the force in N that a slow press reaches where the curve ends."""
+    depth = np.linspace(0.0, curve.deepest, 400)
+    return float(slow(prony, depth, factor * curve.force(depth))[-1])
+
+
 def slow(prony: Prony, depth: Array, relaxed: Array) -> Array:
     """Return what relaxed values (n, ...) at depths (n,) mm are on a ramp at 0.2 mm/s."""
     return hereditary_integral(prony, depth / SLOW, relaxed) / prony.long_time

@@ -24,6 +24,7 @@ class Work:
         self.finger, self.progress = finger, progress
         self.stages: list[Stage] = []
         self._presses: dict[tuple[Finger, str], Press] = {}
+        self._early: dict[tuple[float, str], None] = {}
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
@@ -61,7 +62,23 @@ class Work:
         if wanted not in self._presses:
             finite = mechanics == "solid"
             self._presses[wanted] = press(finger, mechanics, part) if finite else small(finger)
+            self._note(finger, self._presses[wanted])
         return self._presses[wanted]
+
+    def ended(self, depth: float) -> tuple[str, ...]:
+        """Return why presses ended early at `depth` mm, which is as far as a fit then knows."""
+        return tuple(said for at, said in self._early if math.isclose(at, depth, rel_tol=1e-9))
+
+    def _note(self, finger: Finger, found: Press) -> None:
+        """Note a press that ended before its depth."""
+        if found.halt:
+            at = float(found.depth[-1])
+            said = (
+                f"the press on the {finger.resolution} mesh at a pad radius of "
+                f"{finger.pad_radius:g} mm ended early, at {at:.3g} mm and {found.force[-1]:.3g} N: "
+                f"{found.halt}"
+            )
+            self._early[at, said] = None
 
     def reachable(self, radius: float) -> float:
         """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""

@@ -47,6 +47,10 @@ MOST = 1e30  # mN at a node, of any tissue: more, and the iteration has run away
 SURER = 0.1  # by how much smaller the error has to be before that is tried again
 
 
+class Exhausted(ConvergenceError):
+    """An equilibrium that takes more factors than are allowed: shorter steps take even more."""
+
+
 @dataclass(frozen=True)
 class State:
     """A body at one depth.
@@ -73,13 +77,14 @@ class Equilibrium:
     """Solver of one body and one contact for many steps; it keeps the last factor.
 
     `system` is the factored body at rest, with what holds it; `iterations`, `factors` and
-    `descents`, the steps that were found downhill, count the work.
+    `descents`, the steps that were found downhill, count the work, and `allowed` bounds `factors`.
     """
 
     def __init__(self, body: Continuum, contact: Sliding, system: System) -> None:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
+        self.allowed = np.inf
         self._excess, self._bed = 0, 0
         # A tangent has as many negative eigenvalues as pressures where the body is stable.
         self._pressures = int((system.free >= body.space.n_displacements).sum())
@@ -96,6 +101,8 @@ class Equilibrium:
         ------
         ConvergenceError
             If it is not reached; the step was too large for the body or the contact.
+        Exhausted
+            If it takes more factors than are allowed.
         """
         if asked.control == "depth":
             start = replace(start, depth=asked.target)
@@ -258,6 +265,9 @@ class Equilibrium:
         self._excess = 0
 
     def _rough(self, matrix: sparse.csr_matrix) -> Single:
+        if self.factors >= self.allowed:
+            message = f"equilibrium: not reached with the {self.factors} factors that are allowed"
+            raise Exhausted(message)
         self.factors += 1
         try:
             return rough(self.body.space, matrix, self.system)

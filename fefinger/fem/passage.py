@@ -2,16 +2,17 @@
 
 S(t) = integral of G(t - s) dS_e(s) (Fung's quasi-linear viscoelasticity), by the exponential
 recursion of `march.Relaxation` at every point of integration: exact for stresses that are linear
-over a step. A step that does not converge is halved.
+over a step. A step that does not converge is halved, as far as an `Allowance` goes.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.equilibrium import Asked, Equilibrium, State
+from fefinger.fem.equilibrium import Asked, Equilibrium, Exhausted, State
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import Relaxation
 from fefinger.fem.spaces import Array, Integers
@@ -73,6 +74,22 @@ class Path:
     value: Callable[[float], float]
 
 
+@dataclass(frozen=True)
+class Allowance:
+    """Factors of the tangent that a passage may make.
+
+    usual: by every step of the path, with its halves; spare: beyond them, by all steps together.
+    Counted in factors, so that the same passage ends at the same step on every machine.
+    """
+
+    usual: float = math.inf
+    spare: float = 0.0
+
+    def left(self, spent: float) -> "Allowance":
+        """Return what is left after a step that `spent` so many factors."""
+        return replace(self, spare=self.spare - max(spent - self.usual, 0.0))
+
+
 @one_thread
 def follow(
     equilibrium: Equilibrium,
@@ -80,21 +97,28 @@ def follow(
     path: Path,
     observe: Callable[[int, State], None],
     progress: Callable[[float], None] = lambda fraction: None,
+    allowance: Allowance | None = None,
 ) -> int:
     """Solve the body at every time of the path, and show `observe` each; return the steps taken.
 
-    The body is at rest before the first time, whose value is reached by a jump.
+    The body is at rest before the first time, whose value is reached by a jump. Without an
+    `allowance` the steps may take any work.
 
     Raises
     ------
     ConvergenceError
-        If a step does not converge after HALVINGS halvings; all before it has been observed.
+        If a step does not converge after HALVINGS halvings, or takes more than the allowance has
+        left; all before it has been observed.
     """
     body, contact = equilibrium.body, equilibrium.contact
     state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
     walk = _Walk(equilibrium, history, path, state, state)
+    left = allowance or Allowance()
     for k, time in enumerate(path.times):
+        before = equilibrium.factors
+        equilibrium.allowed = before + left.usual + left.spare
         walk.to(float(path.times[k - 1]) if k else float(time), float(time), HALVINGS)
+        left = left.left(equilibrium.factors - before)
         observe(k, walk.state)
         progress((k + 1) / len(path.times))
     return walk.steps
@@ -118,7 +142,7 @@ class _Walk:
         try:
             found = self.equilibrium.find(self._guess(target), asked)
         except ConvergenceError as error:
-            if halvings == 0 or stop == start:
+            if halvings == 0 or stop == start or isinstance(error, Exhausted):
                 message = f"at {stop:.6g} s ({self.path.control} {target:.6g}): {error}"
                 raise ConvergenceError(message) from error
             middle = (start + stop) / 2

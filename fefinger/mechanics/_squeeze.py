@@ -15,7 +15,7 @@ from fefinger.fem.equilibrium import Equilibrium, State
 from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.laws import Law, law, neo_hookean
 from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.passage import Path, Series, StressHistory, follow
+from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
 from fefinger.fem.probe import gradient_at_vertices
 from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
@@ -50,15 +50,19 @@ def squeeze(
     mechanics: str,
     notes: tuple[str, ...],
     refine: int = 1,
+    allowance: Allowance | None = None,
 ) -> Response:
     """Answer the scene; `refine` divides every step of the motion.
+
+    Without an `allowance` its steps may take any work.
 
     Raises
     ------
     InputError
         If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
     Stopped
-        If an equilibrium is not reached; it holds the Response of the steps before.
+        If an equilibrium is not reached, or takes more than the allowance; it holds the Response of
+        the steps before.
     ConvergenceError
         If that are fewer than WORTH.
     """
@@ -72,7 +76,7 @@ def squeeze(
     _press.check_depth(scene, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     steps = stride(scene.motion, time, memories(scene.finger), refine)
-    passage = _passage(scene, finger, elements, touch, steps, stages)
+    passage = _passage(scene, finger, elements, touch, steps, stages, allowance)
     if passage.halt:
         steps = steps.until(len(passage.depth))
     with stages.stage("reference"):
@@ -205,6 +209,7 @@ def _passage(
     touch: Obstacle,
     steps: Stride,
     stages: Stages,
+    allowance: Allowance | None,
 ) -> _Passage:
     """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
     skin = partial(_press.skin, finger)
@@ -217,7 +222,7 @@ def _passage(
     for _ in range(_press.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
         _missed.check_under(scene, len(contact))
-        passage = _followed(scene, finger, elements, contact, found, steps, stages)
+        passage = _followed(scene, finger, elements, contact, found, steps, stages, allowance)
         pressed = np.asarray((passage.pressure > 0).any(axis=0))
         _check_contact(finger, contact.on, pressed, passage.depth)
         if not (pressed & contact.on.edge).any():
@@ -235,6 +240,7 @@ def _followed(
     sites: Sites | None,
     steps: Stride,
     stages: Stages,
+    allowance: Allowance | None,
 ) -> _Passage:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     motion = scene.motion
@@ -253,7 +259,7 @@ def _followed(
     halt = ""
     with stages.stage("steps") as report:
         try:
-            follow(equilibrium, history, path, recorder.keep, report)
+            follow(equilibrium, history, path, recorder.keep, report, allowance)
         except _Rim:
             pass  # seen again by the caller
         except ConvergenceError as error:

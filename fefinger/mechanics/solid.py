@@ -4,11 +4,17 @@ The reference for everything cheaper: the same mesh, elements and contact as `li
 small strain. What it still leaves out is in `NOTES`.
 """
 
+from typing import TYPE_CHECKING
+
 from fefinger.mechanics import _cut, _evidence, _solid_cost, _tradeoff, linear
 from fefinger.mechanics._notes import hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.records import Progress, Refusal, Response
 from fefinger.scene import Scene
+
+
+if TYPE_CHECKING:
+    from fefinger.fem.passage import Allowance
 
 
 name = "solid"
@@ -61,16 +67,21 @@ def coarser(scene: Scene) -> Scene | None:
     return linear.coarser(scene)
 
 
-def respond(scene: Scene, progress: Progress | None = None) -> Response:
+def respond(
+    scene: Scene, progress: Progress | None = None, *, allowance: "Allowance | None" = None
+) -> Response:
     """Answer the scene with finite-strain finite elements.
+
+    Without an `allowance` its steps may take any work.
 
     Raises
     ------
     InputError
         If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
     ConvergenceError
-        If an equilibrium is not reached by steps however short.
+        If an equilibrium is not reached by steps however short, or not within the allowance.
     """
     from fefinger.mechanics._squeeze import squeeze
 
-    return squeeze(scene, progress, mechanics=name, notes=(*NOTES, *hard(scene.finger)))
+    notes = (*NOTES, *hard(scene.finger))
+    return squeeze(scene, progress, mechanics=name, notes=notes, allowance=allowance)

@@ -1,6 +1,7 @@
 """Calibration on fingers whose curve is a formula; the finite elements are in the suite."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ import pytest
 import fefinger as ff
 from fefinger import library
 from fefinger.__main__ import main
-from fefinger.calibration import jobs
+from fefinger.calibration import jobs, work
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, layer
+from fefinger.calibration.press import PART
 from fefinger.calibration.record import Calibration
 from fefinger.checks import InputError
 from fefinger.theory.relaxation import Prony
@@ -191,3 +193,34 @@ def test_a_file_that_is_no_calibration_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "none.json"):
         with pytest.raises(InputError, match=r"expected a calibration\.json"):
             Calibration.load(place)
+
+
+@pytest.mark.parametrize("needed", [1.0, 3.0])
+def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_what_is_needed(
+    monkeypatch, formula, needed
+):
+    """Why the curve of a buckling pad ended was lost, and so were frames that it did not reach."""
+    asked = []
+
+    def press(self, mechanics, resolution, radius, exponent=None, ratio=1.0, part=None):
+        deep = (part or PART[mechanics]) * self.finger.thickness
+        ends = 0.96 * deep if resolution == "standard" and not asked else deep
+        if resolution == "standard":
+            asked.append((deep, ends))
+        found = formula(exponent or 1.0, radius, ratio, deepest=ends)
+        found = replace(found, halt="" if ends == deep else "too many factors")
+        self._note(replace(self.finger, resolution=resolution, pad_radius=radius), found)
+        return found
+
+    monkeypatch.setattr(work.Work, "press", press)
+    monkeypatch.setattr("fefinger.calibration.calibrate.reach", lambda *_: needed)
+    found = ff.calibrate("a.h.")
+    assert len(asked) > 1
+    assert asked[1][0] == pytest.approx(asked[0][1] if needed < asked[0][1] else asked[0][0])
+    if needed > asked[0][1]:
+        return
+    said = " ".join(found.unidentified)
+    assert "the press on the standard mesh" in said
+    assert "ended early, at" in said
+    assert "too many factors" in said
+    assert "the frames of this finger go to" in said

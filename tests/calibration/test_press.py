@@ -24,6 +24,7 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
             return hertz.respond(scene)
 
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: Way)
+    monkeypatch.setattr("fefinger.mechanics.solid.respond", lambda scene, **_: Way.respond(scene))
     finger = ff.Finger.subject("a.h.")
     first, again = press(finger, "condensed"), press(finger, "condensed")
     assert len(solved) == 1
@@ -79,7 +80,8 @@ def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
 def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
     monkeypatch.setattr(presses, "root", lambda: tmp_path)
 
-    def stop(scene, progress=None):
+    def stop(scene, *, allowance):
+        assert (allowance.usual, allowance.spare) == (presses.USUAL, presses.SPARE)
         whole = hertz.respond(scene)
         n = len(whole.time) * 2 // 3
         cut = {
@@ -89,7 +91,7 @@ def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
         msg = "no further"
         raise Stopped(msg, replace(whole, **cut))
 
-    monkeypatch.setattr("fefinger.mechanics.get", lambda name: type("W", (), {"respond": stop}))
+    monkeypatch.setattr("fefinger.mechanics.solid.respond", stop)
     found = press(ff.Finger.subject("a.h."), "solid")
     assert found.halt == "no further"
     assert 1.0 < found.depth[-1] < 1.3

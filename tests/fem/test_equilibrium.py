@@ -10,7 +10,7 @@ from fefinger.fem.anderson import Anderson
 from fefinger.fem.equilibrium import STUCK, Asked, Equilibrium, State
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
-from fefinger.fem.passage import Path, Series, StressHistory, follow
+from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -202,6 +202,29 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(monkeypatch: pytest.Monke
     monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
     with pytest.raises(ConvergenceError, match=f"after {STUCK + 2} iterations"):
         squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
+
+
+def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_halves():
+    """It was halved six times, each time at the price of a whole search and descent."""
+    pressed = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
+    solver, seen = pressed.equilibrium, []
+    path = Path("depth", np.arange(4.0), lambda t: (0.0, 0.1, 0.2, 1.2)[int(np.ceil(t))])
+    history = StressHistory(pressed.body, SERIES)
+
+    def keep(number: int, _: State) -> None:
+        seen.append((number, solver.factors))
+
+    with pytest.raises(ConvergenceError, match="with the [0-9]+ factors that are allowed"):
+        follow(solver, history, path, keep, allowance=Allowance(2.0, 5.0))
+    assert [number for number, _ in seen] == [0, 1, 2]
+    assert solver.factors - seen[-1][1] <= 2 + 5
+
+
+def test_what_a_step_spends_beyond_the_usual_is_gone_for_all_later_ones():
+    allowance = Allowance(4.0, 60.0)
+    assert allowance.left(3) == allowance
+    assert allowance.left(14).left(4) == Allowance(4.0, 50.0)
+    assert Allowance().left(1000) == Allowance()
 
 
 @pytest.mark.parametrize("name", LAWS)
