@@ -1,6 +1,6 @@
 """Suite `finger`: a real finger balances, converges, fires the same again, and is not Hertz's."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -120,7 +120,8 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
     scene = scenes.load("flat-press", {"ask.fields": False})
     if mechanics == solid.name:
         scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
-    answer = {linear.name: press, solid.name: squeeze}[mechanics]
+    answers: dict[str, Callable[..., Response]] = {linear.name: press, solid.name: squeeze}
+    answer = answers[mechanics]
     fired = fire(scene, answer(scene, mechanics=mechanics, notes=(), refine=refine))
     return dict(zip(fired.types, fired.count().tolist(), strict=True))
 

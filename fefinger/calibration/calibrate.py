@@ -322,8 +322,8 @@ def _finished(
 ) -> Trial:
     """Return the best of the trials on the final mesh, until exponent and fitted R settle.
 
-    Each shifts the coarse family to a press of its own. Without a power the pad radius is kept. Once
-    a press ended early that holds what the target needs, none goes deeper.
+    Each shifts the coarse family to a press of its own. Without a power the pad radius is kept.
+    Once a press ended early that holds what the target needs, none goes deeper.
     """
     goal = math.nan if power is None else _goal(wanted, frames)
     trials: list[Trial] = []

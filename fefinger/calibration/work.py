@@ -75,8 +75,8 @@ class Work:
             at = float(found.depth[-1])
             said = (
                 f"the press on the {finger.resolution} mesh at a pad radius of "
-                f"{finger.pad_radius:g} mm ended early, at {at:.3g} mm and {found.force[-1]:.3g} N: "
-                f"{found.halt}"
+                f"{finger.pad_radius:g} mm ended early, at {at:.3g} mm and "
+                f"{found.force[-1]:.3g} N: {found.halt}"
             )
             self._early[at, said] = None
 

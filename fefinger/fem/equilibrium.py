@@ -5,26 +5,25 @@ the contact exact: with r the residual force, the displacements change by K0^-1 
 K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted gaps that this change
 leaves. Residual and gaps are always those of the true body, so an old factor costs iterations and
 never accuracy; it is replaced when the residual shrinks too slowly. Where that fails, as when a
-facet snaps through and the tangent is indefinite on the way, tangents made positive definite lead
-downhill, without acceleration until the residual shrinks again.
+facet snaps through and the tangent is indefinite on the way, blends of the tangent with one made
+positive definite lead downhill, without acceleration until the residual shrinks again.
 """
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.anderson import Anderson
-from fefinger.fem.contact import Complementarity
+from fefinger.fem.factored import Factored
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import depth_at
 from fefinger.fem.single import Single
 from fefinger.fem.sliding import Hold, Sliding
 from fefinger.fem.solve import System, rough
-from fefinger.fem.spaces import Array, Integers
+from fefinger.fem.spaces import Array
 from fefinger.tolerances import EQUILIBRIUM
 
 
@@ -39,8 +38,11 @@ NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for 
 BEDS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
-DESCENT = 150  # iterations downhill
-KEPT = 3  # of them on one factor
+DESCENT = 100  # iterations downhill
+KEPT = 2  # of them with one share of the tangent made positive definite
+STRIDE = 4.0  # by what that is divided
+LEAST = 1 / 256  # of it
+TRUST = 0.1  # of the size of a facet, that a node may move by in one of them
 CALM = 4  # of them with ever smaller errors, before they are accelerated
 SURE = 1e-3  # error below which they may be
 MOST = 1e30  # mN at a node, of any tissue: more, and the iteration has run away
@@ -92,7 +94,7 @@ class Equilibrium:
         first = rough(body.space, system.matrix, system)
         _, loads = contact.gaps(at_rest, 0.0)
         none = np.zeros(len(contact))
-        self._factored = _Factored(first, system.free, loads, 1.0, none, none)
+        self._factored = Factored(first, system.free, loads, 1.0, none, none)
 
     def find(self, start: State, asked: Asked) -> State:
         """Return the equilibrium near `start`.
@@ -143,16 +145,20 @@ class Equilibrium:
         raise _missed(error, count + 1)
 
     def _descend(self, start: State, asked: Asked) -> State:
-        """Go downhill from `start` with tangents made positive definite, accelerated at the end."""
-        state, sound, plain = start, start, Anderson(1)
+        """Go downhill from `start` on blends of tangents, accelerated at the end.
+
+        A tangent made positive definite leads downhill from anywhere, but slowly where the body
+        buckles; the true one leads there at once, but anywhere from far away. The share of the
+        first shrinks, as far as what the body leans on keeps the blend stable.
+        """
+        state, sound, plain, share = start, start, Anderson(1), 1.0
         last, calm, sure, best, found = np.inf, 0, SURE, np.inf, 0
-        self._renew(start, asked, whole=False)
         for count in range(DESCENT):
             look = self._look(state, asked)
             if look is None:
                 if state is sound:
                     break
-                state, calm = replace(state, values=(state.values + sound.values) / 2), 0
+                state, calm, share = _between(sound, state, 0.5), 0, 1.0
                 continue
             calm = calm + 1 if look.error < last else 0
             sound, last = state, look.error
@@ -163,15 +169,22 @@ class Equilibrium:
             elif count - found > STUCK:
                 break
             if calm >= CALM and last < sure:
-                self._renew(state, asked, whole=False)
                 with suppress(ConvergenceError):
                     return self._search(state, asked, whole=False)
                 sure = SURER * last
-                self._renew(state, asked, whole=False)
-            elif count % KEPT == KEPT - 1:
-                self._renew(state, asked, whole=False)
-            state = self._step(look, plain)
+            share = self._blend(state, asked, share)
+            state = self._trusted(state, self._step(look, plain))
+            if asked.control == "depth" and count % KEPT == KEPT - 1:
+                share = max(share / STRIDE, LEAST)
         raise _missed(last, count + 1)
+
+    def _trusted(self, state: State, far: State) -> State:
+        """Return the state as far on the way from `state` to `far` as an iteration is trusted."""
+        n = self.body.space.n_displacements
+        moved = (far.values - state.values)[:n].reshape(-1, 3)
+        most = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
+        trusted = TRUST * float(self.contact.sizes.mean())
+        return far if most <= trusted else _between(state, far, trusted / most)
 
     def _look(self, state: State, asked: Asked) -> "_Look | None":
         """Return what an iterate is like; None if a cell is inside out, or forces have run away."""
@@ -259,10 +272,40 @@ class Equilibrium:
                 if renewed.negative <= self._pressures or self._bed == len(BEDS) - 1:
                     break
                 self._bed += 1
-        self._factored = _Factored(
+        self._factored = Factored(
             renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0), hold.rise
         )
         self._excess = 0
+
+    def _blend(self, state: State, asked: Asked, share: float) -> float:
+        """Factor a blend of the tangents; return the share of the one made positive definite.
+
+        That is `share`, or more where the body would buckle on a bed under the weighted gaps that
+        are closed: the least of its multiples by STRIDE with which it does not. Under force control
+        there is no bed, and the share is 1.
+
+        Raises
+        ------
+        ConvergenceError
+            If it is singular.
+        """
+        body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
+        definite = body.tangent(state.values, asked.memory, whole=False)
+        apart = body.tangent(state.values, asked.memory) - definite
+        gaps, loads = contact.gaps(state.values, state.depth)
+        hold = self._hold(state, asked, gaps)
+        unit = gain * body.scale / float(np.sqrt(contact.travel.sum()))
+        leans = (state.pressure > 0) & (asked.control == "depth")
+        bed = np.where(leans, BEDS[-1] * unit, 0.0)
+        while True:
+            renewed = self._rough(definite + (1 - share) * apart + hold.stiffness)
+            none = np.zeros(len(contact))
+            held = Factored(renewed, self.system.free, loads, gain, none, hold.rise)
+            negative = renewed.negative - held.lean(bed, contact.travel)
+            self._factored = held
+            if share >= 1 or negative <= self._pressures:
+                return share
+            share = min(STRIDE * share, 1.0)
 
     def _rough(self, matrix: sparse.csr_matrix) -> Single:
         if self.factors >= self.allowed:
@@ -329,65 +372,18 @@ class _Look:
         return replace(self.state, pressure=self.state.pressure + self.hold.pressure)
 
 
+def _between(one: State, other: State, part: float) -> State:
+    """Return the state at `part` of the way from one to another."""
+    return State(
+        one.values + part * (other.values - one.values),
+        one.pressure + part * (other.pressure - one.pressure),
+        one.depth + part * (other.depth - one.depth),
+    )
+
+
 def _missed(error: float, count: int) -> ConvergenceError:
     message = (
         f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
         f"after {count} iterations; take shorter steps"
     )
     return ConvergenceError(message)
-
-
-class _Factored:
-    """A factored tangent with the loads and the gain of its time, and the rows of Z' so far.
-
-    bed and rise (n_candidates,) kPa / mm: the stiffness that was put under the candidates, and that
-    of what held their facets.
-    """
-
-    def __init__(
-        self,
-        rough: Single,
-        free: Integers,
-        loads: sparse.csc_matrix,
-        gain: float,
-        bed: Array,
-        rise: Array,
-    ) -> None:
-        self.rough, self.free, self.loads, self.gain = rough, free, loads, gain
-        self.bed, self.rise = bed, rise
-        self.known = np.full(loads.shape[1], -1, dtype=np.int64)
-        self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
-        self.flexibility = np.empty((0, 0))
-        self._near = np.zeros(loads.shape[1], dtype=np.bool_)
-        self._solver: Complementarity | None = None
-
-    def solve(self, right: Array) -> Array:
-        """Return K0^-1 `right` (n,) or (n, k) to single precision, zero where prescribed."""
-        scale = float(np.abs(right).max(initial=0.0)) or 1.0
-        answer = np.zeros_like(right)
-        answer[self.free] = scale * self.rough.solve(right[self.free] / scale)
-        return answer
-
-    def contact(self, near: NDArray[np.bool_]) -> Complementarity:
-        """Return the contact of the candidates `near`."""
-        if self._solver is not None and np.array_equal(near, self._near):
-            return self._solver
-        new = np.flatnonzero(near & (self.known < 0))
-        if len(new):
-            self.known[new] = len(self.columns) + np.arange(len(new))
-            found = self.solve(self.loads[:, new].toarray()).T.astype(np.float32)
-            self.columns = np.concatenate([self.columns, found])
-            order = np.argsort(self.known)[-len(self.columns) :]
-            self.flexibility = self.loads[:, order].T @ self.columns.T
-        where = self.known[near]
-        flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
-        symmetric = (flexibility + flexibility.T) / 2
-        self._near, self._solver = near, Complementarity(symmetric, any_sign=True)
-        return self._solver
-
-    def moved(self, pressure: Array) -> Array:
-        """Return what a change of pressure (n_candidates,) moves, Z times it."""
-        weights = np.zeros(len(self.columns), dtype=np.float32)
-        seen = self.known >= 0
-        weights[self.known[seen]] = pressure[seen]
-        return np.asarray(weights @ self.columns, dtype=np.float64)

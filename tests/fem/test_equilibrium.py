@@ -1,13 +1,17 @@
 """Equilibrium and its passage through time at finite strain, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
+from scipy import sparse
 
 from fefinger.checks import ConvergenceError
 from fefinger.fem import equilibrium
 from fefinger.fem.anderson import Anderson
-from fefinger.fem.equilibrium import STUCK, Asked, Equilibrium, State
+from fefinger.fem.equilibrium import LEAST, STUCK, TRUST, Asked, Equilibrium, State
+from fefinger.fem.factored import Factored
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
@@ -214,7 +218,7 @@ def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_halv
     def keep(number: int, _: State) -> None:
         seen.append((number, solver.factors))
 
-    with pytest.raises(ConvergenceError, match="with the [0-9]+ factors that are allowed"):
+    with pytest.raises(ConvergenceError, match=r"with the [0-9]+ factors that are allowed"):
         follow(solver, history, path, keep, allowance=Allowance(2.0, 5.0))
     assert [number for number, _ in seen] == [0, 1, 2]
     assert solver.factors - seen[-1][1] <= 2 + 5
@@ -257,3 +261,56 @@ def test_an_iterate_whose_forces_have_run_away_is_none_like_one_that_is_inside_o
         looks[part] = solver._look(State(values, flat, 0.0), asked)
     assert looks[0.01] is not None
     assert looks[0.5] is None
+
+
+def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigenvalues():
+    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    solver, space = pressed.equilibrium, pressed.body.space
+    state = State(np.zeros(space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    for depth in (0.1, 0.3, 0.5):
+        asked = Asked("depth", depth, pressed.body.at_rest)
+        state = solver.find(state, asked)
+    tangent = pressed.body.tangent(state.values, asked.memory)
+    _, loads = solver.contact.gaps(state.values, state.depth)
+    bed = np.full(len(solver.contact), 1e3)
+    stiff = (tangent + loads @ sparse.diags(bed / solver.contact.travel) @ loads.T).tocsr()
+    none = np.zeros_like(bed)
+    alone, whole = (
+        Factored(solver._rough(matrix), solver.system.free, loads, 1.0, none, none)
+        for matrix in (tangent, stiff)
+    )
+    taken = alone.lean(bed, solver.contact.travel)
+    assert taken > 0
+    assert alone.rough.negative - taken == whole.rough.negative
+    right = np.random.default_rng(0).normal(size=space.n_unknowns)
+    exact = whole.solve(right)
+    assert np.abs(alone.solve(right) - exact).max() < 1e-3 * np.abs(exact).max()
+    near = np.ones(len(bed), dtype=bool)
+    flexible = [each.contact(near).flexibility for each in (alone, whole)]
+    assert np.abs(flexible[0] - flexible[1]).max() < 1e-3 * np.abs(flexible[1]).max()
+
+
+def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
+    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    solver = pressed.equilibrium
+    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    shares = []
+    for depth in (0.1, 0.3, 0.5):
+        asked = Asked("depth", depth, pressed.body.at_rest)
+        state = solver.find(state, asked)
+        shares.append(solver._blend(state, asked, LEAST))
+    assert shares[0] == LEAST
+    assert LEAST < shares[2] <= 1
+    assert solver._blend(state, replace(asked, control="force"), 1.0) == 1
+
+
+def test_no_node_goes_farther_downhill_in_an_iteration_than_it_is_trusted():
+    pressed = cube(neo_hookean(Elastic(40.0, 0.3)))
+    solver, space = pressed.equilibrium, pressed.body.space
+    start = State(np.zeros(space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    far = State(np.full(space.n_unknowns, 10.0), np.ones(len(solver.contact)), 0.4)
+    found = solver._trusted(start, far)
+    part = TRUST * solver.contact.sizes.mean() / (10 * np.sqrt(3))
+    np.testing.assert_allclose(found.values, part * far.values)
+    np.testing.assert_allclose(found.pressure, part * far.pressure)
+    assert solver._trusted(start, found) is found
