@@ -32,6 +32,7 @@ PATIENCE = 25  # iterations of one step before its factor is renewed
 STUCK = 2 * PATIENCE  # of them without a smaller error, before it is given up
 FEW = 6  # iterations of a step that a good factor takes
 RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
+SEARCH = 8  # factors of one step under depth control; more, and the way downhill is shorter
 SOON = 3  # iterations that a factor is given at least
 STIFF = 2.0  # what a factor need not know of what holds a facet, in shear moduli over its size
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
@@ -120,6 +121,7 @@ class Equilibrium:
         state, sound = start, start
         mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
         best, found, stuck = np.inf, 0, STUCK if whole else PATIENCE
+        most = self.factors + (SEARCH if asked.control == "depth" else ITERATIONS)
         for count in range(ITERATIONS):
             look = self._look(state, asked)
             if look is None:
@@ -135,7 +137,7 @@ class Equilibrium:
                 return look.found
             if error < best:
                 best, found = error, count
-            elif count - found > stuck:
+            elif count - found > stuck or self.factors > most:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
             if worn or (count - renewed >= SOON and self._outgrown(look.hold, asked)):

@@ -231,6 +231,25 @@ def test_what_a_step_spends_beyond_the_usual_is_gone_for_all_later_ones():
     assert Allowance().left(1000) == Allowance()
 
 
+def test_a_search_that_takes_many_factors_is_left_for_the_way_downhill(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """Where a pad buckles it took 34 factors, all in vain."""
+    spent = []
+
+    def seen(self: Equilibrium, start: State, asked: Asked) -> State:
+        spent.append(self.factors)
+        raise ConvergenceError
+
+    monkeypatch.setattr(Equilibrium, "_descend", seen)
+    monkeypatch.setattr(Equilibrium, "_outgrown", lambda *_: True)
+    monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
+    monkeypatch.setattr(equilibrium, "SOON", 1)
+    with pytest.raises(ConvergenceError):
+        squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
+    assert spent == [equilibrium.SEARCH + 1]
+
+
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("poisson", [0.3, 0.5])
 def test_the_way_downhill_ends_in_the_closed_form(
