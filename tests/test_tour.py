@@ -52,6 +52,7 @@ def test_the_python_of_the_readme_runs_and_its_result_loads(
     }
 
 
+@pytest.mark.usefixtures("operators")
 def test_the_loop_of_the_readme_steps_a_finger() -> None:
     names: dict[str, object] = {"ff": ff}
     code = blocks("python")[1]

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from fefinger.validation.evidence import PRESSES
+from fefinger.validation.evidence import PRESSES, costs
 from fefinger.validation.provenance import provenance
 
 from fefinger import scenes
@@ -84,9 +84,7 @@ def _row(resolution: str, cache: Path) -> dict[str, Any]:
     again, seconds = measure(resolution)
     return {
         "build_seconds": round(built.seconds["factor"] - again.seconds["factor"], 3),
-        "setup_seconds": round(seconds - again.seconds["contact"], 3),
-        "step_seconds": round(again.seconds["contact"] / len(again.time), 7),
-        "stages": {name: round(value, 3) for name, value in again.seconds.items()},
+        **costs(again, seconds),
         "cache_MB": size // 2**20,
         "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
     }

@@ -15,7 +15,7 @@ from fefinger.machine import slowness
 from fefinger.mechanics import _crept
 from fefinger.mechanics._kept import at_hand
 from fefinger.mechanics._symmetry import symmetric
-from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics._timeline import moving, time_grid
 from fefinger.mechanics._touch import meshed_at
 from fefinger.scene import (
     Bar,
@@ -85,11 +85,21 @@ def linear() -> dict[str, Any]:
 
 def linear_seconds(scene: Scene) -> float:
     """Return the expected wall time of `linear` in s, from the times in the report."""
-    row = linear()[scene.finger.mesh]
-    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    setup = float(row["setup_seconds"]) * (1.0 if symmetric(scene) else WHOLE)
-    whole = setup + steps * float(row["step_seconds"])
+    whole = _spent(linear()[scene.finger.mesh], scene, 1.0 if symmetric(scene) else WHOLE)
     return whole * slowness(read(LINEAR_REPORT)) + mesh_seconds(scene)
+
+
+def _spent(row: Mapping[str, Any], scene: Scene, bodies: float) -> float:
+    """Return the expected time in s of a press as that of a row, on so many times its body.
+
+    The area is that of the whole pad, and read where contact changes.
+    """
+    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    setup, fields = float(row["setup_seconds"]), float(row["fields_seconds"])
+    spent = bodies * (setup + fields if scene.ask.fields else setup)
+    spent += len(time) * float(row["step_seconds"])
+    areas = moving(scene.motion, time) * float(row["area_seconds"])
+    return spent + areas if scene.ask.pressure else spent
 
 
 def mesh_seconds(scene: Scene, *, follow: bool = True) -> float:
@@ -118,10 +128,7 @@ def condensed_seconds(scene: Scene) -> float:
 
     A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
     """
-    row = condensed()[scene.finger.mesh]
-    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    halves = 1 if symmetric(scene) else 2
-    whole = halves * float(row["setup_seconds"]) + steps * float(row["step_seconds"])
+    whole = _spent(condensed()[scene.finger.mesh], scene, 1.0 if symmetric(scene) else 2.0)
     whole = whole * slowness(read(CONDENSED_REPORT)) + once("condensed", scene)
     steep = isinstance(scene.indenter, Flat | Grating | Relief) and scene.indenter.angle > STEEPEST
     return whole + linear_seconds(scene) if steep else whole

@@ -64,6 +64,16 @@ def time_grid(
     return np.append(0.0, (grid[:-1, None] + np.diff(grid)[:, None] * fractions).ravel())
 
 
+def moving(motion: Motion, time: NDArray[np.float64]) -> int:
+    """Return at how many times (n_t,) s contact is another than just before.
+
+    Under a constant force tissue creeps, and contact grows; at a constant depth it stays.
+    """
+    if motion.control == "force":
+        return len(time)
+    return int(np.count_nonzero(np.diff(motion.value(time))))
+
+
 def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:
     """Return why the steps of a motion are too many, if they are."""
     reason = _too_long(_pieces(motion, fast=fast), most)

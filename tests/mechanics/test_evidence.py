@@ -1,14 +1,17 @@
 """What the planner reads of `solid`: small strain is as wrong as the report says at that depth."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from fefinger.validation import evidence_cost
+from fefinger.validation.evidence import costs
 
 import fefinger as ff
 from fefinger import machine, scenes
-from fefinger.mechanics import _evidence, _solid_cost, linear, solid
+from fefinger.mechanics import _evidence, _solid_cost, condensed, linear, solid
+from fefinger.mechanics._timeline import moving, time_grid
 from fefinger.mesh.build import SETTINGS
 from fefinger.scene import Ramp, Scene
 from fefinger.text import percent
@@ -115,6 +118,39 @@ def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str
     here = machine.slowness(_evidence.read(_solid_cost.REPORT))
     built = _evidence.mesh_seconds(pressed)
     assert 1 / 1.4 < (solid.cost(pressed) - built) / (here * row["seconds"]) < 1.4
+
+
+@pytest.mark.parametrize(
+    ("mechanics", "name"),
+    [(linear, _evidence.LINEAR_REPORT), (condensed, _evidence.CONDENSED_REPORT)],
+)
+def test_what_is_measured_of_flat_press_is_what_is_expected_of_it(
+    mechanics: Any, name: str, monkeypatch: pytest.MonkeyPatch, operators: Path
+) -> None:
+    named = scene(finger__resolution="coarse")
+    response = mechanics.respond(named)
+    report, whole = _evidence.read(name), sum(response.seconds.values())
+    monkeypatch.setitem(report["resolutions"], "coarse", costs(response, whole))
+    assert mechanics.cost(named) == pytest.approx(machine.slowness(report) * whole, rel=0.01)
+
+
+def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_asked() -> None:
+    row = _evidence.linear()["coarse"]
+    short = replace(at(1.0), motion=Ramp(60.0, 1.0, corner=0.0))
+    short = replace(short, finger=replace(short.finger, resolution="coarse"))
+    held = replace(short, motion=ff.RampHold(60.0, 1.0, hold=1.0, corner=0.0))
+    alone = replace(short, ask=replace(short.ask, pressure=False, fields=False))
+    here = machine.slowness(_evidence.read(_evidence.LINEAR_REPORT))
+    steps = [len(time_grid(each.motion, fast=True)) for each in (short, held)]
+    assert linear.cost(held) - linear.cost(short) == pytest.approx(
+        here * (steps[1] - steps[0]) * row["step_seconds"]
+    )
+    assert linear.cost(short) - linear.cost(alone) == pytest.approx(
+        here * ((steps[0] - 1) * row["area_seconds"] + row["fields_seconds"])
+    )
+    crept = replace(held, motion=ff.ForceRampHold(5.0, 0.2, hold=1.0))
+    creeps = time_grid(crept.motion, fast=True)
+    assert moving(crept.motion, creeps) == len(creeps)
 
 
 def test_the_error_of_solid_is_that_of_its_mesh() -> None:
