@@ -146,7 +146,7 @@ def main(folder: str, *asked: str) -> None:
     if asked == ("costs",):
         old = json.loads(reported(LINEAR_REPORT))
         made = provenance("python -m fefinger.validation.evidence reports costs")
-        of_errors = old.get("errors", {name: old[name] for name in made})
+        of_errors = old.get("errors", {name: old[name] for name in made if name in old})
         rows = {name: {**old["resolutions"][name], **row} for name, row in spent().items()}
         new = {**old, **made, "errors": of_errors, "resolutions": rows}
     else:
