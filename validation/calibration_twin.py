@@ -41,7 +41,7 @@ TRUTH = {
 SPREAD = 2.0
 """Standard deviations within which a parameter counts as recovered."""
 
-STATED = {"pad_radius": 0.016, "t_b": 0.025, "t_m": 0.018}
+STATED = {"pad_radius": 0.016, "t_b": 0.040, "t_m": 0.027}
 """Standard deviations that the calibrations state, over the true values."""
 
 

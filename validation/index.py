@@ -32,6 +32,7 @@ ABOUT = suites.ABOUT | {
     "lumped-force": "Force laws identified from presses of fingers; the planner reads it.",
     "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",
     "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
+    "mesh-curves": "By what the force of a press is off by the mesh; calibration counts with it.",
     "mesh-scatter": "By what answers differ on meshes of one finger, which is drawn at random.",
     "solid-cost": "What finite strain costs by mesh and depth; the planner reads it.",
     "solid-force": "Force of every mechanics against finite strain; the planner reads it.",

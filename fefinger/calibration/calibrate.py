@@ -229,7 +229,7 @@ def _target(work: Work, source: str | Path) -> Bulk | Record:
     if isinstance(source, str) and source in library.subjects():
         return target.subject(source)
     with work.stage("lumped") as misfit:
-        found = target.record(source)
+        found = target.record(source, work.finger.resolution)
         misfit(found.lumped_misfit)
     return found
 

@@ -171,7 +171,7 @@ class Forces:
             found = loading(
                 curve, factor, prony, self.target.time, self.target.position - values[TOUCH]
             )
-            return (found - self.target.force) / self.target.force_sd
+            return self.target.missed(found)
         at = stiffness(curve, factor, prony, self.target.force)
         missed = (at - self.target.stiffness) / self.target.stiffness_sd
         relaxed = prony.relaxation(self.target.time) - self.target.relaxation

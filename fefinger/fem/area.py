@@ -13,24 +13,20 @@ edge: where, between a vertex in contact and one that is free, the obstacle stan
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fefinger.fem.obstacle import FAR, Rigid
-from fefinger.fem.spaces import Array, Integers
+from fefinger.fem.obstacle import Rigid
+from fefinger.fem.rims import fit_rims
+from fefinger.fem.spaces import Array, Flags, Integers
 
-
-Flags = NDArray[np.bool_]
 
 SIDES = np.array([[0, 1], [1, 2], [2, 0]])
 PLACES = np.linspace(0.0, 1.0, 33)  # along a side, where an edge is looked for
 
 NEIGHBORS = 40  # nearest vertices that a fit chooses from
-REACH = 2.0  # radius of a fit in edges
 PLAUSIBLE = (
     1.5  # factor between the area and that of whole vertices beyond which the latter is taken
 )
-LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
 SHARP = 0.05  # least rise of an edge over the chord of a side
 TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
 FAINT = 2e-3  # of the highest pressure: what holds a facet spreads so much over open gaps beside it
@@ -221,41 +217,13 @@ class _Rims:
     def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
         """Return phi, the curvature of its zero level, and whether they are known, at `rim`.
 
-        All (n_t, n_rim), of gaps (n_t, n); a fit is a row, those of one time stand together.
+        All (n_t, n_rim), of gaps (n_t, n).
         """
-        near, times = self.near[rim], len(gap)
-        size = np.tile(self.edge[rim], times)
-        offset = np.tile(self._offsets(rim), (times, 1, 1)) / size[:, None, None]
-        within = np.linalg.norm(offset, axis=2) < REACH
-        apart, touched = gap[:, near].reshape(len(size), -1), np.tile(pressed[near], (times, 1))
-        # A gap counts if it is wider than what is left of it inside the contact nearby.
-        left = np.where(within & touched, np.abs(apart), 0.0).max(axis=1, keepdims=True)
-        outside = ~touched & (apart > left) & (apart < FAR)
-        close = outside & within
-        first = outside & (np.cumsum(outside, axis=1) <= FIRST)
-        used = np.where(close.sum(axis=1, keepdims=True) >= LEAST, close, first)
-        values = np.maximum(apart, 0.0) ** (2 / 3)
-        weights = np.where(used, values**2, 0.0)
-        weights /= np.maximum(weights.max(axis=1, keepdims=True), 1e-300)
-        one = np.ones_like(values)
-        plane = _fitted(np.stack([one, offset[..., 0], offset[..., 1]], axis=2), values, weights)
-        steep = np.linalg.norm(plane[:, 1:], axis=1, keepdims=True)
-        outward = plane[:, 1:] / np.maximum(steep, 1e-300)
-        s = np.einsum("rkd,rd->rk", offset, outward)
-        t = offset[..., 1] * outward[:, None, 0] - offset[..., 0] * outward[:, None, 1]
-        fit = _fitted(np.stack([one, s, t, t**2], axis=2), values, weights)
-        fitted = (used.sum(axis=1) >= LEAST) & (fit[:, 1] > 0)
-        bend = np.where(fitted, 2 * fit[:, 3] / np.where(fitted, fit[:, 1], 1.0) / size, 0.0)
-        shape = (times, len(rim))
-        return fit[:, 0].reshape(shape), bend.reshape(shape), fitted.reshape(shape)
-
-
-def _fitted(basis: Array, values: Array, weights: Array) -> Array:
-    """Return the coefficients (n, m) of weighted least squares, from basis (n, k, m)."""
-    matrix = np.einsum("rki,rk,rkj->rij", basis, weights, basis)
-    right = np.einsum("rki,rk,rk->ri", basis, weights, values)
-    ridge = 1e-9 * np.trace(matrix, axis1=1, axis2=2)[:, None, None] + 1e-300
-    return np.linalg.solve(matrix + ridge * np.eye(basis.shape[2]), right[..., None])[..., 0]
+        edge, shape = self.edge[rim], (len(gap), len(rim))
+        found, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
+        offset = self._offsets(rim) / edge[:, None, None]
+        fit_rims(self.near[rim], offset, pressed, np.ascontiguousarray(gap), found, fitted)
+        return found[..., 0], found[..., 1] / edge, fitted
 
 
 def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:

@@ -40,6 +40,8 @@ BEDS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear moduli over the
 MEMORY = 12  # iterates that the acceleration remembers
 RETREATS = 8  # halvings of an iteration that turned a cell inside out
 DESCENT = 100  # iterations downhill
+ASTRAY = 16  # of them after which more than the load may be out of balance only if that falls,
+FALLS = 4.0  # by so much in half of them
 KEPT = 2  # of them with one share of the tangent made positive definite
 STRIDE = 4.0  # by what that is divided
 LEAST = 1 / 256  # of it
@@ -154,31 +156,30 @@ class Equilibrium:
         first shrinks, as far as what the body leans on keeps the blend stable.
         """
         state, sound, plain, share = start, start, Anderson(1), 1.0
-        last, calm, sure, best, found = np.inf, 0, SURE, np.inf, 0
-        for count in range(DESCENT):
+        errors, calm, sure = [np.inf], 0, SURE
+        for _ in range(DESCENT):
             look = self._look(state, asked)
             if look is None:
                 if state is sound:
                     break
                 state, calm, share = _between(sound, state, 0.5), 0, 1.0
                 continue
-            calm = calm + 1 if look.error < last else 0
-            sound, last = state, look.error
-            if last <= EQUILIBRIUM:
+            calm = calm + 1 if look.error < errors[-1] else 0
+            sound = state
+            errors.append(look.error)
+            if look.error <= EQUILIBRIUM:
                 return look.found
-            if last < best:
-                best, found = last, count
-            elif count - found > STUCK:
+            if _in_vain(errors):
                 break
-            if calm >= CALM and last < sure:
+            if calm >= CALM and look.error < sure:
                 with suppress(ConvergenceError):
                     return self._search(state, asked, whole=False)
-                sure = SURER * last
+                sure = SURER * look.error
             share = self._blend(state, asked, share)
             state = self._trusted(state, self._step(look, plain))
-            if asked.control == "depth" and count % KEPT == KEPT - 1:
+            if asked.control == "depth" and (len(errors) - 1) % KEPT == 0:
                 share = max(share / STRIDE, LEAST)
-        raise _missed(last, count + 1)
+        raise _missed(errors[-1], len(errors) - 1)
 
     def _trusted(self, state: State, far: State) -> State:
         """Return the state as far on the way from `state` to `far` as an iteration is trusted."""
@@ -381,6 +382,14 @@ def _between(one: State, other: State, part: float) -> State:
         one.pressure + part * (other.pressure - one.pressure),
         one.depth + part * (other.depth - one.depth),
     )
+
+
+def _in_vain(errors: list[float]) -> bool:
+    """Return whether errors of iterations downhill, the last one last, lead nowhere."""
+    last = len(errors) - 1
+    if last - int(np.argmin(errors)) > STUCK:
+        return True
+    return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
 
 
 def _missed(error: float, count: int) -> ConvergenceError:

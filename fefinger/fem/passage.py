@@ -2,12 +2,13 @@
 
 S(t) = integral of G(t - s) dS_e(s) (Fung's quasi-linear viscoelasticity), by the exponential
 recursion of `march.Relaxation` at every point of integration: exact for stresses that are linear
-over a step. A step that does not converge is halved, as far as an `Allowance` goes.
+over a step. A step that does not converge is quartered, as far as an `Allowance` goes.
 """
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,7 +20,8 @@ from fefinger.fem.spaces import Array, Integers
 from fefinger.fem.threads import one_thread
 
 
-HALVINGS = 6
+SPLITS, PARTS = 3, 4
+"""How often a step is split, and into how many: halves would fail oftener, which takes long."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Path:
 class Allowance:
     """Factors of the tangent that a passage may make.
 
-    usual: by every step of the path, with its halves; spare: beyond them, by all steps together.
+    usual: by every step of the path, with its parts; spare: beyond them, by all steps together.
     Counted in factors, so that the same passage ends at the same step on every machine.
     """
 
@@ -107,7 +109,7 @@ def follow(
     Raises
     ------
     ConvergenceError
-        If a step does not converge after HALVINGS halvings, or takes more than the allowance has
+        If a step does not converge after SPLITS splits, or takes more than the allowance has
         left; all before it has been observed.
     """
     body, contact = equilibrium.body, equilibrium.contact
@@ -117,7 +119,7 @@ def follow(
     for k, time in enumerate(path.times):
         before = equilibrium.factors
         equilibrium.allowed = before + left.usual + left.spare
-        walk.to(float(path.times[k - 1]) if k else float(time), float(time), HALVINGS)
+        walk.to(float(path.times[k - 1]) if k else float(time), float(time), SPLITS)
         left = left.left(equilibrium.factors - before)
         observe(k, walk.state)
         progress((k + 1) / len(path.times))
@@ -135,19 +137,18 @@ class _Walk:
     previous: State
     steps: int = 0
 
-    def to(self, start: float, stop: float, halvings: int) -> None:
-        """Go from the time `start` to `stop`, in halves if need be."""
+    def to(self, start: float, stop: float, splits: int) -> None:
+        """Go from the time `start` to `stop`, in parts if need be."""
         target = float(self.path.value(stop))
         asked = Asked(self.path.control, target, self.history.memory(stop - start))
         try:
             found = self.equilibrium.find(self._guess(target), asked)
         except ConvergenceError as error:
-            if halvings == 0 or stop == start or isinstance(error, Exhausted):
+            if splits == 0 or stop == start or isinstance(error, Exhausted):
                 message = f"at {stop:.6g} s ({self.path.control} {target:.6g}): {error}"
                 raise ConvergenceError(message) from error
-            middle = (start + stop) / 2
-            self.to(start, middle, halvings - 1)
-            self.to(middle, stop, halvings - 1)
+            for begin, end in pairwise(np.linspace(start, stop, PARTS + 1).tolist()):
+                self.to(begin, end, splits - 1)
             return
         self.history.advance(stop - start, found.values)
         self.previous, self.state = self.state, found

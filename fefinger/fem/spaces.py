@@ -16,6 +16,7 @@ from skfem import Basis, ElementTetP2, ElementTriP1, ElementTriP2, MeshTet, Mesh
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

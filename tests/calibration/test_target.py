@@ -1,17 +1,19 @@
 """What a calibrated finger has to show: subjects, records and frames."""
 
+import json
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from fefinger import library
+from fefinger import data, library
 from fefinger.calibration import inverse, target
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
 from fefinger.checks import InputError
 from fefinger.theory import synthetic
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped import Spring, force
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.sensor import ArraySensor
 
@@ -105,7 +107,7 @@ BAD = {
 def test_a_record_that_cannot_be_used_gets_a_sentence(tmp_path, spoil, message, write):
     file = write(tmp_path / "bad.csv", spoil(trial()))
     with pytest.raises(InputError, match=message):
-        target.record(file)
+        target.record(file, "coarse")
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
@@ -150,10 +152,36 @@ def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, for
         target.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
 
 
+def test_what_is_missed_is_taken_apart_into_independent_errors():
+    """Drawn by steps: an Ornstein-Uhlenbeck process over the depth, times the force, and noise."""
+    trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0, hold=4.0)
+    found = target.made("twin", trial.time, trial.position, trial.force, "coarse")
+    rng, draws = np.random.default_rng(0), 2000
+    model = force(found.lumped.spring, found.lumped.prony, found.time, found.position)
+    field = rng.normal(size=(draws, len(model)))
+    for before, at in pairwise(np.argsort(found.position)):
+        kept = np.exp((found.position[before] - found.position[at]) / target.LENGTH)
+        field[:, at] = kept * field[:, before] + np.sqrt(1 - kept**2) * field[:, at]
+    noise = found.force_sd * rng.normal(size=field.shape)
+    off = target.MESH["coarse"] * model * field + noise
+    errors = np.array([found.missed(found.force + each) for each in off])
+    spread = errors.T @ errors / draws
+    assert np.diag(spread) == pytest.approx(np.ones(len(model)), abs=0.2)
+    assert np.abs(spread - np.diag(np.diag(spread))).max() < 0.15
+
+
+def test_what_a_mesh_makes_is_that_of_its_report():
+    rows = json.loads(data.report("mesh-curves.json"))["rows"]
+    for mesh, row in rows.items():
+        assert target.MESH[mesh] == pytest.approx(row["rms"], rel=0.1)
+        assert row["length_mm"] / 3 < target.LENGTH < 3 * row["length_mm"]
+    assert target.MESH["fine"] == target.MESH["standard"]
+
+
 def test_the_misfit_of_the_lumped_model_is_measured_like_all_others():
     """One where all is noise, or less: what is allowed for the mesh is not in this record."""
     trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0)
-    found = target.made("twin", trial.time, trial.position, trial.force)
+    found = target.made("twin", trial.time, trial.position, trial.force, "coarse")
     assert 0.1 < found.lumped_misfit < 1.2
     bent = replace(found, force=found.force + 5 * found.force_sd)
     assert bent.lumped_misfit == pytest.approx(25.0, rel=0.2)

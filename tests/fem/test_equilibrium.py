@@ -10,7 +10,7 @@ from scipy import sparse
 from fefinger.checks import ConvergenceError
 from fefinger.fem import equilibrium
 from fefinger.fem.anderson import Anderson
-from fefinger.fem.equilibrium import LEAST, STUCK, TRUST, Asked, Equilibrium, State
+from fefinger.fem.equilibrium import ASTRAY, LEAST, STUCK, TRUST, Asked, Equilibrium, State
 from fefinger.fem.factored import Factored
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
@@ -194,7 +194,7 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
     assert depths[-1] == pytest.approx(0.2, rel=1e-3)
 
 
-def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_halved():
+def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_split():
     """It left as an error of the linear algebra, which no step control catches."""
     mixing = Anderson(3)
     mixing.next(np.zeros(2), np.array([1.0, 1e200]))
@@ -202,14 +202,26 @@ def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_halved()
         mixing.next(np.ones(2), np.array([2.0, -1e200]))
 
 
-def test_an_iteration_that_comes_no_nearer_is_given_up(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
-    with pytest.raises(ConvergenceError, match=f"after {STUCK + 2} iterations"):
+@pytest.mark.parametrize(("error", "iterations"), [(1.0, STUCK + 2), (1.1, ASTRAY + 1)])
+def test_an_iteration_that_comes_no_nearer_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, error: float, iterations: int
+):
+    """Sooner where more is out of balance than presses."""
+    monkeypatch.setattr(Equilibrium, "_error", lambda *_: error)
+    with pytest.raises(ConvergenceError, match=f"after {iterations} iterations"):
         squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
 
 
-def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_halves():
-    """It was halved six times, each time at the price of a whole search and descent."""
+def test_large_errors_that_fall_are_not_in_vain():
+    falling = [np.inf, *(5e5 / 1.8**k for k in range(40))]
+    assert not any(equilibrium._in_vain(falling[: k + 1]) for k in range(len(falling)))
+    level = [np.inf, 1e-3, *(6 / 1.05**k for k in range(30))]
+    ends = [k for k in range(len(level)) if equilibrium._in_vain(level[: k + 1])]
+    assert ends[0] == ASTRAY + 1
+
+
+def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_parts():
+    """It was split again and again, each time at the price of a whole search and descent."""
     pressed = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
     solver, seen = pressed.equilibrium, []
     path = Path("depth", np.arange(4.0), lambda t: (0.0, 0.1, 0.2, 1.2)[int(np.ceil(t))])
