@@ -25,7 +25,7 @@ def titles(
         return tuple(names)
     if folders:
         ours = [Path(folder).resolve() for folder in folders]
-        own = [path.parent.name if path.suffix else path.name for path in ours]
+        own = [path.parent.name if path.suffix == ".nc" else path.name for path in ours]
         names = [folder if folder == name else f"{folder}: {name}"
                  for folder, name in zip(own, names, strict=True)]  # fmt: skip
     tables = [dict(_flat(result.scene.to_dict())) for result in results]

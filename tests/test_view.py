@@ -170,8 +170,8 @@ def turned(result: Result, angle: float) -> Result:
 def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result) -> None:
     both = [turned(synthetic, angle) for angle in (30.0, 20.0)]
     name = synthetic.scene.name
-    assert titles(both, ["runs/a", "runs/b/result.nc"]) == (
-        f"a: {name}, indenter.angle 30",
+    assert titles(both, ["runs/a-1.5", "runs/b/result.nc"]) == (
+        f"a-1.5: {name}, indenter.angle 30",
         f"b: {name}, indenter.angle 20",
     )
     assert titles(both) == (f"{name}, indenter.angle 30", f"{name}, indenter.angle 20")
@@ -197,6 +197,11 @@ def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
     assert heads[0].startswith("first: ")
     assert heads[1].startswith("second: ")
     assert heads[1].endswith("indenter.angle 21")
+    for one in stages:
+        column = one.where[1]
+        written = plotter.renderers[column].actors[f"words {column}"].input
+        assert max(map(len, written.split("\n"))) <= 250 / stage.LETTER
+        assert written.split() == one.words().split()
     plotter.close()
 
 

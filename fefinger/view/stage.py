@@ -1,5 +1,6 @@
 """One finger in a plotter: built once, then moved through time; parts are shown or hidden."""
 
+import textwrap
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -21,7 +22,8 @@ CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does no
 WIDE = 1.35  # width over height of a picture that the finger fills
 RADIUS, CROWDED = 0.17, 0.1  # mm of the mark of an end organ
 LABELS = (2.0, 1.0, 1.1)  # mm: column of labels distal of the marks, above the finger, line to line
-WORDS = (0.015, 0.9)  # of a part of the picture, where three lines stand above the finger
+WORDS = (0.015, 0.985)  # of a part of the picture, where three lines or more hang above the finger
+LETTER = 9.0  # pixels of their letters, on average
 LENGTH = 5.0  # mm of the line that tells the size
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
 
@@ -76,9 +78,8 @@ class Stage:
     def look(self) -> None:
         """Turn the camera to the cut, or to the pad of a whole finger."""
         self.plotter.view_vector(BELOW if self.shown.whole else BEHIND, viewup=(0, 0, 1))
-        left, low, right, high = self.plotter.renderer.GetViewport()
-        width, height = self.plotter.window_size
-        share = (right - left) * width / ((high - low) * height)
+        width, height = self._size()
+        share = width / height
         closer = 1.2 if self.shown.whole else 1.35
         self.plotter.camera.zoom(closer * min(1.0, share / WIDE))
 
@@ -129,10 +130,20 @@ class Stage:
     def _say(self) -> None:
         """Write `words` above the finger."""
         self.plotter.subplot(*self.where)
-        self.plotter.add_text(
-            self.words(), position=WORDS, font_size=9, color=figures.INK, viewport=True,
+        letters = int((1 - 2 * WORDS[0]) * self._size()[0] / LETTER)
+        lines = [textwrap.fill(line, letters) for line in self.words().split("\n")]
+        prop = self.plotter.add_text(
+            "\n".join(lines), position=WORDS, font_size=9, color=figures.INK, viewport=True,
             name=f"words {self.where[1]}",
-        ).prop.SetLineSpacing(1.2)  # fmt: skip
+        ).prop  # fmt: skip
+        prop.SetVerticalJustificationToTop()
+        prop.SetLineSpacing(1.2)
+
+    def _size(self) -> tuple[float, float]:
+        """Return width and height of this part of the picture in pixels."""
+        left, low, right, high = self.plotter.renderer.GetViewport()
+        width, height = self.plotter.window_size
+        return (right - left) * width, (high - low) * height
 
     def _depth(self, time: float) -> float:
         return float(np.interp(time, self.shown.result.time, self.shown.result.depth))
