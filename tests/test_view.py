@@ -199,6 +199,7 @@ def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
     assert heads[1].endswith("indenter.angle 21")
     for one in stages:
         column = one.where[1]
+        one.at(0.1)
         written = plotter.renderers[column].actors[f"words {column}"].input
         assert max(map(len, written.split("\n"))) <= 250 / stage.LETTER
         assert written.split() == one.words().split()
