@@ -37,6 +37,17 @@ def test_every_file_is_linked_and_every_link_is_there() -> None:
         assert (REPORTS / link).is_file(), link
 
 
+@pytest.mark.parametrize("page", sorted(REPORTS.glob("*.html")), ids=lambda path: path.stem)
+def test_the_raw_data_that_a_page_names_is_beside_it(page: Path) -> None:
+    html = page.read_text(encoding="utf-8")
+    found = re.search(r'Raw data beside this page: <a href="([^"]*)"', html)
+    if page.stem == "index":
+        assert found is None
+    elif found is not None:
+        assert (page.parent / found[1]).is_file()
+        assert Path(found[1]).stem == page.stem
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Return a folder with a suite, a benchmark and evidence."""
