@@ -43,10 +43,10 @@ PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
 EVENLY = 401
 """Times of a press at small strain that are kept."""
 
-USUAL, SPARE = 4.0, 60.0
+USUAL, SPARE, LATER = 4.0, 60.0, 15.0
 """Factors of `fem.passage.Allowance`: a step takes 0 to 3 of them, and what a press has to spare is
 two to three times what it takes as a whole. Where the pad buckles, a single step can take hundreds
-and come nowhere; the fit goes on with what was reached."""
+and come nowhere; the fit goes on with what was reached, and later presses of it spare less."""
 
 PLATE = Flat(30.0)
 RELAXED = Prony((1.0,), ())
@@ -69,10 +69,11 @@ class Press:
     halt: str = ""
 
 
-def press(finger: Finger, mechanics: str, part: float | None = None) -> Press:
+def press(finger: Finger, mechanics: str, part: float | None = None, spare: float = SPARE) -> Press:
     """Return the press of a finger by "condensed" or "solid", from the cache or solved now.
 
-    `part` is its depth over the thickness of the finger, by default that of PART.
+    `part` is its depth over the thickness of the finger, by default that of PART; `spare` the
+    factors that `solid` may take beyond the usual ones.
 
     Raises
     ------
@@ -82,11 +83,11 @@ def press(finger: Finger, mechanics: str, part: float | None = None) -> Press:
         If hardly a step is solved.
     """
     scene = pressed(finger, part or PART[mechanics])
-    place = root() / f"{key(scene, mechanics)}.npz"
+    place = root() / f"{key(scene, mechanics, spare)}.npz"
     with suppress(*DAMAGED), place.open("rb") as opened, np.load(opened) as kept:
         depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
         return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
-    found = _solved(scene, mechanics)
+    found = _solved(scene, mechanics, spare)
     with suppress(OSError):  # without room for it, it is solved again the next time
         _keep(found, place)
     return found
@@ -136,19 +137,19 @@ def root() -> Path:
     return cache.root() / "presses"
 
 
-def key(scene: Scene, mechanics: str) -> str:
+def key(scene: Scene, mechanics: str, spare: float = SPARE) -> str:
     """Return the hash of all that decides a press."""
     from fefinger.mesh.recipe import Recipe
 
     table = scene.to_dict()
-    parts = [FORMAT, mechanics, table, Recipe.of(scene.finger).key()]
+    parts = [FORMAT, mechanics, spare, table, Recipe.of(scene.finger).key()]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def _solved(scene: Scene, mechanics: str) -> Press:
+def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
     started, halt = time.process_time(), ""
     try:
-        response = _respond(scene, mechanics)
+        response = _respond(scene, mechanics, spare)
     except Stopped as stop:
         response, halt = stop.reached, str(stop)
     steps = _steps(scene, response, mechanics)
@@ -170,7 +171,7 @@ def _solved(scene: Scene, mechanics: str) -> Press:
     )
 
 
-def _respond(scene: Scene, mechanics: str) -> Response:
+def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
     """Return what the mechanics answers, by `solid` as far as a calibration spares the work."""
     from fefinger.mechanics import get
 
@@ -179,7 +180,7 @@ def _respond(scene: Scene, mechanics: str) -> Response:
     from fefinger.fem.passage import Allowance
     from fefinger.mechanics import solid
 
-    return solid.respond(scene, allowance=Allowance(USUAL, SPARE))
+    return solid.respond(scene, allowance=Allowance(USUAL, spare))
 
 
 def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64]:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from fefinger.calibration.outcome import layer
-from fefinger.calibration.press import Press, press, shapable, small
+from fefinger.calibration.press import LATER, SPARE, Press, press, shapable, small
 from fefinger.calibration.record import Stage
 from fefinger.finger import Finger
 from fefinger.records import Progress
@@ -25,6 +25,7 @@ class Work:
         self.stages: list[Stage] = []
         self._presses: dict[tuple[Finger, str], Press] = {}
         self._early: dict[tuple[float, str], None] = {}
+        self._buckling = set[str]()  # meshes on which a press ended early
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
@@ -61,7 +62,10 @@ class Work:
         wanted = finger, mechanics
         if wanted not in self._presses:
             finite = mechanics == "solid"
-            self._presses[wanted] = press(finger, mechanics, part) if finite else small(finger)
+            spare = LATER if finger.resolution in self._buckling else SPARE
+            self._presses[wanted] = (
+                press(finger, mechanics, part, spare) if finite else small(finger)
+            )
             self._note(finger, self._presses[wanted])
         return self._presses[wanted]
 
@@ -79,6 +83,7 @@ class Work:
                 f"{found.force[-1]:.3g} N: {found.halt}"
             )
             self._early[at, said] = None
+            self._buckling.add(finger.resolution)
 
     def reachable(self, radius: float) -> float:
         """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""

@@ -12,7 +12,7 @@ from fefinger.__main__ import main
 from fefinger.calibration import jobs, work
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, layer
-from fefinger.calibration.press import PART
+from fefinger.calibration.press import LATER, PART, SPARE
 from fefinger.calibration.record import Calibration
 from fefinger.checks import InputError
 from fefinger.theory.relaxation import Prony
@@ -193,6 +193,22 @@ def test_a_file_that_is_no_calibration_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "none.json"):
         with pytest.raises(InputError, match=r"expected a calibration\.json"):
             Calibration.load(place)
+
+
+def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatch, formula):
+    """Each of up to six took all it was spared, which made ten minutes of every one."""
+    spares = []
+
+    def press(finger, mechanics, part=None, spare=None):
+        spares.append(spare)
+        halt = "too many factors" if finger.resolution == "standard" else ""
+        return replace(formula(1.0, finger.pad_radius, 1.0), halt=halt)
+
+    monkeypatch.setattr(work, "press", press)
+    own = work.Work(ff.Finger.subject("a.h."), None)
+    for mesh, exponent in (("coarse", 1.0), ("standard", 1.0), ("standard", 2.0), ("coarse", 2.0)):
+        own.press("solid", mesh, 14.0, exponent)
+    assert spares == [SPARE, SPARE, LATER, SPARE]
 
 
 @pytest.mark.parametrize("needed", [1.0, 3.0])
