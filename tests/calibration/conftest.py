@@ -72,7 +72,7 @@ def solved(monkeypatch):
     """Let every press be the formula; return the list of what was asked."""
     asked = []
 
-    def answer(finger, mechanics, part=None):
+    def answer(finger, mechanics, part=None, spare=None):
         small = mechanics == "condensed"
         exponent = 0.0 if small else finger.skin.exponent
         ratio = finger.skin.modulus / finger.subcutaneous.modulus / (102.4 / 34)
