@@ -130,7 +130,7 @@ class Stage:
     def _say(self) -> None:
         """Write `words` above the finger."""
         self.plotter.subplot(*self.where)
-        letters = int((1 - 2 * WORDS[0]) * self._size()[0] / LETTER)
+        letters = max(int((1 - 2 * WORDS[0]) * self._size()[0] / LETTER), 10)
         lines = [textwrap.fill(line, letters) for line in self.words().split("\n")]
         prop = self.plotter.add_text(
             "\n".join(lines), position=WORDS, font_size=9, color=figures.INK, viewport=True,

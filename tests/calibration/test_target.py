@@ -156,6 +156,7 @@ def test_what_is_missed_is_taken_apart_into_independent_errors():
     """Drawn by steps: an Ornstein-Uhlenbeck process over the depth, times the force, and noise."""
     trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0, hold=4.0)
     found = target.made("twin", trial.time, trial.position, trial.force, "coarse")
+    found = replace(found, force_sd=found.force_sd / 10)  # so that the mesh's error is seen
     rng, draws = np.random.default_rng(0), 2000
     model = force(found.lumped.spring, found.lumped.prony, found.time, found.position)
     field = rng.normal(size=(draws, len(model)))
