@@ -1,7 +1,5 @@
 """What the command line shows: a progress bar on a terminal, plain tables, records for --json."""
 
-import json
-import math
 import sys
 import time
 from collections.abc import Iterator
@@ -11,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fefinger.studies.grid import remarks
-from fefinger.text import brief, shown, table
+from fefinger.text import brief, shown, strict_json, table
 
 
 if TYPE_CHECKING:
@@ -69,15 +67,7 @@ def _lines(pieces: int) -> "Progress":
 
 def print_json(record: Any) -> None:
     """Print a record as JSON on standard output, with null for numbers that are not finite."""
-    click.echo(json.dumps(_finite(record), indent=2, allow_nan=False))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    click.echo(strict_json(record))
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:

@@ -6,7 +6,6 @@ compression), named in its first line; others are ignored. Both identifications 
 """
 
 import csv
-import json
 import math
 import re
 from collections.abc import Iterable
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
+from fefinger.text import strict_json, table
 from fefinger.theory import identify, lumped, ramphold
 from fefinger.theory.identify import Identification
 
@@ -121,7 +121,15 @@ def _rows(file: Path, names: Iterable[str]) -> tuple[list[str], list[tuple[int, 
     if len(lines) < 2:
         msg = f"{file}: expected the columns {', '.join(names)} and rows below, found none"
         raise InputError(msg)
-    return [cell.strip() for cell in lines[0][1]], lines[1:]
+    head = [cell.strip() for cell in lines[0][1]]
+    other = next((mark for mark in ";\t" if len(head) == 1 and mark in head[0]), None)
+    if other:
+        msg = (
+            f"{file}: expected columns separated by commas, with decimal points, received "
+            f"{'semicolons' if other == ';' else 'tabs'} in {head[0]!r}; save it as CSV with commas"
+        )
+        raise InputError(msg)
+    return head, lines[1:]
 
 
 def _column(file: str, head: list[str], name: str, unit: str) -> int:
@@ -228,8 +236,6 @@ def _identification(found: Identification) -> dict[str, Any]:
 
 def summary(found: Fit) -> str:
     """Return the same as text: the joint fit beside the procedure of the thesis."""
-    from fefinger.text import table
-
     ways = {way: record(found)[way] for way in ("joint", "thesis")}
     rows = [
         [name, first["unit"], *(_with_spread(way["parameters"][name]) for way in ways.values())]
@@ -268,7 +274,7 @@ def save(found: Fit, folder: Path) -> list[str]:
     ]
     columns = np.column_stack([used.time, position, used.force, *models])
     new = {name: folder / f".{name}.new" for name in ("fit.json", "fit.csv")}
-    new["fit.json"].write_text(json.dumps(record(found), indent=1) + "\n", encoding="utf-8")
+    new["fit.json"].write_text(strict_json(record(found)) + "\n", encoding="utf-8")
     heading = "time_s,position_mm,force_N,joint_N,thesis_N"
     np.savetxt(new["fit.csv"], columns, "%.9g", ",", header=heading, comments="")
     for name, path in new.items():

@@ -1,8 +1,9 @@
 """Text for a reader of the console or of a message: tables, and the ladder of a plan."""
 
+import json
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
@@ -28,6 +29,19 @@ def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
         for row in every
     ]
     return "\n".join(lines)
+
+
+def strict_json(record: Any) -> str:
+    """Return a record as JSON, with null for numbers that are not finite: JSON has none of them."""
+    return json.dumps(_finite(record), indent=2, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:

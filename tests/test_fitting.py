@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,6 +66,19 @@ def test_fit_prints_both_ways_and_writes_the_record_with_both_models(file, capsy
     assert np.sqrt(np.mean((measured - joint) ** 2)) < 9e-3  # 3 mN, and 8 N/mm times 1 um
     saved = json.loads((tmp_path / "out" / "fit.json").read_text())
     assert saved["joint"]["parameters"]["m"]["value"] == pytest.approx(2.1, rel=0.01)
+
+
+def test_what_is_not_identified_is_null_in_the_file_too(samples, tmp_path):
+    """It was Infinity, which JSON does not have."""
+
+    def refused(name):
+        raise AssertionError(name)
+
+    found = fitting.fit(write(tmp_path / "trial.csv", samples))
+    unknown = replace(found.joint, uncertainty=found.joint.uncertainty | {"v3": np.inf})
+    fitting.save(replace(found, joint=unknown), tmp_path)
+    saved = json.loads((tmp_path / "fit.json").read_text(), parse_constant=refused)
+    assert saved["joint"]["parameters"]["v3"]["uncertainty"] is None
 
 
 def test_columns_may_stand_in_any_order_with_units_and_others_between(samples, tmp_path, file):
@@ -138,6 +152,8 @@ TEXTS = {
     "one row": (f"{HEAD}\n0,1,2\n", "expected at least 40 rows of a ramp and hold, received 1"),
     "no header": ("0,1,2\n1,2,3\n", "one column 'time'"),
     "other unit": ("time_ms,position,force\n0,1,2\n", "column 'time_ms': expected time in s"),
+    "semicolons": ("time;position;force\n0,1;1;2\n", "commas, with .*, received semicolons in"),
+    "tabs": ("time\tposition\tforce\n0\t1\t2\n", "separated by commas, .*, received tabs in"),
     "unequal": (f"{HEAD}\n0,1,2\n1,2\n", "line 3: expected 3 values, received 2"),
     "missing": (f"{HEAD}\n0,1,2\n1,,3\n", "line 3: expected a finite position, received ''"),
     "text": (f"{HEAD}\n0,1,2\n1,2,x\n", "line 3: expected a finite force, received 'x'"),

@@ -206,8 +206,7 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
         )
     if isinstance(wanted, Record):
         lumped = wanted.lumped
-        spread = lumped.uncertainty["x0"]
-        said += doubt.bias(wanted.record, lumped.prony, lumped.spring.x0, spread)
+        said += doubt.bias(wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty)
     if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")
     if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:

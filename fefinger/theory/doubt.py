@@ -11,7 +11,11 @@ Array = NDArray[np.float64]
 
 LOOSE = 0.5  # relative standard deviation beyond which a rate is not identified
 APART = 2.0  # ratio of successive rates below which they cannot be told apart
-PASSED = 30.0  # times that a term fades on the ramp, from which noise of the position hides it
+PASSED = 25.0  # times that a term may fade on the ramp, from which noise of the position hides it
+GAP = 5.0  # of the usual interval between samples, from which one around the corner is a gap
+FADES = 3.0  # times that the fastest term has faded where the corner ends
+OFF = 5.0  # standard deviations by which noise alone hardly ever misses
+SEEN = 1e-3  # part of the largest force that a model has to miss for it to matter
 TARED = 0.002  # part of the largest force that there may be before touch
 
 
@@ -69,19 +73,66 @@ def terms(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str
     return tuple(found)
 
 
-def bias(record: RampHold, prony: Prony, x0: float, spread: float) -> tuple[str, ...]:
+def misfit(missed: Array, noise: Array, size: Array, largest: float) -> tuple[str, ...]:
+    """Return whether a model does not describe the record, as a sentence.
+
+    missed (n,) N: by how much it misses averages of `size` (n,) samples; noise (n,) N: the standard
+    deviations of one sample; largest force N. Noise that went through a filter leaves more in
+    averages than it says.
+    """
+    worst = int(np.argmax(np.abs(missed) / noise))
+    times = float(np.abs(missed[worst]) / noise[worst])
+    scatter = float(np.sqrt(np.mean(size * (missed / noise) ** 2)))
+    if max(times, scatter) <= OFF or np.abs(missed).max() <= SEEN * largest:
+        return ()
+    return (
+        f"the model misses the record by up to {abs(missed[worst]):.2g} N, {times:.2g} times the "
+        f"noise of a sample, and averages by {scatter:.2g} times theirs: the deviations say too "
+        "little; fit more terms, tare the force, or look for drift, or a force that lags behind",
+    )
+
+
+def bias(record: RampHold, prony: Prony, x0: float, spread: dict[str, float]) -> tuple[str, ...]:
     """Return what moves a fit to ramp and hold by more than its deviations say, as sentences.
 
-    `spread` mm is the deviation of `x0`.
+    `spread` has the deviations of the parameters, that of `x0` in mm.
     """
-    found = []
+    return _hidden(record, prony, spread) + _gaps(record, prony) + _touch(record, x0, spread["x0"])
+
+
+def _hidden(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str, ...]:
+    """Return whether the ramp is too slow for the fastest term, which the fit finds too slow then.
+
+    The rate is therefore taken two deviations faster.
+    """
     lasts = float(record.time[record.hold] - record.time[record.touch])
-    if prony.v and prony.v[0] * lasts > PASSED and record.position_noise > 0:
-        found.append(
-            f"term 1 has faded {prony.v[0] * lasts:.2g} times over within the ramp of {lasts:.3g} "
-            "s: noise of the position hides it and makes the stiffness, c1 and v1 too small; ramp "
-            "faster"
-        )
+    fastest = min(prony.v[0] + 2 * spread["v1"], 2 * prony.v[0]) if prony.v else 0.0
+    if fastest * lasts <= PASSED or record.position_noise == 0:
+        return ()
+    return (
+        f"term 1 has faded some {fastest * lasts:.2g} times over within the ramp of {lasts:.3g} s: "
+        "noise of the position hides it and makes the stiffness, c1 and v1 too small; ramp faster",
+    )
+
+
+def _gaps(record: RampHold, prony: Prony) -> tuple[str, ...]:
+    """Return whether samples are missing where the fastest term shows, from touch on."""
+    until = FADES / max(prony.v, default=np.inf)
+    time = record.time[record.touch :]
+    time = time[: np.searchsorted(time, record.time[record.hold] + until, "right") + 1]
+    apart = np.diff(time)
+    widest = int(np.argmax(apart))
+    if apart[widest] <= GAP * np.median(apart):
+        return ()
+    return (
+        f"no samples from {time[widest]:.4g} to {time[widest + 1]:.4g} s, about the corner of the "
+        "ramp: stiffness and the fastest term come out wrong; record it without gaps",
+    )
+
+
+def _touch(record: RampHold, x0: float, spread: float) -> tuple[str, ...]:
+    """Return whether there is a force before touch at `x0` mm, or touch before the record."""
+    found = []
     free = record.force[: record.touch][record.position[: record.touch] < x0]
     free = free[: len(free) // 4 + 1]  # x0 is itself off where they are not 0
     if free.size:

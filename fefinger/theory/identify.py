@@ -14,14 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.theory import doubt
 from fefinger.theory.doubt import covariance as covariance_of
 from fefinger.theory.doubt import deviations
+from fefinger.theory.line import stiffness_line, touch
 from fefinger.theory.lumped import Spring, force
 from fefinger.theory.ramphold import (
-    RAMP_POINTS,
-    SMOOTHING,
     RampHold,
     accounted,
     averages,
-    derivative,
     deviation_of,
     mse,
     smooth,
@@ -39,9 +37,7 @@ TERMS = 3
 FASTEST = 300.0  # 1/s, where the search for the rates starts
 EVALUATIONS = 500  # of the hold, at most
 FAINT = 1e-6  # weight of a term that is none
-GOOD = 1.5  # squared error over that of the noise up to which a search has not gone astray
-STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
-CUT = SMOOTHING // 2 + 1  # samples before the hold into which smoothing carries it
+TYPICAL = 2.0  # 1/mm, of fingers, where the search for m starts if there is no line
 
 
 @dataclass(frozen=True)
@@ -89,8 +85,8 @@ def thesis(
     """
     _check_terms(terms)
     record = split(time, position, force)
-    m, b, of_line, vaf_stiffness = _line(record)
-    x0, x0_spread, touch_said = _touch(record, m, b, of_line)
+    m, b, of_line, vaf_stiffness = stiffness_line(record)
+    x0, x0_spread, touch_said = touch(record, m, b, of_line)
     prony, hold_spread, vaf_hold, hold_said = _relaxation(record, terms)
     spring = Spring(b, m, x0)
     return Identification(
@@ -115,7 +111,8 @@ def joint(
     """Return the fit of Eq. 2.3 to ramp and hold together, from (n_t,) s, mm and N.
 
     Every sample is weighted by the noise of the force and, through the stiffness, of the position,
-    as found in the record itself.
+    as found in the record itself. The search starts from the rates of the hold, and from spread
+    ones.
 
     Raises
     ------
@@ -126,11 +123,10 @@ def joint(
     """
     _check_terms(terms)
     record = split(time, position, force)
-    t, x, f, _ = averages(record)
-    guess = thesis(time, position, force, terms=terms)
-    spring = Spring(1.5 * guess.spring.b, guess.spring.m, guess.spring.x0)
+    t, x, f, size = averages(record)
+    spring, of_hold = _start(record), _relaxation(record, terms)[0]
     spaced = _spaced(terms, record.hold_seconds)
-    starts = (guess.prony, spaced) if _shown(guess.prony, record) else (spaced,)
+    starts = (of_hold, spaced) if _shown(of_hold, record) else (spaced,)
     found = _best(record, [_packed(spring, each) for each in starts])
     if not found.success:
         msg = (
@@ -144,16 +140,29 @@ def joint(
     order = np.argsort(prony.v)[::-1]
     prony = _sorted(prony, order)
     spread = _spread(spring, prony, covariance, order)
-    hold = t >= record.time[record.hold]
+    hold, model = t >= record.time[record.hold], force_of(values, t, x)
     return Identification(
         spring=spring,
         prony=prony,
         uncertainty=spread,
         mse=mse(record, spring, prony),
-        vaf_hold=accounted(f[hold], force_of(values, t, x)[hold]),
+        vaf_hold=accounted(f[hold], model[hold]),
         warnings=doubt.terms(record, prony, spread)
-        + doubt.bias(record, prony, spring.x0, spread["x0"]),
+        + doubt.misfit(model - f, _sigma(record, values) * np.sqrt(size), size, float(f.max()))
+        + doubt.bias(record, prony, spring.x0, spread),
     )
+
+
+def _start(record: RampHold) -> Spring:
+    """Return a spring to start from: of the thesis's line, or a typical one that has the peak."""
+    try:
+        m, b, covariance, _ = stiffness_line(record)
+        return Spring(1.5 * b, m, touch(record, m, b, covariance)[0])
+    except ValueError:
+        x0 = float(smooth(record.position)[record.touch])
+        depth = float(record.position[record.hold]) - x0
+        peak = float(record.force.max())
+        return Spring(peak * TYPICAL / np.expm1(TYPICAL * depth), TYPICAL, x0)
 
 
 def _shown(prony: Prony, record: RampHold) -> bool:
@@ -173,18 +182,28 @@ def _spaced(terms: int, seconds: float) -> Prony:
 
 
 def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
-    """Return the first of the fits from `starts` that is as near as the noise, or the nearest."""
+    """Return the nearest of the fits from `starts`; one that went astray looks good by itself.
+
+    Raises
+    ------
+    RuntimeError
+        If all of them lead beyond what can be computed.
+    """
     t, x, f, _ = averages(record)
-    found = [_together(record, starts[0])]
+    found, said = [], ""
+    for start in starts:
+        try:
+            found.append(_together(record, start))
+        except ValueError as error:
+            said = str(error)
+    if not found:
+        msg = f"joint: the fit does not converge ({said}); are samples missing at the corner?"
+        raise RuntimeError(msg)
     sigma = _sigma(record, found[0].x)
 
     def rank(each: "OptimizeResult") -> tuple[bool, float]:
         return not each.success, float(np.mean(((force_of(each.x, t, x) - f) / sigma) ** 2))
 
-    for start in starts[1:]:
-        if rank(found[0]) < (False, GOOD):
-            break
-        found.append(_together(record, start))
     return min(found, key=rank)
 
 
@@ -218,65 +237,6 @@ def _check_terms(terms: int) -> None:
 def force_of(values: Array, time: Array, position: Array) -> Array:
     """Return Eq. 2.3 for the parameters (log b, log m, x0, log ci/c0 ..., log vi ...)."""
     return force(*_unpacked(values), time, position)
-
-
-def _line(record: RampHold) -> tuple[float, float, Array, float]:
-    """Return m, b, their covariance (2, 2) and the variance accounted for (Eq. 2.4)."""
-    t, x, f, _ = averages(record)
-    if record.beyond - record.touch <= RAMP_POINTS:  # few samples: smooth them as the thesis does
-        part = _steady(record)
-        x, f = (smooth(values)[part] for values in (record.position, record.force))
-    else:
-        part = (t >= record.time[record.touch]) & (t < record.time[record.beyond - CUT])
-        x, f = x[part], f[part]
-    k, f = derivative(x, f), f[2:-2]
-    design = np.column_stack([f, np.ones_like(f)])
-    (m, b), *_ = np.linalg.lstsq(design, k, rcond=None)
-    if not min(m, b) > 0:
-        msg = (
-            f"stiffness against force: expected a rising line above 0, found m = {m:.3g} 1/mm and "
-            f"b = {b:.3g} N/mm; is the force 0 before touch, and is this a ramp into a finger, "
-            "sampled fast enough?"
-        )
-        raise ValueError(msg)
-    rest = k - design @ (m, b)
-    covariance = np.linalg.inv(design.T @ design) * (rest @ rest) / (len(k) - 2)
-    return float(m), float(b), covariance, accounted(k, k - rest)
-
-
-def _steady(record: RampHold) -> slice:
-    """Return the part of the ramp in contact between the corners, where the speed is steady."""
-    part = slice(record.touch, record.beyond - CUT)
-    speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
-    fast = np.flatnonzero(speed >= STEADY * np.median(speed))
-    return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)
-
-
-def _touch(
-    record: RampHold, m: float, b: float, covariance: Array
-) -> tuple[float, float, tuple[str, ...]]:
-    """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation.
-
-    Most of it is that of m and b, by their `covariance`. And a sentence where the search was not
-    done.
-    """
-    from scipy.optimize import least_squares
-
-    x, f = record.position[: record.beyond], record.force[: record.beyond]
-    start = float(x[record.touch :].min())
-
-    def residual(x0: Array) -> Array:
-        return Spring(b, m, float(x0[0])).force(x) - f
-
-    found = least_squares(residual, [start], x_scale="jac")
-    spring, by_x0 = Spring(b, m, float(found.x[0])), found.jac[:, 0]
-    pressed, y = spring.force(x), spring.depth(x)
-    by_line = np.stack([(b * y * np.exp(m * y) - pressed) / m, pressed / b], axis=1)
-    moved = by_x0 @ by_line / (by_x0 @ by_x0)
-    own = covariance_of(found.jac, found.fun)[0, 0]
-    spread = float(np.sqrt(own + moved @ covariance @ moved))
-    said = f"x0 = {found.x[0]:.4g} mm had not settled after {found.nfev} evaluations"
-    return float(found.x[0]), spread, () if found.success else (said,)
 
 
 def _relaxation(

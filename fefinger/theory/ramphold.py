@@ -20,6 +20,9 @@ STILL = 2e-3  # part of the travel within which a hold stays
 STRAY = 6.0  # standard deviations of smoothed noise that are not travel, in 1e5 samples
 LEVELS = 50  # of the upper half of the travel, among which the hold has most samples
 BEGUN = 0.01  # part of the largest force from which a record is taken to begin in contact
+WHOLE = 1e-3  # of a step, by which differences of a rounded signal may be no multiples of it
+FILTERED = 0.01  # s over which noise that went through a filter is taken to be forgotten
+COLORED = 1.3  # times the noise from sample to sample that it has to be over that to count
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class RampHold:
 
     `touch` is the first sample that is surely in contact, `hold` the first of the hold, with which
     the record ends, and `beyond` the first before it that is farther in, or `hold`. `force_noise`
-    in N and `position_noise` in mm are those of one sample.
+    in N and `position_noise` in mm are those of one sample, that of its rounding included.
     """
 
     time: Array
@@ -60,7 +63,7 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     _check(time, position, force)
     noise = _noise(position)
     beyond, hold, end = _hold(position, noise)
-    largest, force_noise = float(force[:end].max()), _noise(force[hold:end])
+    largest = float(force[:end].max())
     above = np.flatnonzero(smooth(force)[:hold] < 0.02 * largest)
     touch = int(above[-1]) + 1 if above.size else 0
     for name, count in (("ramp in contact", hold - touch), ("hold", end - hold)):
@@ -72,6 +75,7 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
                 "that position, both sampled often enough"
             )
             raise ValueError(msg)
+    force_noise = _held_noise(time[hold:end], force[hold:end])
     if touch == 0 and force[0] > BEGUN * largest + STRAY * force_noise:
         msg = (
             f"force: expected a record that begins before touch, at 0 N, received {force[0]:.3g} N "
@@ -106,6 +110,12 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
     away = np.abs(smoothed - level)
     # Twice: noise at the way in is no way out.
     ends = np.flatnonzero(np.diff(away <= 2 * tolerance, prepend=False, append=False))
+    if not ends.size:
+        msg = (
+            f"hold: expected a rest of at least {FEWEST} samples at the end of the ramp, found "
+            "none: the position never stays; hold it, or cut the record to one ramp and its hold"
+        )
+        raise ValueError(msg)
     start, end = max(ends.reshape(-1, 2).tolist(), key=lambda stay: stay[1] - stay[0])
     hold = start + int(np.argmax(away[start:end] <= tolerance))
     # The average carries a sharp corner into the hold, so back to the first sample that is there.
@@ -178,16 +188,16 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
 
     The position is smoothed before (ramp and hold apart, to keep the corner), because a fit that
     takes noise for travel is biased.
-    Single samples early in the hold, then groups whose length grows with the time since its start
+    Single samples early in the hold, then groups whose duration grows with the time since its start
     (3 %, so that an exponential changes by less than 5e-5 of itself within one); before the hold
     even groups, at most 400 from touch on.
     """
-    ramp = _even(0, record.touch, RAMP_POINTS) + _even(record.touch, record.hold, RAMP_POINTS)
-    starts, at = ramp, 0
-    length = len(record.time) - record.hold
-    while at < length:
+    starts = _even(0, record.touch, RAMP_POINTS) + _even(record.touch, record.hold, RAMP_POINTS)
+    since = record.time[record.hold :] - record.time[record.hold]
+    at = 0
+    while at < len(since):
         starts.append(record.hold + at)
-        at = max(at + 1, int(at * HOLD_RATIO))
+        at = max(at + 1, int(np.searchsorted(since, since[at] * HOLD_RATIO, "right")) - 1)
     size = np.diff([*starts, len(record.time)]).astype(float)
     time, position, force = (
         np.add.reduceat(values, starts) / size
@@ -266,7 +276,40 @@ def mse(record: RampHold, spring: Spring, prony: Prony) -> float:
 def _noise(values: Array) -> float:
     """Return the standard deviation of white noise on a slow signal, from its second differences.
 
-    The median keeps corners and steps out of it.
+    The median keeps corners and steps out of it. Of a signal in steps, which stays on one for many
+    samples, it is that of the rounding at least.
     """
     second = np.diff(values, 2)
+    return max(_median_noise(second), _rounding(second, float(np.ptp(values))))
+
+
+def _median_noise(second: Array) -> float:
     return float(np.median(np.abs(second - np.median(second)))) / (0.6745 * np.sqrt(6.0))
+
+
+def _rounding(second: Array, size: float) -> float:
+    """Return the standard deviation of the rounding of a signal, by its `second` differences.
+
+    Those of a rounded signal are multiples of its step, and go up and down by turns.
+    """
+    steps = second[np.abs(second) > 1e-9 * size]
+    turns = np.count_nonzero(steps[1:] * steps[:-1] < 0)
+    if len(steps) < FEWEST or turns < len(steps) / 4:
+        return 0.0
+    step = float(np.abs(steps).min())
+    whole = np.abs(steps / step - np.round(steps / step)) < WHOLE
+    return step / np.sqrt(12.0) if whole.all() else 0.0
+
+
+def _held_noise(time: Array, force: Array) -> float:
+    """Return the standard deviation of the noise of a force in the hold.
+
+    A filter before the sampling leaves less of it from one sample to the next: it counts with all
+    that it has over FILTERED.
+    """
+    lag = int(FILTERED / float(np.median(np.diff(time))))
+    near = _noise(force)
+    if not 1 < lag < len(force) // (2 * FEWEST):
+        return near
+    far = _median_noise(force[2 * lag :] - 2 * force[lag:-lag] + force[: -2 * lag])
+    return far if far > COLORED * near else near
