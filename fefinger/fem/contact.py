@@ -25,6 +25,9 @@ from fefinger.tolerances import COMPLEMENTARITY
 PATIENCE = 12  # block exchanges without progress before single ones take over
 EXCHANGES = 500
 RINGS = 2  # of vertices around the candidates, as far as a fit of the contact area reaches
+EDGES = (0, 1), (1, 2), (0, 2)  # of a facet, as the middles of quadratic ones are numbered
+SIDES = 24  # parts of a side of the facets in which the first touch of a plate is sought
+NEAR = 0.25  # of an edge, farther than which behind the first vertex none of them begins
 
 
 @dataclass(frozen=True)
@@ -80,15 +83,39 @@ def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
     Each edge bulges at its middle by (n1 - n0) . (x1 - x0) / 8 along the mean normal, which is
     exact for a sphere to third order in the edge; the facet in between is quadratic.
     """
-    corners, directions = points[surface.triangles], normals[surface.triangles]
-    lifts = np.zeros((len(corners), 6, 3))
-    for place, (a, b) in enumerate(((0, 1), (1, 2), (0, 2)), start=3):
+    lifts = _lifts(points, normals, surface.triangles)
+    return np.asarray(surface.places + np.einsum("kq,tkd->tqd", surface.quadratic[3:], lifts))
+
+
+def foremost(points: Array, normals: Array, triangles: Integers, axis: Array) -> Array:
+    """Return the point (3,) of the smooth surface that a plate moving along `axis` meets first.
+
+    To a SIDES-th of a facet; sought in those around the foremost vertices, by NEAR of an edge.
+    """
+    ahead = points[triangles] @ axis
+    edge = np.linalg.norm(np.diff(points[triangles], axis=1), axis=2).mean()
+    near = triangles[ahead.min(axis=1) <= ahead.min() + NEAR * edge]
+    i, j = (each.ravel() / SIDES for each in np.indices((SIDES + 1, SIDES + 1)))
+    inside = i + j < 1 + 0.5 / SIDES
+    weights = np.stack([1 - i - j, i, j])[:, inside]
+    bulges = 4 * np.stack([weights[a] * weights[b] for a, b in EDGES])
+    places = np.einsum("kq,tkd->tqd", weights, points[near])
+    places += np.einsum("kq,tkd->tqd", bulges, _lifts(points, normals, near))
+    flat = places.reshape(-1, 3)
+    return np.asarray(flat[int(np.argmin(flat @ axis))])
+
+
+def _lifts(points: Array, normals: Array, triangles: Integers) -> Array:
+    """Return by how much (n_tri, 3, 3) mm the middles of the edges lie off the facets."""
+    corners, directions = points[triangles], normals[triangles]
+    lifts = np.zeros((len(corners), 3, 3))
+    for place, (a, b) in enumerate(EDGES):
         edge = corners[:, b] - corners[:, a]
         height = np.sum((directions[:, b] - directions[:, a]) * edge, axis=1) / 8
         mean = directions[:, a] + directions[:, b]
         length = np.linalg.norm(mean, axis=1, keepdims=True)
         lifts[:, place] = height[:, None] * mean / np.where(length > 0, length, 1.0)
-    return np.asarray(surface.places + np.einsum("kq,tkd->tqd", surface.quadratic, lifts))
+    return lifts
 
 
 @dataclass(frozen=True)

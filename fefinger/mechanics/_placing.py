@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fefinger.checks import InputError
 from fefinger.fem.body import Solid
-from fefinger.fem.contact import smooth_places
+from fefinger.fem.contact import foremost, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
 from fefinger.indenter import STANDARD, direction
@@ -32,7 +32,7 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     if isinstance(indenter, Flat | Grating | Relief):
         axis = direction(indenter)
         smooth = Flat(indenter.angle, indenter.tilt)
-        origin = np.zeros(3) if smooth == STANDARD else _foremost(body, axis)
+        origin = np.zeros(3) if smooth == STANDARD else _met(body, axis)
         placed = Obstacle(axis, origin, indenter.profile, roll)
         return _touching(placed, body, f"indenter.angle {indenter.angle:g} degrees")
     at = getattr(indenter, "at", None)
@@ -63,10 +63,13 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
-def _foremost(body: Solid, axis: Array) -> Array:
-    """Return the pad vertex (3,) that a plate moving along `axis` meets first."""
-    points = body.space.points[np.unique(body.pad)]
-    return np.asarray(points[int(np.argmin(points @ axis))])
+def _met(body: Solid, axis: Array) -> Array:
+    """Return where (3,) a plate moving along `axis` meets the smooth pad first.
+
+    Of its vertices the first is up to 1.4 mm beside it, where the pad is flat.
+    """
+    met = foremost(body.space.points, body.normals, body.pad, axis)
+    return met * (1.0, 0.0, 1.0) if body.half else met
 
 
 def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:

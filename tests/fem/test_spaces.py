@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.fem.contact import smooth_places
+from fefinger.fem.contact import foremost, smooth_places
 from fefinger.fem.grids import box
 from fefinger.fem.spaces import Space, trace
 
@@ -33,6 +33,18 @@ def test_smooth_places_approach_the_sphere_with_fourth_order() -> None:
         sag.append(np.abs(flat - 10.0).max())
     assert np.polyfit(np.log([2, 4, 8]), np.log(errors), 1)[0] < -3.5
     assert errors[-1] < 1e-3 * sag[-1]
+
+
+@pytest.mark.parametrize("tilt", [(0.03, -0.02), (-0.04, 0.01), (0.02, 0.03)])
+def test_a_plate_meets_a_sphere_where_its_normal_is(tilt: tuple[float, float]) -> None:
+    """The foremost vertex is 0.1 to 0.3 mm beside it, between vertices 0.5 mm apart."""
+    space, triangles, normals = cap(4)
+    axis = np.array([*tilt, 1.0]) / np.linalg.norm([*tilt, 1.0])
+    exact = np.array([0, 0, 10.0]) - 10.0 * axis
+    found = foremost(space.points, normals, triangles, axis)
+    assert np.linalg.norm(found - exact) < 0.03
+    vertex = space.points[triangles.ravel()[np.argmin(space.points[triangles.ravel()] @ axis)]]
+    assert np.linalg.norm(vertex - exact) > 0.1
 
 
 def test_a_trace_integrates_the_area_and_the_shapes_sum_to_one() -> None:

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger.fem.body import solid
 from fefinger.indenter import direction
+from fefinger.mechanics import _placing
 from fefinger.mesh.local import _shape, directions, first_touch
+from fefinger.mesh.ready import ready
 from fefinger.mesh.recipe import Recipe
 
 
@@ -33,3 +36,15 @@ def test_the_plane_of_a_plate_has_distal_and_sideways():
     across = directions(direction(ff.Flat(30)))
     assert across[0] == pytest.approx([np.sqrt(0.75), 0, 0.5])
     assert across[1] == pytest.approx([0, 1, 0])
+
+
+@pytest.mark.parametrize("resolution", ["coarse", "standard"])
+@pytest.mark.parametrize("angle", [5, 15, 33, 45])
+def test_a_plate_meets_a_mesh_where_it_meets_the_smooth_skin(angle: float, resolution: str) -> None:
+    """On the mesh of another plate; the foremost vertex is up to 1.4 mm away."""
+    finger = ff.Finger.subject("a.h.", resolution=resolution)
+    body = solid(ready(finger, half=True, touch=None), (1, 2))
+    touch = _placing.obstacle(ff.Flat(angle), body)
+    expected = first_touch(Recipe.of(finger), touch.axis).point
+    assert touch.origin == pytest.approx(expected, abs=0.06)
+    assert touch.origin[1] == 0
