@@ -16,6 +16,9 @@ _STRAIGHT = 1e-9
 _INSTANT = 1e-12
 """Part of the duration below which a last segment is rounding, not motion."""
 
+_HALVINGS = 50
+"""Bisections of a quarter of a cycle, after which it is rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Wave:
@@ -49,6 +52,21 @@ class Wave:
     def first_crest(self) -> float:
         """Cycles from the start to the first crest of the sine, at most 1."""
         return (0.25 - self.phase / (2 * np.pi)) % 1.0
+
+    def last_crest(self, end: float) -> float:
+        """Return the time in s of the last crest before `end`, than which none is higher.
+
+        While the envelope rises, a crest lies up to a quarter of a cycle after that of the sine.
+        """
+        count = max(np.floor((end - self.start) * self.frequency - self.first_crest), 0.0)
+        low = self.start + (self.first_crest + count) / self.frequency
+        if low >= self.start + self.rise:
+            return float(low)
+        high = min(low + 0.25 / self.frequency, end)
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.rate(np.array(middle)) > 0 else (low, middle)
+        return float(high)
 
     def _envelope(self, tau: Array) -> tuple[Array, Array]:
         if self.rise == 0:
@@ -185,7 +203,8 @@ class Trajectory:
             last = min(self.duration - self.wave.start, self.wave.rise + 1 / self.wave.frequency)
             first = self.wave.first_crest
             crests = np.arange(first, last * self.wave.frequency + first, 1.0) / self.wave.frequency
-            times = np.concatenate([times, self.wave.start + crests])
+            crests = np.append(self.wave.start + crests, self.wave.last_crest(self.duration))
+            times = np.concatenate([times, crests])
         return float(self.value(times).max())
 
 

@@ -71,6 +71,56 @@ def test_peak_is_the_largest_value(motion):
     assert motion.value(t).max() <= motion.peak * (1 + 1e-12)
 
 
+def drawn(seed):
+    """Return a seeded motion of every kind, of depth and of force."""
+    draw = np.random.default_rng(seed)
+    pace, level, hold = 10 ** draw.uniform([-1, -2, -2], [2, 0.5, 0.5])
+    part = draw.choice([0.0, 1.0, draw.uniform()])  # of the longest corner
+    sine = {
+        "amplitude": level * draw.uniform(0.05, 0.95),
+        "frequency": 10 ** draw.uniform(-1, 2),
+        "cycles": int(draw.integers(1, 4)),
+    }
+    ramp, longest = level / pace, min(level / pace, 2 * hold)
+    short = part * min(longest, sine["cycles"] / sine["frequency"])
+    time = np.cumsum(draw.uniform(0.1, 1, 8)) - 0.1
+    time[0], levels = 0.0, level * np.maximum(draw.uniform(-0.5, 1, 8), 0)
+    levels[draw.integers(8)] = level
+    closest = part * np.diff(time).min() / 2
+    for rise, press, back, wave, one, samples in (
+        (Ramp, RampHold, Trapezoid, RampSinusoid, Sinusoid, Sampled),
+        (ForceRamp, ForceRampHold, ForceTrapezoid, ForceRampSinusoid, ForceSinusoid, ForceSampled),
+    ):
+        yield rise(pace, level, corner=part * ramp)
+        yield press(pace, level, hold=hold, corner=part * longest)
+        yield back(pace, level, hold=hold, corner=part * ramp)
+        yield back(pace, level, hold=0, corner=part * ramp / 2)
+        yield wave(pace, level, settle=hold, corner=short, **sine)
+        yield wave(pace, level, corner=short, **sine)
+        yield one(**sine)
+        yield samples(tuple(time), tuple(levels), corner=closest)
+
+
+def dense(motion):
+    """Return times (n,) s all over a motion, many of them between any two of its breaks."""
+    return np.linspace(motion.breaks[:-1], motion.breaks[1:], 401, axis=1).ravel()
+
+
+def test_no_time_of_any_motion_is_above_its_peak():
+    for motion in (motion for seed in range(100) for motion in drawn(seed)):
+        highest = motion.value(dense(motion)).max()
+        assert highest <= motion.peak * (1 + 1e-12), motion
+        assert highest == pytest.approx(motion.peak, rel=1e-3), motion
+
+
+def test_a_wave_that_still_rises_is_highest_after_the_crest_of_its_sine():
+    motion = RampSinusoid(10, 2, amplitude=1, frequency=10, cycles=1, corner=0.1)
+    t = np.linspace(0, motion.duration, 1_000_001)
+    assert motion.peak == pytest.approx(motion.value(t).max(), rel=1e-10)
+    start = motion.duration - 0.1
+    assert motion.peak > 2 + 1.3 * (motion.value(start + 0.025) - 2)
+
+
 @pytest.mark.parametrize("motion", EVERY, ids=str)
 def test_it_moves_in_the_intervals_called_moving_and_nowhere_else(motion):
     t = np.linspace(0, motion.duration, 5003)[1:-1]
