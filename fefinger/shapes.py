@@ -105,7 +105,9 @@ class Motion:
 
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
-        return self.trajectory.value(t)
+        value = self.trajectory.value(t)
+        # No force that is asked for is below 0 N, but a ramp back to 0 may round to one.
+        return np.maximum(value, 0.0) if self.control == "force" else value
 
     def rate(self, t: ArrayLike) -> Array:
         """Return the speed in mm/s or the rate in N/s at the times `t` in s."""

@@ -113,6 +113,17 @@ def test_no_time_of_any_motion_is_above_its_peak():
         assert highest == pytest.approx(motion.peak, rel=1e-3), motion
 
 
+def test_no_force_that_is_asked_for_pulls_by_rounding():
+    for motion in (motion for seed in range(100) for motion in drawn(seed)):
+        if motion.control == "force":
+            assert motion.value(dense(motion)).min() >= 0, motion
+
+
+def test_a_force_ramp_back_to_none_ends_at_none():
+    # The ramp back of this one rounds to -1e-18 N.
+    assert ForceTrapezoid(3, 0.3, hold=0.2).value([0.42, 9.0]).min() >= 0
+
+
 def test_a_wave_that_still_rises_is_highest_after_the_crest_of_its_sine():
     motion = RampSinusoid(10, 2, amplitude=1, frequency=10, cycles=1, corner=0.1)
     t = np.linspace(0, motion.duration, 1_000_001)
