@@ -11,7 +11,6 @@ from fefinger.validation.extremes_trial import ANSWERED, REFUSED, Findings, Kind
 
 from fefinger.fem import active
 from fefinger.fem.contact import Complementarity
-from fefinger.fem.equilibrium import Asked, State
 from fefinger.fem.finite import Memory, continuum
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
@@ -19,6 +18,7 @@ from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_
 from fefinger.fem.loop import check
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
+from fefinger.fem.state import Asked, State
 from fefinger.fem.strain import logarithmic
 from fefinger.mesh.ready import ready
 from fefinger.scene import Finger, ForceRampHold, Prony, Ramp, Sphere

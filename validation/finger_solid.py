@@ -10,11 +10,12 @@ from fefinger.validation.chain import Array, scene
 
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.equilibrium import Asked, Equilibrium, State
+from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
 from fefinger.fem.sliding import Sliding, sliding
+from fefinger.fem.state import Asked, State
 from fefinger.mechanics import _placing, solid
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues

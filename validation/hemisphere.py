@@ -10,7 +10,7 @@ import numpy as np
 from fefinger.validation.fem_quarter import outer
 from numpy.typing import NDArray
 
-from fefinger.fem.equilibrium import Equilibrium, State
+from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.grids import quarter
 from fefinger.fem.laws import Law
@@ -19,6 +19,7 @@ from fefinger.fem.passage import Path, Series, StressHistory, follow
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Space
+from fefinger.fem.state import State
 
 
 Array = NDArray[np.float64]

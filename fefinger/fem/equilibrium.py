@@ -18,12 +18,13 @@ from scipy import sparse
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.anderson import Anderson
 from fefinger.fem.factored import Factored
-from fefinger.fem.finite import Continuum, Memory
+from fefinger.fem.finite import Continuum
 from fefinger.fem.march import depth_at
 from fefinger.fem.single import Single
 from fefinger.fem.sliding import Hold, Sliding
 from fefinger.fem.solve import System, rough
 from fefinger.fem.spaces import Array
+from fefinger.fem.state import Asked, State
 from fefinger.tolerances import EQUILIBRIUM
 
 
@@ -54,28 +55,6 @@ SURER = 0.1  # by how much smaller the error has to be before that is tried agai
 
 class Exhausted(ConvergenceError):
     """An equilibrium that takes more factors than are allowed: shorter steps take even more."""
-
-
-@dataclass(frozen=True)
-class State:
-    """A body at one depth.
-
-    values (n_unknowns,); pressure (n,) kPa the coefficients lambda of the candidates, with what
-    holds their facets; depth mm.
-    """
-
-    values: Array
-    pressure: Array
-    depth: float
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What a step has to reach: a depth in mm or a force in mN, with what the past left."""
-
-    control: str
-    target: float
-    memory: Memory
 
 
 class Equilibrium:
@@ -162,7 +141,7 @@ class Equilibrium:
             if look is None:
                 if state is sound:
                     break
-                state, calm, share = _between(sound, state, 0.5), 0, 1.0
+                state, calm, share = sound.toward(state, 0.5), 0, 1.0
                 continue
             calm = calm + 1 if look.error < errors[-1] else 0
             sound = state
@@ -187,7 +166,7 @@ class Equilibrium:
         moved = (far.values - state.values)[:n].reshape(-1, 3)
         most = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
         trusted = TRUST * float(self.contact.sizes.mean())
-        return far if most <= trusted else _between(state, far, trusted / most)
+        return far if most <= trusted else state.toward(far, trusted / most)
 
     def _look(self, state: State, asked: Asked) -> "_Look | None":
         """Return what an iterate is like; None if a cell is inside out, or forces have run away."""
@@ -229,7 +208,9 @@ class Equilibrium:
         free = self.system.free[self.system.free < n]
         load = max(self.load, float(np.linalg.norm(force)))
         self.load, residual = load, inner - force
+        load = max(load, asked.small)
         size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
+        size = max(size, asked.small / self.body.scale / float(np.sqrt(travel.sum())))
         forces = float(np.linalg.norm(residual[free]))
         volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
         apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / travel
@@ -240,7 +221,8 @@ class Equilibrium:
         ]
         if asked.control == "force":
             reached = float(travel @ state.pressure)
-            errors.append(abs(reached - asked.target) / max(asked.target, reached, 1e-300))
+            most = max(asked.target, reached, asked.small, 1e-300)
+            errors.append(abs(reached - asked.target) / most)
         worst = max(errors)
         return worst if np.isfinite(worst) else np.inf
 
@@ -337,12 +319,12 @@ class Equilibrium:
         while True:
             solver = held.contact(near)
             pressure, depth = np.zeros(len(travel)), state.depth
-            past = softer * (solver.flexibility @ state.pressure[near])
+            clear = free[near] - softer * (solver.flexibility @ state.pressure[near])
             if asked.control == "depth":
-                pressure[near] = solver.solve(free[near] - past - depth * travel[near]) / softer
+                pressure[near] = solver.solve(clear - depth * travel[near]) / softer
             else:
                 depth, pressure[near], _ = depth_at(
-                    solver, 1 / softer, free[near] - past, travel[near], asked.target, depth
+                    solver, 1 / softer, clear, travel[near], asked.target, depth, asked.peak
                 )
             change = alone + held.moved(softer * (pressure - state.pressure))
             left = gaps + (state.depth - depth) * travel + loads.T @ change
@@ -373,15 +355,6 @@ class _Look:
     def found(self) -> State:
         """The state with all that presses on it."""
         return replace(self.state, pressure=self.state.pressure + self.hold.pressure)
-
-
-def _between(one: State, other: State, part: float) -> State:
-    """Return the state at `part` of the way from one to another."""
-    return State(
-        one.values + part * (other.values - one.values),
-        one.pressure + part * (other.pressure - one.pressure),
-        one.depth + part * (other.depth - one.depth),
-    )
 
 
 def _in_vain(errors: list[float]) -> bool:

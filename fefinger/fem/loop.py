@@ -25,7 +25,7 @@ from fefinger.fem.active import (
 )
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
-from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH
+from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
 
 
 class Memory(NamedTuple):
@@ -34,7 +34,8 @@ class Memory(NamedTuple):
     gap (n,) mm³ and travel (n,) mm² of the patch; weights and rates (m,) of the Prony terms; terms
     and moved_terms (m, n) their recursions for the pressure and for F times it; elastic and
     moved_elastic (n,) y and F y; past, moved_past and offset (n,) work; depth (1,) mm; tolerance
-    (1,) of the penetration, over the largest offset.
+    (1,) of the penetration, over the largest offset; peak (1,) mN the largest force of the path, as
+    far as it is known, which decides what is small.
     """
 
     gap: Array
@@ -50,6 +51,7 @@ class Memory(NamedTuple):
     offset: Array
     depth: Array
     tolerance: Array
+    peak: Array
 
 
 def memory(
@@ -75,6 +77,7 @@ def memory(
         offset=np.zeros(n),
         depth=np.zeros(1),
         tolerance=np.array([tolerance]),
+        peak=np.zeros(1),
     )
 
 
@@ -134,7 +137,7 @@ def advance(
     s: Active, m: Memory, out: Output, dt: float, target: float, by_force: bool, stiffening: float
 ) -> int:
     """Step, and read; return DONE or what failed, with all as it was before the step."""
-    active, depth = contact.hold(s), m.depth[0]
+    active, depth, peak = contact.hold(s), m.depth[0], m.peak[0]
     g = recall(m, dt)
     failed = _find(s, m, g, target, by_force, stiffening)
     for j in range(len(s.x)):
@@ -142,7 +145,7 @@ def advance(
             failed = out.limits[j]
     if failed != DONE:
         contact.restore(s, active)
-        m.depth[0] = depth
+        m.depth[0], m.peak[0] = depth, peak
         return failed
     remember(m, s.x, s.moved, dt, g)
     read(s, m, out, stiffening)
@@ -155,7 +158,7 @@ def reset(s: Active, m: Memory) -> None:
     contact.release(s)
     for array in (m.terms, m.moved_terms):
         array[:] = 0.0
-    for row in (m.elastic, m.moved_elastic, m.depth):
+    for row in (m.elastic, m.moved_elastic, m.depth, m.peak):
         row[:] = 0.0
 
 
@@ -238,6 +241,8 @@ def _reach(s: Active, m: Memory, g: float, force: float) -> int:
         s.x[:] = 0.0
         s.moved[:] = 0.0
         return DONE
+    m.peak[0] = max(m.peak[0], force)
+    close = FORCE_MATCH * max(force, SMALL_FORCE * m.peak[0])
     low, high = touch, np.inf
     depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
     for _ in range(CORRECTIONS):
@@ -247,7 +252,7 @@ def _reach(s: Active, m: Memory, g: float, force: float) -> int:
         excess = -force
         for j in range(len(m.travel)):
             excess += m.travel[j] * s.x[j]
-        if abs(excess) <= FORCE_MATCH * force:
+        if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
         if excess < 0.0:
@@ -299,6 +304,7 @@ def march(
     s = contact.active(flexibility)
     m = memory(gap, travel, relaxation.weights, relaxation.rates)
     time, by_force = prescribed.time, prescribed.control == "force"
+    m.peak[0] = prescribed.value.max(initial=0.0)
     shape = (len(time), len(gap))
     depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
     for k, target in enumerate(prescribed.value):

@@ -15,7 +15,7 @@ from fefinger.checks import ConvergenceError
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.spaces import Array
 from fefinger.fem.threads import one_thread
-from fefinger.tolerances import FORCE_MATCH
+from fefinger.tolerances import FORCE_MATCH, SMALL_FORCE
 
 
 CORRECTIONS = 60
@@ -97,6 +97,7 @@ def march(
     """
     solver = Complementarity(flexibility)
     time, value = prescribed.time, prescribed.value
+    peak = float(value.max(initial=0.0))
     depths, pressures, elastics = [], [], []
     depth = 0.0
     solved = 0
@@ -107,7 +108,7 @@ def march(
         if prescribed.control == "depth":
             depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
         else:
-            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth)
+            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth, peak)
         elastic = (pressure - past) / g
         relaxation.advance(step, elastic)
         depths.append(depth)
@@ -119,22 +120,30 @@ def march(
 
 
 def depth_at(
-    solver: Complementarity, g: float, free: Array, travel: Array, force: float, guess: float
+    solver: Complementarity,
+    g: float,
+    free: Array,
+    travel: Array,
+    force: float,
+    guess: float,
+    peak: float,
 ) -> tuple[float, Array, int]:
     """Return depth, pressure and the number of contact solutions for a force in mN.
 
     The force is a rising, piecewise linear function of the depth: Newton's method, kept inside a
-    bracket that starts at the last depth without contact.
+    bracket that starts at the last depth without contact. `peak` in mN is the largest force of the
+    path, which decides what is small.
     """
     touch = float(np.min(free / travel))
     if force <= 0:
         return touch, np.zeros(len(free)), 0
+    close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
     low, high = touch, np.inf
     depth = max(guess, touch + 1e-6 * (1.0 + abs(touch)))
     for count in range(1, CORRECTIONS + 1):
         pressure = g * solver.solve(free - depth * travel)
         excess = float(travel @ pressure) - force
-        if abs(excess) <= FORCE_MATCH * force:
+        if abs(excess) <= close:
             return depth, pressure, count
         low, high = (depth, high) if excess < 0 else (low, depth)
         slope = g * float(travel @ solver.on_active(travel))

@@ -13,10 +13,11 @@ from itertools import pairwise
 import numpy as np
 
 from fefinger.checks import ConvergenceError
-from fefinger.fem.equilibrium import Asked, Equilibrium, Exhausted, State
+from fefinger.fem.equilibrium import Equilibrium, Exhausted
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import Relaxation
 from fefinger.fem.spaces import Array, Integers
+from fefinger.fem.state import Asked, State
 from fefinger.fem.threads import one_thread
 
 
@@ -75,6 +76,11 @@ class Path:
     times: Array
     value: Callable[[float], float]
 
+    @property
+    def peak(self) -> float:
+        """The largest value at the times."""
+        return max(map(self.value, self.times.tolist()), default=0.0)
+
 
 @dataclass(frozen=True)
 class Allowance:
@@ -114,7 +120,7 @@ def follow(
     """
     body, contact = equilibrium.body, equilibrium.contact
     state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
-    walk = _Walk(equilibrium, history, path, state, state)
+    walk = _Walk(equilibrium, history, path, path.peak, state, state)
     left = allowance or Allowance()
     for k, time in enumerate(path.times):
         before = equilibrium.factors
@@ -128,11 +134,12 @@ def follow(
 
 @dataclass
 class _Walk:
-    """The last two states, and how to reach the next."""
+    """The last two states, and how to reach the next; `peak` is the largest value of the path."""
 
     equilibrium: Equilibrium
     history: StressHistory
     path: Path
+    peak: float
     state: State
     previous: State
     steps: int = 0
@@ -140,7 +147,8 @@ class _Walk:
     def to(self, start: float, stop: float, splits: int) -> None:
         """Go from the time `start` to `stop`, in parts if need be."""
         target = float(self.path.value(stop))
-        asked = Asked(self.path.control, target, self.history.memory(stop - start))
+        memory = self.history.memory(stop - start)
+        asked = Asked(self.path.control, target, memory, self.peak)
         try:
             found = self.equilibrium.find(self._guess(target), asked)
         except ConvergenceError as error:

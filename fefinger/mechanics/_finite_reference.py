@@ -4,11 +4,12 @@ import numpy as np
 
 from fefinger.checks import ConvergenceError
 from fefinger.fem.body import Body
-from fefinger.fem.equilibrium import Equilibrium, State
+from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.finite import Continuum
 from fefinger.fem.passage import Path, StressHistory, follow
 from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import sliding
+from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
 from fefinger.indenter import STANDARD
 from fefinger.mechanics import _placing, _press

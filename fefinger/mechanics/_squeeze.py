@@ -11,7 +11,7 @@ from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.fem.area import Surface, touching
 from fefinger.fem.body import Body
 from fefinger.fem.contact import Candidates
-from fefinger.fem.equilibrium import Equilibrium, State
+from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.finite import Continuum, continuum
 from fefinger.fem.laws import Law, law, neo_hookean
 from fefinger.fem.obstacle import Obstacle
@@ -19,6 +19,7 @@ from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
 from fefinger.fem.probe import gradient_at_vertices
 from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
+from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
 from fefinger.mechanics import _missed, _placing, _press
 from fefinger.mechanics._finite_reference import reference

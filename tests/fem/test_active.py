@@ -93,6 +93,20 @@ def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
     assert (expected.pressure > 0).any(axis=1).mean() < 0.9  # it does come off
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.013])
+@pytest.mark.parametrize("through", [march, loop.march], ids=["march", "loop"])
+def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(
+    pad: tuple, through: object, shift: float
+) -> None:
+    matrix, _, travel = pad
+    gap = travel * (np.linspace(-1, 1, N) + shift) ** 2 / 2
+    rising = 0.3 * np.geomspace(1e-17, 1, 60)
+    value = np.concatenate([[0.0], rising, rising[::-1], [0.0], rising[::3]])
+    asked = Prescribed("force", np.linspace(0, 1, len(value)), value)
+    found = through(matrix, gap, travel, Relaxation(WEIGHTS, RATES, N), asked)
+    assert found.pressure @ travel == pytest.approx(value, rel=1e-9, abs=1e-15 * value.max())
+
+
 def test_an_unreachable_force_is_reported(pad: tuple) -> None:
     matrix, gap, travel = pad
     state = active.active(matrix)

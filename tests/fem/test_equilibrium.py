@@ -10,12 +10,14 @@ from scipy import sparse
 from fefinger.checks import ConvergenceError
 from fefinger.fem import equilibrium
 from fefinger.fem.anderson import Anderson
-from fefinger.fem.equilibrium import ASTRAY, LEAST, STUCK, TRUST, Asked, Equilibrium, State
+from fefinger.fem.equilibrium import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.factored import Factored
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
+from fefinger.fem.state import Asked, State
 from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.tolerances import EQUILIBRIUM
 
 
 RATIOS = (0.0, 0.3, 0.49, 0.5)
@@ -117,6 +119,20 @@ def relaxed(material: Law, times: np.ndarray) -> np.ndarray:
     scaled = Prony(PRONY.c, PRONY.v)
     stress = hereditary_integral(scaled, fine, elastic) / scaled.long_time
     return np.asarray((stretch * stress)[np.searchsorted(fine, times)])
+
+
+@pytest.mark.parametrize("tiny", [1e-9, 1e-12, 1e-16])
+def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(tiny: float):
+    pressed = cube(neo_hookean(Elastic(40.0, 0.49)), 1)
+    times, forces = np.linspace(0, 1, 6), 10 * np.array([tiny, 1, tiny, 0, tiny**0.5, 1])
+    path = Path("force", times, lambda time: float(np.interp(time, times, forces)))
+    found: list[float] = []
+
+    def keep(_: int, state: State) -> None:
+        found.append(float(pressed.equilibrium.contact.travel @ state.pressure))
+
+    follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, keep)
+    assert found == pytest.approx(forces, rel=EQUILIBRIUM, abs=1e-6 * EQUILIBRIUM * forces.max())
 
 
 def timed(steps: int) -> np.ndarray:

@@ -12,9 +12,10 @@ import fefinger as ff
 from fefinger import scenes
 from fefinger.__main__ import main
 from fefinger.checks import ConvergenceError, InputError
-from fefinger.fem.equilibrium import Asked, Equilibrium, State
+from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import neo_hookean
+from fefinger.fem.state import Asked, State
 from fefinger.mechanics import _squeeze, linear, solid
 from fefinger.mechanics._limit import most_pressed
 from fefinger.motion import Motion
