@@ -75,7 +75,10 @@ def unmeshable(scene: Scene) -> tuple[str, ...]:
     """Return why there is no mesh of the scene's finger, if so."""
     from fefinger.mesh.ready import fault
 
-    said = fault(scene.finger, meshed_at(scene.indenter))
+    touch = meshed_at(scene.indenter)
+    # That place is rounded: whether it is on the pad is asked of the one that the scene has.
+    at = getattr(scene.indenter, "at", None) if isinstance(touch, tuple) else None
+    said = fault(scene.finger, touch, at)
     return (said,) if said else ()
 
 

@@ -1,6 +1,7 @@
 """Building a half finger: surfaces, tetrahedra, regions, smooth boundaries, quality gate."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,9 @@ RIDGE, FOREMOST = 400, 12.0
 
 REFERENCE_RADIUS = 2.5
 """Radius in mm about the origin that stays fine, for the small press that strains refer to."""
+
+ROUNDED, BACKWARD = 3.0, 30
+"""mm by which the place of a recipe may be beside the pad, and steps in which it is moved back."""
 
 ATTEMPTS = 4
 """Builds before giving up; each has another envelope, since the mesher is not deterministic."""
@@ -80,7 +84,7 @@ def sizes(shape: Shape, settings: Settings, touch: Touch = None) -> Callable[[Ar
     """
     balls = [(PATCH_CENTER, PATCH_RADIUS)]
     if touch is not None:
-        balls = [(np.zeros(3), REFERENCE_RADIUS), (touched(shape, touch), PATCH_RADIUS)]
+        balls = [(np.zeros(3), REFERENCE_RADIUS), (_near(shape, touch), PATCH_RADIUS)]
 
     def size(points: Array) -> Array:
         below = np.maximum(-shape.subcutaneous.level(points), 0.0)
@@ -112,6 +116,20 @@ def touched(shape: Shape, touch: float | tuple[float, float]) -> Array:
     angle = np.radians(touch)
     ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
     return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
+
+
+def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
+    """Return the point (3,) of `touched`, of a place beside the pad the nearest towards the origin.
+
+    The place of a recipe is rounded, so that it may be beside the pad where that of a scene is not.
+    Raises InputError for a place that is more than ROUNDED beside it.
+    """
+    if isinstance(touch, tuple):
+        far = float(np.hypot(*touch))
+        for back in np.arange(0.0, min(ROUNDED, far), ROUNDED / BACKWARD):
+            with suppress(InputError):
+                return touched(shape, (touch[0] * (1 - back / far), touch[1] * (1 - back / far)))
+    return touched(shape, touch)
 
 
 def _attempt(

@@ -43,20 +43,21 @@ def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     return shipped_path(recipe) is not None or cached_path(recipe).is_file()
 
 
-def fault(finger: "Finger", touch: Touch = None) -> str:
+def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:
     """Return what keeps a scene's finger from having a mesh, in a sentence; empty if nothing known.
 
-    A shape is tried as far as it takes no mesher, some 50 ms.
+    Nor is there one of a finger without a pad at the place `at` (x, y) in mm. A shape is tried as
+    far as it takes no mesher, some 50 ms.
     """
     from fefinger.mesh.build import touched
     from fefinger.mesh.parametric import parametric
 
     try:
-        if at_hand(finger, touch) or finger.surface is not None:
+        if finger.surface is not None or (at is None and at_hand(finger, touch)):
             return ""
         shape = parametric(Recipe.of(finger, touch))
-        if touch is not None:
-            touched(shape, touch)
+        if at is not None:
+            touched(shape, at)
     except InputError as error:
         said = str(error)
         return said if said.startswith(("finger.", "indenter.")) else f"finger.{said}"

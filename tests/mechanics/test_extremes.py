@@ -191,6 +191,25 @@ def test_gap_and_moment_are_those_of_the_contact() -> None:
     assert response.moment[-1, 1] == pytest.approx(expected, abs=0.02 * response.force[-1])
 
 
+@pytest.mark.parametrize(
+    ("subject", "at"),
+    [("a.h.", (0, 5.1)), ("a.h.", (0, 5.3)), ("a.h.", (3.1, 0)), ("p.w.", (3, 3))],
+)
+def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounded_one(
+    subject: str, at: tuple[float, float]
+) -> None:
+    scene = ff.Scene(
+        finger=ff.Finger.subject(subject), indenter=ff.Sphere(5, at=at), motion=ff.Ramp(60, 0.3)
+    )
+    assert linear.unmeshable(scene) == ()
+
+
+def test_a_place_that_is_not_on_the_pad_is_refused_as_the_scene_gives_it() -> None:
+    scene = ff.Scene(finger=FINGER, indenter=ff.Sphere(5, at=(4.9, 0)), motion=ff.Ramp(60, 0.3))
+    (said,) = linear.unmeshable(scene)
+    assert said.endswith("on the pad, received (4.9, 0.0)")
+
+
 def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:
     assert meshed_at(ff.Flat(30)) is None
     assert meshed_at(ff.Flat(36, 10)) is None

@@ -144,6 +144,16 @@ def test_the_facets_are_fine_where_the_indenter_touches() -> None:
         touched(shape, (30.0, 0.0))
 
 
+def test_a_rounded_place_beside_the_pad_stands_for_the_nearest_one_on_it() -> None:
+    shape, settings = parametric(Recipe(14, 10, 14)), SETTINGS["coarse"]
+    on_pad = touched(shape, (0.0, 5.3))
+    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+        touched(shape, (0.0, 6.0))
+    assert sizes(shape, settings, (0.0, 6.0))(on_pad[None]) == pytest.approx(settings.pad)
+    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+        sizes(shape, settings, (30.0, 0.0))
+
+
 def test_a_recipe_without_a_touch_is_that_of_the_shipped_meshes() -> None:
     plain = Recipe(14, 10, 14)
     assert "touch" not in plain.to_dict()
