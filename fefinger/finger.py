@@ -15,6 +15,7 @@ NAILS = ("free",)
 RELAXATIONS = ("whole", "deviatoric")
 CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
+LAYERS = ("skin", "subcutaneous")
 AUTO = "auto"
 STANDARD = "standard"
 PULP = 0.5
@@ -197,8 +198,15 @@ def own(finger: Finger) -> tuple[str, ...]:
     """Return sentences on what of a finger is of another one: its tissue, or a subject's sizes."""
     fitted = {library.calibrated_name(name): name for name in library.pawluk_bulk()}
     of = fitted.get(finger.tissue, finger.subject_name)
-    strange = (f"Its tissue was fitted to the finger of subject {of} ({finger.tissue}).",)
-    return (() if of == finger.subject_name else strange) + _resized(finger)
+    known = library.tissue_set(finger.tissue)
+    given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(known, layer)]
+    found = []
+    if of != finger.subject_name and len(given) < len(LAYERS):
+        found.append(f"Its tissue was fitted to the finger of subject {of} ({finger.tissue}).")
+    if given:
+        layers = " and ".join(f"finger.{layer}" for layer in given)
+        found.append(f"Not all of its tissue is that of {finger.tissue}: {layers} as given.")
+    return (*found, *_resized(finger))
 
 
 def _resized(finger: Finger) -> tuple[str, ...]:

@@ -237,6 +237,19 @@ def test_tissue_that_was_fitted_to_another_subject_is_told(name):
     assert own(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
 
 
+def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
+    finger = replace(ff.Finger.subject("a.h."), tissue="calibrated_dp")
+    said = own(finger)
+    assert said[0] == (
+        "Not all of its tissue is that of calibrated_dp: finger.skin and finger.subcutaneous as "
+        "given."
+    )
+    assert not any("fitted" in sentence for sentence in said)
+    assert own(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
+        "Not all of its tissue is that of maeno1998: finger.skin as given.",
+    )
+
+
 def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, monkeypatch):
     suites = pytest.importorskip("fefinger.validation.suites")
     ran = []

@@ -81,7 +81,24 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
         )
         raise InputError(msg)
     tables.setdefault("name", Path(name).stem)
+    _check_tissue(tables, overrides or {})
     return Scene.from_dict(changed(tables, overrides or {}), folder=folder)
+
+
+def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> None:
+    """Refuse another set of tissues for layers that are written out: only its name would change."""
+    from fefinger.finger import LAYERS, Finger
+
+    finger, wanted = tables.get("finger"), overrides.get("finger.tissue")
+    if wanted is None or not isinstance(finger, Mapping):
+        return
+    written = [f"[finger.{layer}]" for layer in LAYERS if layer in finger]
+    if written and wanted != finger.get("tissue", Finger.tissue):
+        msg = (
+            f"finger.tissue: expected a scene that leaves its layers to the set, received one with "
+            f"{' and '.join(written)}, which would stay as they are; take them out of the scene"
+        )
+        raise InputError(msg)
 
 
 def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
