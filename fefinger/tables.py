@@ -88,7 +88,6 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     names = [field.name for field in fields(Finger) if field.name != "subject_name"]
     reject_unknown("finger", table, (SUBJECT, *names))
     pronies = _pronies(table)
-    shared = next(iter(pronies.values())) if len(set(pronies.values())) == 1 else None
     subject = table.pop(SUBJECT, None)
     for name in ("surface", "bone_surface"):
         if isinstance(table.get(name), str):
@@ -101,13 +100,14 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
         if layer in table:
             given = _subtable(f"finger.{layer}", table)
             given.pop("prony", None)
-            own = None if shared else pronies.get(f"finger.{layer}")
+            # What stands with a layer is its own, as in Python: the rest of the finger keeps G.
+            own = pronies.get(f"finger.{layer}", getattr(known, layer).prony)
             table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer), own)
     for part in ("bone", "nail"):
         if isinstance(table.get(part), Mapping):
             table[part] = _hard(f"finger.{part}", dict(table[part]))
-    if "prony" in table or shared:
-        table["prony"] = shared or pronies["finger"]
+    if "prony" in table:
+        table["prony"] = pronies["finger"]
     if subject is not None:
         return Finger.subject(subject, **table)
     surface = table.pop("surface", None)

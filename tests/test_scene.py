@@ -2,6 +2,7 @@
 
 import pickle
 import tomllib
+from dataclasses import replace
 from datetime import date
 
 import pytest
@@ -145,21 +146,30 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
     assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
 
 
-def test_one_relaxation_may_stand_with_a_layer_and_layers_may_differ():
-    prony = Prony((0.5, 0.5), (10,))
-    table = {"c": [0.5, 0.5], "v": [10]}
-    other = {"c": [0.4, 0.6], "v": [10]}
-    for finger in (
-        {"prony": table},
-        {"skin": {"prony": table}},
-        {"subcutaneous": {"prony": table}},
+def test_the_relaxation_of_a_layer_stays_with_it_as_in_python():
+    prony, other = Prony((0.5, 0.5), (10,)), Prony((0.4, 0.6), (10,))
+    table, another = {"c": [0.5, 0.5], "v": [10]}, {"c": [0.4, 0.6], "v": [10]}
+    skin, pulp = FINGER.skin, FINGER.subcutaneous
+    for given, parts in (
+        ({"prony": table}, {"prony": prony}),
+        ({"skin": {"prony": table}}, {"skin": replace(skin, prony=prony)}),
+        ({"subcutaneous": {"prony": table}}, {"subcutaneous": replace(pulp, prony=prony)}),
+        (
+            {"prony": table, "skin": {"prony": another}},
+            {"prony": prony, "skin": replace(skin, prony=other)},
+        ),
+        (
+            {"prony": table, "skin": {"prony": table}},
+            {"prony": prony, "skin": replace(skin, prony=prony)},
+        ),
+        (
+            {"skin": {"prony": table}, "subcutaneous": {"prony": table}},
+            {"skin": replace(skin, prony=prony), "subcutaneous": replace(pulp, prony=prony)},
+        ),
     ):
-        assert scene_of(finger={"subject": "a.h.", **finger}).finger.prony == prony
-    scene = scene_of(finger={"subject": "a.h.", "prony": table, "skin": {"prony": other}})
-    assert scene.finger.prony == prony
-    assert scene.finger.skin.prony == Prony((0.4, 0.6), (10,))
-    assert scene.finger.subcutaneous.prony is None
-    assert Scene.from_toml(scene.to_toml()) == scene
+        scene = scene_of(finger={"subject": "a.h.", **given})
+        assert scene.finger == replace(FINGER, **parts)
+        assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_single_values_of_a_layer_replace_those_of_the_named_set():
