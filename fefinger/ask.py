@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fefinger.checks import InputError, choice, flag, number, reject_unknown
+from fefinger.frozen import Frozen
 from fefinger.layout import Layout
 from fefinger.lists import choices
 from fefinger.neural.drives import DRIVES
@@ -87,6 +88,8 @@ class Ask:
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
             raise InputError(msg)
+        for name in ("depths", "drives"):
+            checked[name] = Frozen(checked[name])
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 

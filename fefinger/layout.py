@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from fefinger.checks import InputError, choice, flag, number, reject_unknown
+from fefinger.frozen import Frozen
 from fefinger.lists import numbers
 from fefinger.neural.endorgans import RULES, TYPES
 
@@ -94,7 +95,7 @@ class Scatter(Layout):
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
             for kind, value in self.densities.items()
         }
-        object.__setattr__(self, "densities", checked)
+        object.__setattr__(self, "densities", Frozen(checked))
 
 
 @dataclass(frozen=True, kw_only=True)

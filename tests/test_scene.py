@@ -13,7 +13,7 @@ from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
-from fefinger.scene import Ask, Scene
+from fefinger.scene import Ask, Scatter, Scene
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 
@@ -170,6 +170,25 @@ def test_the_relaxation_of_a_layer_stays_with_it_as_in_python():
         scene = scene_of(finger={"subject": "a.h.", **given})
         assert scene.finger == replace(FINGER, **parts)
         assert Scene.from_toml(scene.to_toml()) == scene
+
+
+def test_what_was_checked_of_a_question_cannot_be_changed_afterwards():
+    given = {"SAI": 0.5}
+    ask = Ask(
+        spikes=("SAI",),
+        depths=given,
+        drives={"SAI": "energy"},
+        population=Scatter(densities={"SAI": 70}),
+    )
+    for held in (ask.depths, ask.drives, ask.population.densities):
+        with pytest.raises(TypeError, match="item assignment"):
+            held["FAI"] = -1.0
+    given["SAI"] = -1.0
+    assert (ask.depths, ask.drives) == ({"SAI": 0.5}, {"SAI": "energy"})
+    assert pickle.loads(pickle.dumps(ask)) == replace(ask) == ask
+    scene = Scene(finger=FINGER, motion=Ramp(60, 1), ask=ask)
+    assert Scene.from_toml(scene.to_toml()) == scene
+    assert hash(Scene.from_toml(scene.to_toml())) == hash(scene)
 
 
 def test_single_values_of_a_layer_replace_those_of_the_named_set():
