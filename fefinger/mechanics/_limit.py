@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.finite import Continuum
+from fefinger.mechanics._hard import NAIL
 from fefinger.mesh.record import REGIONS
 
 
@@ -23,7 +24,8 @@ def most_pressed(elements: Continuum, values: Array) -> tuple[float, Array, str]
     stretch = np.linalg.svd(deformation, compute_uv=False)[..., -1].min(axis=1)
     cell = int(np.argmin(stretch))
     place = space.points[space.vertices[cell]].mean(axis=0)
-    name = {number: name for name, number in REGIONS.items()}[int(space.tissue[cell])]
+    names = {number: name for name, number in REGIONS.items()} | {NAIL: "nail"}
+    name = names[int(space.tissue[cell])]
     return float(stretch[cell]), place, "subcutaneous tissue" if name == "subcutaneous" else name
 
 

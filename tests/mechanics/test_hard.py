@@ -10,7 +10,12 @@ from fefinger import scenes
 from fefinger.ask import SOLVERS
 from fefinger.checks import InputError
 from fefinger.fem import solvers
-from fefinger.mechanics import LADDER, _hard, condensed, get, linear, solid
+from fefinger.fem.finite import continuum
+from fefinger.fem.forms import Elastic
+from fefinger.fem.grids import box
+from fefinger.fem.laws import neo_hookean
+from fefinger.fem.spaces import Space
+from fefinger.mechanics import LADDER, _hard, _limit, condensed, get, linear, solid
 from fefinger.mechanics._operator import operator
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
@@ -31,6 +36,14 @@ def scene(solver: str | None = None, depth: float = 0.5, **parts: object) -> Sce
 
 def force(solver: str | None = None, **parts: object) -> float:
     return float(linear.respond(scene(solver, **parts)).force[-1])
+
+
+def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
+    even = box(*3 * (np.linspace(0.0, 1.0, 2),))
+    space = Space(even.points, even.cells, np.full_like(even.tissue, _hard.NAIL))
+    elements = continuum(space, {_hard.NAIL: neo_hookean(Elastic(2e6, 0.3))})
+    stretch, _, tissue = _limit.most_pressed(elements, np.zeros(space.n_unknowns))
+    assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
 
 def test_a_stiffer_and_stiffer_bone_becomes_rigid() -> None:
