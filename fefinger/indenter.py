@@ -250,8 +250,13 @@ class Relief(Indenter):
                 raise InputError(msg)
             object.__setattr__(self, name, lines)
         given: Any = self.heights
-        if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != len(self.x):
-            msg = f"indenter.heights: expected one row for each of the {len(self.x)} values of x"
+        given = given.tolist() if isinstance(given, np.ndarray) else given
+        listed = isinstance(given, Sequence) and not isinstance(given, str)
+        if not listed or len(given) != len(self.x):
+            msg = (
+                f"indenter.heights: expected one row for each of the {len(self.x)} values of x, "
+                f"received {f'{len(given)} rows' if listed else repr(given)}"
+            )
             raise InputError(msg)
         rows = (
             numbers(f"indenter.heights[{i}]", row, count=len(self.y), unit="mm")

@@ -98,6 +98,11 @@ def test_an_archive_without_the_arrays_or_with_other_shapes_gets_a_sentence(tmp_
         ff.Relief.from_file(tmp_path / "none.csv")
 
 
+def test_heights_may_be_an_array() -> None:
+    assert ff.Relief(LINE, LINE, np.array(RELIEF.heights)) == RELIEF
+    assert ff.Relief(LINE, LINE, list(np.array(RELIEF.heights))) == RELIEF
+
+
 BAD = [
     (lambda: ff.Cylinder(0), "indenter.radius: .*above 0"),
     (lambda: ff.Cylinder(1, roll=200), "indenter.roll: .*at most 180"),
@@ -108,7 +113,9 @@ BAD = [
     (lambda: ff.Grating(2, 1, 1, angle=70), "indenter.angle: .*at most 60"),
     (lambda: ff.Relief((0, 1, 1, 2), LINE, RELIEF.heights), "indenter.x: .*rising"),
     (lambda: ff.Relief((0, 1, 2), LINE, RELIEF.heights), "indenter.x: expected at least 4"),
-    (lambda: ff.Relief(LINE, LINE, RELIEF.heights[:-1]), "one row for each of the 25"),
+    (lambda: ff.Relief(LINE, LINE, RELIEF.heights[:-1]), "one row for each of the 25 .* 24 rows"),
+    (lambda: ff.Relief(LINE, LINE, np.zeros((24, 25))), "one row for each of the 25 .* 24 rows"),
+    (lambda: ff.Relief(LINE, LINE, np.array(3.0)), "one row for each of the 25 .* received 3.0"),
     (lambda: ff.Relief(LINE, LINE[:-1], RELIEF.heights), r"indenter.heights\[0\]: .*24 numbers"),
     (lambda: ff.Relief.of(lambda x, y: x / 0, LINE, LINE), r"heights\[0\]\[0\]: .*finite"),
     (lambda: ff.Relief.of(lambda x, y: 1.0, LINE, LINE), "one height for each of 25 x 25"),
