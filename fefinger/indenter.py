@@ -76,7 +76,8 @@ class Flat(Indenter):
     angle
         Degrees about y: 0 is parallel to the axis of the bone, positive against the tip side.
     tilt
-        Degrees about x; not 0 breaks the symmetry of the finger.
+        Degrees about x, positive against the side of positive y; not 0 breaks the symmetry of the
+        finger.
     """
 
     kind = "flat"

@@ -137,6 +137,11 @@ def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_elastic_for
     assert press.strain[-1] == pytest.approx(elastic.strain[-1], rel=1e-9, abs=1e-12)
 
 
+def test_a_plate_that_is_tilted_up_touches_on_the_side_of_positive_y() -> None:
+    pressed = linear.respond(scene(indenter=ff.Flat(30, tilt=10), motion=ff.Ramp(60, 0.3)))
+    assert pressed.centroid[-1, 1] > 0.2
+
+
 def test_force_control_reaches_the_force_and_creeps() -> None:
     pressed = linear.respond(scene(motion=ff.ForceRampHold(loading_rate=5, force=0.3, hold=1.0)))
     holding = pressed.time >= pressed.time[-1] - 1.0
