@@ -6,7 +6,6 @@ from dataclasses import replace
 from datetime import date
 
 import pytest
-import tomli_w
 
 from fefinger import scenes
 from fefinger.checks import InputError
@@ -14,7 +13,6 @@ from fefinger.finger import Finger
 from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
 from fefinger.scene import Ask, Scatter, Scene
-from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 
 
@@ -146,32 +144,6 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
     assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
 
 
-def test_the_relaxation_of_a_layer_stays_with_it_as_in_python():
-    prony, other = Prony((0.5, 0.5), (10,)), Prony((0.4, 0.6), (10,))
-    table, another = {"c": [0.5, 0.5], "v": [10]}, {"c": [0.4, 0.6], "v": [10]}
-    skin, pulp = FINGER.skin, FINGER.subcutaneous
-    for given, parts in (
-        ({"prony": table}, {"prony": prony}),
-        ({"skin": {"prony": table}}, {"skin": replace(skin, prony=prony)}),
-        ({"subcutaneous": {"prony": table}}, {"subcutaneous": replace(pulp, prony=prony)}),
-        (
-            {"prony": table, "skin": {"prony": another}},
-            {"prony": prony, "skin": replace(skin, prony=other)},
-        ),
-        (
-            {"prony": table, "skin": {"prony": table}},
-            {"prony": prony, "skin": replace(skin, prony=prony)},
-        ),
-        (
-            {"skin": {"prony": table}, "subcutaneous": {"prony": table}},
-            {"skin": replace(skin, prony=prony), "subcutaneous": replace(pulp, prony=prony)},
-        ),
-    ):
-        scene = scene_of(finger={"subject": "a.h.", **given})
-        assert scene.finger == replace(FINGER, **parts)
-        assert Scene.from_toml(scene.to_toml()) == scene
-
-
 def test_what_was_checked_of_a_question_cannot_be_changed_afterwards():
     given = {"SAI": 0.5}
     ask = Ask(
@@ -189,29 +161,6 @@ def test_what_was_checked_of_a_question_cannot_be_changed_afterwards():
     scene = Scene(finger=FINGER, motion=Ramp(60, 1), ask=ask)
     assert Scene.from_toml(scene.to_toml()) == scene
     assert hash(Scene.from_toml(scene.to_toml())) == hash(scene)
-
-
-def test_single_values_of_a_layer_replace_those_of_the_named_set():
-    finger = scene_of(
-        finger={"subject": "a.h.", "tissue": "dandekar2003", "skin": {"modulus": 90}}
-    ).finger
-    assert finger.skin == Tissue(90, 0.48, 1.0)
-    assert finger.subcutaneous == Tissue(18, 0.48)
-
-
-@pytest.mark.parametrize("layers", [("skin",), ("subcutaneous",), ("skin", "subcutaneous")])
-def test_another_set_of_tissues_is_refused_where_layers_are_written_out(tmp_path, layers):
-    file = tmp_path / "mine.toml"
-    table = scenes.load("flat-press").to_dict()
-    for layer in {"skin", "subcutaneous"} - set(layers):
-        del table["finger"][layer]
-    file.write_text(tomli_w.dumps(table))
-    named = " and ".join(rf"\[finger.{layer}\]" for layer in layers)
-    with pytest.raises(InputError, match=f"finger.tissue: expected .*received one with {named}, "):
-        scenes.load(file, {"finger.tissue": "saal2017"})
-    assert scenes.load(file, {"finger.tissue": "maeno1998"}) == scenes.load(file)
-    other = scenes.load("flat-press", {"finger.tissue": "saal2017", "finger.skin.modulus": 90})
-    assert (other.finger.tissue, other.finger.skin.modulus) == ("saal2017", 90)
 
 
 def scene_of(**tables):
