@@ -9,7 +9,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,6 +81,53 @@ def appearing(place: Path) -> Iterator[Path]:
             os.rename(path, place)
     finally:
         shutil.rmtree(path, ignore_errors=True)
+
+
+@contextmanager
+def alone(place: Path, waiting: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """Let only one process at a time, and one thread of it, make what is to be at a place.
+
+    Others wait, and then should look whether it is there; `waiting` is called before. The system
+    gives up the lock of a process that ends in any way. Where there are no locks, or the cache
+    cannot be written, nobody waits.
+    """
+    path = place.with_name(f"{BUILDING}{place.stem}.lock")
+    handle = None
+    with suppress(OSError, ImportError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        while handle is None:
+            handle = _locked(path, waiting)
+    try:
+        yield
+    finally:
+        if handle is not None:
+            with suppress(OSError):
+                path.unlink()
+            os.close(handle)
+
+
+def _locked(path: Path, waiting: Callable[[], object]) -> int | None:
+    """Return the handle of a file that is locked; None if who held it took it away meanwhile.
+
+    Raises OSError or ImportError where there is no lock to be had.
+    """
+    import fcntl  # not on Windows
+
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            waiting()
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(handle), os.stat(path)):
+                return handle
+    except BaseException:  # as KeyboardInterrupt while it waits
+        os.close(handle)
+        raise
+    os.close(handle)
+    return None
 
 
 def limit(kind: str) -> None:

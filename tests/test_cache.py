@@ -2,7 +2,10 @@
 
 import json
 import os
+import subprocess
+import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,11 @@ import pytest
 import fefinger as ff
 from fefinger import cache
 from fefinger.__main__ import main
+from fefinger.fem.condense import Compliance
+from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.mechanics import _kept, _operator
+from fefinger.mesh import files, ready
+from fefinger.mesh.recipe import Recipe
 
 
 DAY = 24 * 3600.0
@@ -122,3 +129,56 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
     again = _operator.operator(finger, half=True)
     assert np.array_equal(again.parts[0].compliance.matrix, built.parts[0].compliance.matrix)
     assert place.is_dir()
+
+
+def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finger = ff.Finger(14.2, 10.2, resolution="coarse")
+    shipped = ready.ready(ff.Finger.subject("a.h.", resolution="coarse"), half=True)
+    place = ready.cached_path(Recipe.of(finger))
+    files.write(shipped, place)
+    prepared, other = _operator.solid, replace(shipped, points=1.001 * shipped.points)
+
+    def late(*mesh: object) -> object:
+        files.write(other, place)  # the cache was emptied, and another process filled it again
+        return prepared(*mesh)
+
+    monkeypatch.setattr(_operator, "solid", late)
+    monkeypatch.setattr(_operator, "build", lambda *mesh, odd: compliance)
+    compliance = _made_up()
+    old = ready.sha256(finger)
+    found = _operator.operator(finger, half=True)
+    assert old != ready.sha256(finger)
+    assert not _kept.at_hand(finger, half=True)
+    assert [known["mesh_file_sha256"] for known in found.known] == [old]
+
+
+def _made_up() -> Compliance:
+    """Return a compliance that can be kept."""
+    one = np.ones((1, 1))
+    front = Eliminated(Front(0, 1, 1, np.arange(1), ()), one, one, one)
+    return Compliance(np.arange(1), (front,), one)
+
+
+def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root: Path) -> None:
+    pytest.importorskip("fcntl", reason="this system has no locks of files")
+    killed = (
+        "import os, signal, sys; from pathlib import Path; from fefinger import cache\n"
+        "with cache.alone(Path(sys.argv[1])):\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    place, waited = root / "meshes" / "x.vtu", []
+    assert subprocess.run([sys.executable, "-c", killed, str(place)]).returncode < 0
+    (left,) = (root / "meshes").iterdir()
+    with cache.alone(place, lambda: waited.append(left)):
+        assert left.exists()
+    assert not waited
+    assert not left.exists()
+
+
+def test_where_there_can_be_no_lock_nobody_waits(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("a file where the folder should be")
+    place = tmp_path / "file" / "meshes" / "x.vtu"
+    with cache.alone(place), cache.alone(place):
+        pass

@@ -99,7 +99,7 @@ def _building(finger: Finger) -> list[Figure]:
     for odd in (False, True):
         started = time.perf_counter()
         built = _operator.build(finger, mesh, odd=odd)
-        identity = _kept.identity(finger, odd=odd)
+        identity = _kept.identity(finger, odd=odd, mesh=mesh)
         assert identity is not None
         _operator.write(built, _kept.folder(identity), identity)
         seconds += time.perf_counter() - started

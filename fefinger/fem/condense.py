@@ -11,6 +11,7 @@ each is a problem of the half: two operators of half the size do the work of one
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,9 +94,13 @@ class Part:
 
 @dataclass(frozen=True)
 class Operator(Solid):
-    """A solid with all that it does under loads on its pad."""
+    """A solid with all that it does under loads on its pad.
+
+    known: what decides each of its parts, to keep what follows from it; None where that is unknown.
+    """
 
     parts: tuple[Part, ...]
+    known: tuple[dict[str, Any] | None, ...] = (None,)
 
 
 def faces_down(solid: Solid) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from fefinger import cache
 from fefinger.checks import InputError
+from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
 
 
@@ -17,18 +18,21 @@ FORMAT = 1
 """Raised when the elements, the solver or the files change, so that operators are built again."""
 
 
-def identity(finger: Finger, *, odd: bool) -> dict[str, Any] | None:
-    """Return all that decides an operator; None where the mesh is not at hand."""
+def identity(finger: Finger, *, odd: bool, mesh: FingerMesh | None = None) -> dict[str, Any] | None:
+    """Return all that decides an operator; None where the mesh is in no file.
+
+    `mesh` is the one that it is built on; without it, the one that is at hand now.
+    """
     from fefinger.mesh.ready import sha256
 
-    mesh = sha256(finger)
-    if mesh is None:
+    source = sha256(finger) if mesh is None else mesh.source_sha256
+    if not source:
         return None
     return {
         "format": FORMAT,
         "element": "Taylor-Hood, P2 and P1 per tissue",
         "solver": "multifrontal, pad last",
-        "mesh_file_sha256": mesh,
+        "mesh_file_sha256": source,
         "cut": finger.cut,
         "modulus_ratio": finger.subcutaneous.modulus / finger.skin.modulus,
         "poisson": [finger.skin.poisson, finger.subcutaneous.poisson],

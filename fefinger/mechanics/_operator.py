@@ -26,6 +26,7 @@ from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._press import Method
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
+from fefinger.mesh.symmetric import whole
 from fefinger.scene import Finger
 
 
@@ -51,18 +52,19 @@ def operator(
         raise InputError(message)
     mesh = ready(finger, half=True)
     own = solid(mesh, (1, 2))
-    body = own if half else solid(ready(finger, half=False), (1, 2))
+    body = own if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
     wanted = parities(half=half)
-    for odd in wanted:
-        compliance = _compliance(finger, mesh, odd=odd)
+    known = tuple(identity(finger, odd=odd, mesh=mesh) for odd in wanted)
+    for odd, identified in zip(wanted, known, strict=True):
+        compliance = _compliance(finger, mesh, identified, odd=odd)
         if half:
             unfold = sparse.eye(own.space.n_unknowns, format="csr")
         else:
             unfold = mirrored(body.space, own.space, odd=odd)
         parts.append(Part(compliance, unfold, 1.0 / (len(wanted) * finger.skin.modulus)))
         progress(len(parts) / len(wanted))
-    return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts))
+    return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts), known)
 
 
 def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
@@ -107,8 +109,7 @@ def reduced(
 
     `probe` gives the strain at the points; it is called only where the cache lacks the answer.
     """
-    known = [identity(finger, odd=odd) for odd in parities(half=solid.half)]
-    digest = hashlib.sha256(json.dumps([known, finger.skin.modulus]).encode())
+    digest = hashlib.sha256(json.dumps([solid.known, finger.skin.modulus]).encode())
     on_pad = (patch.loads, patch.places)
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
@@ -124,7 +125,7 @@ def reduced(
         if [array.shape for array in found] == [(row, count) for row in rows]:
             return Reduced(patch, *(array.view(np.ndarray) for array in found))
     made = reduction.reduce(solid, patch, probe())
-    if None not in known:
+    if None not in solid.known:
         with suppress(OSError), cache.appearing(place) as new:
             for name in names:
                 np.save(new / f"{name}.npy", getattr(made, name))
@@ -152,9 +153,10 @@ def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None
         values.flush()
 
 
-def _compliance(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
+def _compliance(
+    finger: Finger, mesh: FingerMesh, identified: dict[str, Any] | None, *, odd: bool
+) -> Compliance:
     """Return one parity of a finger, from the cache or built and put there."""
-    identified = identity(finger, odd=odd)
     if identified is not None and folder(identified).is_dir():
         cache.touch(folder(identified))
         try:

@@ -121,6 +121,7 @@ def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:
         name=str(sidecar["name"]),
         recipe=sidecar["recipe"],
         quality=sidecar["quality"],
+        source_sha256=str(sidecar["sha256"]),
     )
 
 

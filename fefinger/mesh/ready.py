@@ -29,11 +29,13 @@ def ready(
     """Return the mesh for a scene's finger (or a Recipe), half or whole; `touch` as in `Recipe`.
 
     Looks among the shipped meshes, then in the user's cache; builds and caches it (about half a
-    minute for the standard resolution) if neither has it. `progress` receives short sentences.
+    minute for the standard resolution) if neither has it. The mesher draws at random, so that
+    whoever asks for it at the same time waits, and is given the same. `progress` receives short
+    sentences.
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
-    mesh = files.read(path) if path else _cached(recipe) or _built(recipe, progress)
+    mesh = files.read(path) if path else _cached(recipe) or _made(recipe, progress)
     return mesh if half else whole(mesh)
 
 
@@ -100,23 +102,39 @@ def cached_path(recipe: Recipe) -> Path:
     return cache.root() / "meshes" / f"{recipe.key()[:16]}.vtu"
 
 
+_unkept: dict[Path, FingerMesh] = {}
+"""Meshes that the cache did not take, by their place in it: built again they would be others."""
+
+
 def _cached(recipe: Recipe) -> FingerMesh | None:
     """Return the mesh of a recipe from the cache; one that is damaged counts as none."""
+    place = cached_path(recipe)
     try:
-        return files.read(cached_path(recipe))
-    except InputError:
-        return None
+        return files.read(place)
+    except (InputError, OSError):
+        return _unkept.get(place)
 
 
-def _built(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
-    """Return the mesh of a recipe, built and put in the cache."""
+def _made(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
+    """Return the mesh of a recipe, built here and put in the cache, or by whom it waited for."""
+    say = progress or (lambda _: None)
+    wait = "another process builds this mesh; waiting for it"
+    with cache.alone(cached_path(recipe), lambda: say(wait)):
+        return _cached(recipe) or _built(recipe, say)
+
+
+def _built(recipe: Recipe, say: Callable[[str], None]) -> FingerMesh:
+    """Return the mesh of a recipe as the cache has it, once it is built."""
     from fefinger.mesh.build import build
 
     name = f"{recipe.width:g}x{recipe.thickness:g}x{recipe.pad_radius:g}-{recipe.resolution}"
-    mesh = build(recipe, name=name, progress=progress)
+    mesh = build(recipe, name=name, progress=say)
+    found = _cached(recipe)  # without locks, another may have been faster: then that is the one
+    if found is not None:
+        return found
+    place = cached_path(recipe)
     try:
-        files.write(mesh, cached_path(recipe))
-    except OSError as error:
-        if progress is not None:
-            progress(f"the mesh could not be kept for the next time: {error}")
-    return mesh
+        return files.read(files.write(mesh, place))
+    except (InputError, OSError) as error:
+        say(f"the mesh could not be kept for the next time: {error}")
+        return _unkept.setdefault(place, mesh)

@@ -34,6 +34,7 @@ class FingerMesh:
     name : subject and resolution, such as "ah-standard".
     recipe : what the mesh was made from.
     quality : measured figures, see `fefinger.mesh.quality`.
+    source_sha256 : hash of the file that it was read from, empty where it is from none.
 
     """
 
@@ -46,6 +47,7 @@ class FingerMesh:
     name: str = "finger"
     recipe: dict[str, Any] = field(default_factory=dict)
     quality: dict[str, Any] = field(default_factory=dict)
+    source_sha256: str = ""
 
     @property
     def fingerprint(self) -> str:

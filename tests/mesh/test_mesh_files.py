@@ -1,7 +1,11 @@
 """Meshes on disk: exact round trip, hash, and where ready meshes come from."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
@@ -24,6 +28,19 @@ def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Send the user's cache to an empty folder."""
     monkeypatch.setattr("platformdirs.user_cache_path", lambda _: tmp_path / "cache")
     return tmp_path / "cache"
+
+
+@pytest.fixture
+def builds(mesh: FingerMesh, monkeypatch: pytest.MonkeyPatch) -> list[FingerMesh]:
+    """Build meshes that differ as those of a mesher that draws at random; return them."""
+    built: list[FingerMesh] = []
+
+    def build(recipe: Recipe, **_: object) -> FingerMesh:
+        built.append(replace(mesh, points=(1 + 1e-3 * len(built)) * mesh.points))
+        return built[-1]
+
+    monkeypatch.setattr("fefinger.mesh.build.build", build)
+    return built
 
 
 @pytest.mark.parametrize("make", [lambda mesh: mesh, whole], ids=["half", "whole"])
@@ -123,3 +140,58 @@ def test_mesh_is_given_even_if_it_cannot_be_cached(
     said: list[str] = []
     assert ready.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
     assert "could not be kept" in said[-1]
+
+
+def test_mesh_that_cannot_be_cached_is_not_drawn_again(
+    no_cache: Path, builds: list[FingerMesh]
+) -> None:
+    no_cache.write_text("a file where the folder should be")
+    for _ in range(2):
+        found = ready.ready(Recipe(15, 11, 14), half=True)
+        assert found.fingerprint == builds[0].fingerprint
+    assert len(builds) == 1
+
+
+def test_first_mesh_that_is_kept_is_that_of_all(
+    mesh: FingerMesh, no_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recipe, first = Recipe(15, 11, 14), replace(mesh, points=1.1 * mesh.points)
+
+    def build(recipe: Recipe, **_: object) -> FingerMesh:
+        files.write(first, ready.cached_path(recipe))  # another process is done before
+        return mesh
+
+    monkeypatch.setattr("fefinger.mesh.build.build", build)
+    for _ in range(2):
+        assert ready.ready(recipe, half=True).fingerprint == first.fingerprint
+
+
+def test_who_needs_a_mesh_that_is_being_built_waits_for_it(
+    no_cache: Path, builds: list[FingerMesh], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("fcntl", reason="this system has no locks of files")
+    building, another, build = Event(), Event(), import_module("fefinger.mesh.build").build
+
+    def slowly(recipe: Recipe, **options: object) -> FingerMesh:
+        if building.is_set():
+            another.set()  # nobody waited
+        building.set()
+        assert another.wait(60)
+        return build(recipe, **options)
+
+    monkeypatch.setattr("fefinger.mesh.build.build", slowly)
+    said: list[str] = []
+
+    def say(sentence: str) -> None:
+        said.append(sentence)
+        another.set()
+
+    recipe = Recipe(15, 11, 14)
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(ready.ready, recipe, half=True)
+        assert building.wait(60)
+        second = pool.submit(ready.ready, recipe, half=True, progress=say)
+        assert first.result().fingerprint == second.result().fingerprint
+    assert len(builds) == 1
+    assert said == ["another process builds this mesh; waiting for it"]
+    assert sorted(path.suffix for path in (no_cache / "meshes").iterdir()) == [".json", ".vtu"]
