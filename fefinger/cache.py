@@ -136,11 +136,10 @@ def limit(kind: str) -> None:
     The last used stays in any case, and what is being made.
     """
     finished = [entry for entry in _kept(kind) if entry.what != UNFINISHED]
-    last, *others = sorted(finished, key=lambda entry: -entry.used)
-    total = last.size
-    for entry in others:
+    total = 0
+    for number, entry in enumerate(sorted(finished, key=lambda entry: -entry.used)):
         total += entry.size
-        if total > 1e6 * LIMITS_MB[kind]:
+        if number and total > 1e6 * LIMITS_MB[kind]:
             remove([entry])
 
 
@@ -148,30 +147,40 @@ UNFINISHED = "unfinished"
 
 
 def _kept(kind: str) -> Iterator[Entry]:
-    folder = root() / kind
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+    """Yield what is kept of a kind: folders, and files that go together, whole or damaged."""
+    for paths in _together(root() / kind):
         with suppress(OSError):  # removed by another process in the meantime
-            if path.name.startswith((BUILDING, LEAVING)):
-                yield Entry(kind, UNFINISHED, (path,), _size(path), path.stat().st_mtime)
-            elif path.is_dir():
-                yield Entry(kind, _told(path), (path,), _size(path), path.stat().st_mtime)
-            elif path.suffix == ".npz":
-                yield Entry(kind, "", (path,), path.stat().st_size, path.stat().st_mtime)
-            elif path.suffix == ".json":
-                both = (path.with_suffix(".vtu"), path)
-                size = sum(each.stat().st_size for each in both)
-                what = str(json.loads(path.read_text(encoding="utf-8")).get("name", ""))
-                yield Entry(kind, what, both, size, path.stat().st_mtime)
+            first, size = paths[0], sum(_size(path) for path in paths)
+            used = max(path.stat().st_mtime for path in paths)
+            what = UNFINISHED if first.name.startswith(".") else _told(first)
+            yield Entry(kind, what, paths, size, used)
 
 
-def _size(folder: Path) -> int:
-    return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+def _together(folder: Path) -> Iterator[tuple[Path, ...]]:
+    """Yield each folder and file in a folder, a mesh with its sidecar first; none if unreadable."""
+    found: dict[str, list[Path]] = {}
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            alone = path.name.startswith(".") or path.suffix not in (".json", ".vtu")
+            found.setdefault(path.name if alone else f"{path.stem}.vtu", []).append(path)
+    yield from map(tuple, found.values())
 
 
-def _told(folder: Path) -> str:
-    """Return what an operator is of; patches have nothing to say."""
+def _size(path: Path) -> int:
+    if not path.is_dir():
+        return path.stat().st_size
+    return sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+
+
+def _told(path: Path) -> str:
+    """Return what a mesh (by its sidecar) or an operator (by its folder) is of.
+
+    Patches and presses have nothing to say, nor has what is damaged.
+    """
     try:
-        identity = json.loads((folder / "identity.json").read_text(encoding="utf-8"))
+        if path.suffix == ".json":
+            return str(json.loads(path.read_text(encoding="utf-8"))["name"])
+        identity = json.loads((path / "identity.json").read_text(encoding="utf-8"))
         ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
         return (
             f"{identity['parity']} half of mesh {identity['mesh_file_sha256'][:8]}, modulus ratio "

@@ -7,13 +7,16 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 import fefinger as ff
 from fefinger import cache
 from fefinger.__main__ import main
+from fefinger.fem.body import Reduced
 from fefinger.fem.condense import Compliance
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.mechanics import _kept, _operator
@@ -79,6 +82,61 @@ def test_a_mesh_goes_with_its_sidecar(root: Path) -> None:
     assert mesh.what == "14x10x14-coarse"
     assert cache.remove([mesh]) == (mesh,)
     assert list((root / "meshes").iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
+def test_a_damaged_mesh_is_listed_and_goes(
+    root: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
+    (root / "meshes").mkdir(parents=True)
+    (root / "meshes" / "x.json").write_text(text)
+    for names in (["x.json"], ["x.json", "x.vtu"]):
+        (root / "meshes" / names[-1]).touch()
+        assert main(["cache", "--json"]) == 0
+        (entry,) = json.loads(capsys.readouterr().out)["entries"]
+        assert [Path(path).name for path in entry["paths"]] == names
+    assert main(["cache", "--prune", "0"]) == 0
+    assert list((root / "meshes").iterdir()) == []
+
+
+def test_a_mesh_without_its_sidecar_is_listed_and_goes(root: Path) -> None:
+    (root / "meshes").mkdir(parents=True)
+    (root / "meshes" / "x.vtu").write_text("mesh")
+    (mesh,) = cache.entries()
+    assert (mesh.what, mesh.size) == ("", 4)
+    assert cache.remove(cache.unused(0)) == (mesh,)
+    assert list((root / "meshes").iterdir()) == []
+
+
+def test_a_part_of_a_mesh_that_was_never_finished_goes_when_it_is_abandoned(root: Path) -> None:
+    part = root / "meshes" / ".x-1234.json"
+    part.parent.mkdir(parents=True)
+    part.write_text('{"name":')
+    assert cache.unused(0.0) == ()
+    os.utime(part, (0, 0))
+    (entry,) = cache.unused(0.0)
+    assert (entry.what, entry.paths) == (cache.UNFINISHED, (part,))
+
+
+@pytest.mark.parametrize("name", ["file", "x" * 300], ids=["a file", "a name too long"])
+def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    (tmp_path / "file").write_text("a file where the folder should be")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / name))
+    assert cache.entries() == ()
+    finger, recipe = ff.Finger.subject("a.h."), Recipe(15, 11, 14)
+    assert not _kept.at_hand(finger, half=True)
+    assert not ready.at_hand(ff.Finger(15, 11))
+    mesh = ready.ready(finger, half=True)
+    monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
+    assert ready.ready(recipe, half=True) is mesh
+    made = Reduced(None, np.eye(2), np.ones((6, 2)), np.ones((2, 2)))
+    monkeypatch.setattr(_operator.reduction, "reduce", lambda *parts: made)
+    nothing = sparse.eye(2, format="csr")
+    patch = SimpleNamespace(loads=nothing, places=nothing, vertices=np.arange(2))
+    solid, points = SimpleNamespace(half=True, known=({},)), np.zeros((1, 3))
+    assert _operator.reduced(finger, solid, patch, points, lambda: None) is made
 
 
 def test_who_reads_keeps_what_is_open(root: Path) -> None:

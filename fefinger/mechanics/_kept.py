@@ -5,6 +5,7 @@ An operator depends on the ratio of the moduli only: it is built for a skin of 1
 
 import hashlib
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +59,10 @@ def folder(identity: dict[str, Any]) -> Path:
 
 def at_hand(finger: Finger, *, half: bool) -> bool:
     """Return whether the operators of a finger are in the cache and need not be built."""
-    if not root().is_dir():  # then not even the name of the mesh is needed
+    if not os.path.isdir(root()):  # then not even the name of the mesh is needed
         return False
     try:
         found = [identity(finger, odd=odd) for odd in parities(half=half)]
     except InputError:  # no mesh can be made for a finger of this size
         return False
-    return all(each is not None and folder(each).is_dir() for each in found)
+    return all(each is not None and os.path.isdir(folder(each)) for each in found)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -85,9 +86,9 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
     """
     advice = f"delete the folder {str(place)!r}, and it is built again"
     try:
-        found = json.loads((place / "identity.json").read_text(encoding="utf-8"))
+        found = dict(json.loads((place / "identity.json").read_text(encoding="utf-8")))
         arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, TypeError, EOFError) as error:
         message = f"operator: expected {len(ARRAYS)} arrays and their identity ({error}); {advice}"
         raise InputError(message) from None
     for name, value in identity.items():
@@ -157,12 +158,12 @@ def _compliance(
     finger: Finger, mesh: FingerMesh, identified: dict[str, Any] | None, *, odd: bool
 ) -> Compliance:
     """Return one parity of a finger, from the cache or built and put there."""
-    if identified is not None and folder(identified).is_dir():
+    if identified is not None and os.path.isdir(folder(identified)):
         cache.touch(folder(identified))
         try:
             return read(folder(identified), identified)
         except InputError:
-            if folder(identified).is_dir():
+            if os.path.isdir(folder(identified)):
                 raise  # else it was pruned in the meantime
     built = build(finger, mesh, odd=odd)
     if identified is not None:

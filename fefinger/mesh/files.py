@@ -24,6 +24,9 @@ from fefinger.version import VERSION
 LAYOUT = 1
 """Version of the file layout; a reader refuses another."""
 
+NEEDED = ("name", "half", "facet_tags", "sha256", "recipe", "quality")
+"""What a sidecar has to say so that a mesh can be read."""
+
 TOOLS = ("pytetwild", "numpy", "scipy")
 """Libraries whose version decides a mesh, beside fefinger's own."""
 
@@ -78,17 +81,7 @@ def read(path: str | Path) -> FingerMesh:
         if not part.is_file():
             message = f"mesh: expected the file {part}, which does not exist; build the mesh again"
             raise InputError(message)
-    try:
-        sidecar = json.loads(sidecar_path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
-        message = f"mesh: expected JSON in {sidecar_path(path)}, received {error}"
-        raise InputError(message) from error
-    if sidecar.get("layout") != LAYOUT:
-        message = (
-            f"mesh: expected layout {LAYOUT} in {sidecar_path(path)}, received "
-            f"{sidecar.get('layout')!r}; build the mesh again"
-        )
-        raise InputError(message)
+    sidecar = _sidecar(sidecar_path(path))
     found = _hash(path)
     if found != sidecar["sha256"]:
         message = (
@@ -103,6 +96,26 @@ def read(path: str | Path) -> FingerMesh:
 def sidecar_path(path: Path) -> Path:
     """Return the path of the sidecar of a mesh file."""
     return path.with_suffix(".json")
+
+
+def _sidecar(path: Path) -> dict[str, Any]:
+    """Return what a sidecar says, or raise InputError if it is none of this layout."""
+    try:
+        sidecar = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        message = f"mesh: expected JSON in {path}, received {error}"
+        raise InputError(message) from error
+    layout = sidecar.get("layout") if isinstance(sidecar, dict) else None
+    if layout != LAYOUT:
+        message = (
+            f"mesh: expected layout {LAYOUT} in {path}, received {layout!r}; build the mesh again"
+        )
+        raise InputError(message)
+    missing = [name for name in NEEDED if name not in sidecar]
+    if missing:
+        message = f"mesh: expected {missing[0]!r} in {path}, received none; build the mesh again"
+        raise InputError(message)
+    return dict(sidecar)
 
 
 def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:

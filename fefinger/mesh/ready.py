@@ -1,6 +1,7 @@
 """The mesh for a finger: shipped with the package, else from the user's cache, else built now."""
 
 import json
+import os
 from collections.abc import Callable
 from functools import lru_cache
 from importlib.resources import files as package_files
@@ -42,7 +43,7 @@ def ready(
 def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     """Return whether the mesh for a scene's finger is shipped or cached, and need not be built."""
     recipe = Recipe.of(finger, touch)
-    return shipped_path(recipe) is not None or cached_path(recipe).is_file()
+    return shipped_path(recipe) is not None or os.path.isfile(cached_path(recipe))
 
 
 def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:
@@ -70,9 +71,10 @@ def sha256(finger: "Finger") -> str | None:
     """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
     recipe = Recipe.of(finger)
     sidecar = files.sidecar_path(shipped_path(recipe) or cached_path(recipe))
-    if not sidecar.is_file():
+    try:
+        return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
+    except (OSError, ValueError, KeyError, TypeError):  # none, or a damaged one
         return None
-    return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
 
 
 def shipped_path(recipe: Recipe) -> Path | None:

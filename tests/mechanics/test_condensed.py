@@ -144,6 +144,11 @@ def test_a_damaged_operator_is_refused_with_a_sentence(tmp_path: Path) -> None:
     (place / "values.npy").write_bytes(content[: len(content) // 2])
     with pytest.raises(InputError, match="delete the folder"):
         _operator.read(place, identity)
+    told = (place / "identity.json").read_text()
+    (place / "identity.json").write_text("[1]")
+    with pytest.raises(InputError, match="delete the folder"):
+        _operator.read(place, identity)
+    (place / "identity.json").write_text(told)
     (place / "matrix.npy").unlink()
     with pytest.raises(InputError, match="delete the folder"):
         _operator.read(place, identity)

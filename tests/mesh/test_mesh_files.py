@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from fefinger.checks import InputError
+from fefinger.finger import Finger
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.record import FingerMesh
@@ -89,6 +90,28 @@ def test_broken_sidecar_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
     path.with_suffix(".json").write_text("{")
     with pytest.raises(InputError, match=r"expected JSON in .*finger\.json"):
         files.read(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("[]", "expected layout 1 .* received None"), ('{"layout": 1}', "expected 'name' in .*json")],
+)
+def test_sidecar_of_something_else_is_refused(
+    mesh: FingerMesh, tmp_path: Path, text: str, said: str
+) -> None:
+    path = files.write(mesh, tmp_path / "finger.vtu")
+    path.with_suffix(".json").write_text(text)
+    with pytest.raises(InputError, match=said):
+        files.read(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
+def test_hash_in_a_damaged_sidecar_counts_as_none(no_cache: Path, text: str) -> None:
+    finger = Finger(15, 11)
+    sidecar = ready.cached_path(Recipe.of(finger)).with_suffix(".json")
+    sidecar.parent.mkdir(parents=True)
+    sidecar.write_text(text)
+    assert ready.sha256(finger) is None
 
 
 def test_other_suffix_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
