@@ -357,7 +357,7 @@ def _decode(value: Any, arrays: "xr.Dataset") -> Any:
         kind = RECORDS[value["record"]]
         return kind(**{key: _decode(v, arrays) for key, v in value.items() if key != "record"})
     if "scene" in value:
-        return Scene.from_toml(arrays["scene"].item())
+        return Scene.from_stored(arrays["scene"].item())
     if "array" in value:
         return arrays[value["array"]].values
     if "ragged" in value:

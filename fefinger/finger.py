@@ -18,6 +18,8 @@ RESOLUTIONS = ("coarse", "standard", "fine")
 LAYERS = ("skin", "subcutaneous")
 AUTO = "auto"
 STANDARD = "standard"
+FILES = ("tissue", "surface", "bone_surface")
+"""Fields that may name a file."""
 PULP = 0.5
 """Part of the finger's thickness that is soft tissue under the pad, at most."""
 BONE = 0.47
@@ -173,6 +175,28 @@ class Finger:
         found = read_surface(file, field="finger.surface")
         size = {"width": found.width, "thickness": found.thickness}
         return cls(**(size | overrides | {"surface": str(file)}))
+
+    @classmethod
+    def stored(
+        cls,
+        *,
+        pad_radius: float,
+        skin: Tissue,
+        subcutaneous: Tissue,
+        prony: Prony,
+        **others: Any,
+    ) -> Self:
+        """Return a finger of which every value is given, without the files that it names.
+
+        Those of its tissue and its surface, which the values are from, may be elsewhere by now.
+        """
+        named = {name: others.pop(name) for name in FILES if name in others}
+        finger = cls(
+            pad_radius=pad_radius, skin=skin, subcutaneous=subcutaneous, prony=prony, **others
+        )
+        for name, value in named.items():
+            object.__setattr__(finger, name, value)
+        return finger
 
     @classmethod
     def subject(cls, name: str, **overrides: Any) -> Self:

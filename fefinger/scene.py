@@ -157,3 +157,8 @@ class Scene:
         if isinstance(source, str) and ("\n" in source or "=" in source or not source.strip()):
             return cls.from_dict(parse(source))
         return cls.from_dict(read(source), folder=Path(source).parent)
+
+    @classmethod
+    def from_stored(cls, text: str) -> Self:
+        """Read a scene that `to_toml` wrote; the files that it names are not needed for that."""
+        return cls(**parts(parse(text), None))

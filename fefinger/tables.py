@@ -46,8 +46,11 @@ def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
         raise InputError(msg) from None
 
 
-def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the arguments of a Scene; files are looked up relative to `folder`."""
+def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
+    """Return the arguments of a Scene; files are looked up relative to `folder`.
+
+    Without a folder the tables are those that `tables` gives, with all that files decide.
+    """
     reject_unknown("", table, ("name", *PARTS))
     sub = {name: _subtable(name, table) for name in PARTS}
     for name, example in (("finger", 'subject = "a.h."'), ("motion", 'kind = "ramp-hold"')):
@@ -55,9 +58,9 @@ def parts(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
     found: dict[str, Any] = {
-        "finger": _finger(sub["finger"], folder),
-        "indenter": _indenter(sub["indenter"], folder),
-        "motion": _motion(sub["motion"], folder),
+        "finger": _stored(sub["finger"]) if folder is None else _finger(sub["finger"], folder),
+        "indenter": _indenter(sub["indenter"], folder or Path()),
+        "motion": _motion(sub["motion"], folder or Path()),
         "ask": _ask(sub["ask"]),
     }
     return found | {key: table[key] for key in ("name",) if key in table}
@@ -85,8 +88,7 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _finger(table: dict[str, Any], folder: Path) -> Finger:
-    names = [field.name for field in fields(Finger) if field.name != "subject_name"]
-    reject_unknown("finger", table, (SUBJECT, *names))
+    _reject_unknown(table)
     pronies = _pronies(table)
     subject = table.pop(SUBJECT, None)
     for name in ("surface", "bone_surface"):
@@ -103,9 +105,7 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
             # What stands with a layer is its own, as in Python: the rest of the finger keeps G.
             own = pronies.get(f"finger.{layer}", getattr(known, layer).prony)
             table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer), own)
-    for part in ("bone", "nail"):
-        if isinstance(table.get(part), Mapping):
-            table[part] = _hard(f"finger.{part}", dict(table[part]))
+    table |= _hards(table)
     if "prony" in table:
         table["prony"] = pronies["finger"]
     if subject is not None:
@@ -120,6 +120,22 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     return Finger(**table)
 
 
+def _stored(table: dict[str, Any]) -> Finger:
+    """Return the finger of a table that has all its values, whose files are not needed."""
+    _reject_unknown(table)
+    pronies = _pronies(table)
+    for layer in ("skin", "subcutaneous"):
+        given = _subtable(f"finger.{layer}", table)
+        table[layer] = Tissue(**(given | {"prony": pronies.get(f"finger.{layer}")}))
+    table["subject_name"] = table.pop(SUBJECT, None)
+    return Finger.stored(**(table | _hards(table) | {"prony": pronies["finger"]}))
+
+
+def _reject_unknown(table: Mapping[str, Any]) -> None:
+    names = [field.name for field in fields(Finger) if field.name != "subject_name"]
+    reject_unknown("finger", table, (SUBJECT, *names))
+
+
 def _layer(name: str, given: dict[str, Any], known: Tissue, prony: Prony | None) -> Tissue:
     """Return the layer `known` with the values `given` instead of its own."""
     reject_unknown(name, given, [field.name for field in fields(Tissue)])
@@ -128,6 +144,16 @@ def _layer(name: str, given: dict[str, Any], known: Tissue, prony: Prony | None)
     except InputError as error:
         msg = str(error).replace("tissue", name, 1)
         raise InputError(msg) from None
+
+
+def _hards(table: Mapping[str, Any]) -> dict[str, Hard]:
+    """Return the hard parts of a finger that are tables."""
+    given = {part: table.get(part) for part in ("bone", "nail")}
+    return {
+        part: _hard(f"finger.{part}", dict(values))
+        for part, values in given.items()
+        if isinstance(values, Mapping)
+    }
 
 
 def _hard(name: str, given: dict[str, Any]) -> Hard:

@@ -14,7 +14,7 @@ from fefinger import files, report
 from fefinger.checks import InputError
 from fefinger.files import LAYOUT, RECORDS, load, save
 from fefinger.records import Result
-from fefinger.scene import Sampled
+from fefinger.scene import Finger, Hard, Prony, Sampled, Tissue
 
 
 @pytest.fixture
@@ -97,6 +97,53 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
     assert found.trust == ""
     assert [rung.errors for rung in found.rungs] == [{}, {}]
     assert found.chosen.error == synthetic.plan.chosen.error
+
+
+TISSUE_SET = """
+pad_radius = 15.0
+[prony]
+c = [0.4, 0.6]
+v = [10.0]
+[skin]
+modulus = 90.0
+poisson = 0.45
+thickness = 0.9
+law = "demiray"
+exponent = 3.0
+[subcutaneous]
+modulus = 30.0
+poisson = 0.49
+"""
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize("gone", [("tissue.toml",), ("scan.stl", "bone.stl")])
+def test_a_result_loads_without_the_files_of_its_finger(
+    synthetic: Result, tmp_path: Path, gone: tuple[str, ...]
+) -> None:
+    named = {name: tmp_path / name for name in ("tissue.toml", "scan.stl", "bone.stl")}
+    for file in named.values():
+        file.write_text(TISSUE_SET)
+    finger = Finger(
+        14,
+        10,
+        subject_name="a.h.",
+        tissue=str(named["tissue.toml"]),
+        surface=str(named["scan.stl"]),
+        bone_surface=str(named["bone.stl"]),
+        subcutaneous=Tissue(30, 0.49, prony=Prony((0.5, 0.5), (2.0,))),
+        nail=Hard(2e6),
+    )
+    scene = dataclasses.replace(synthetic.scene, finger=finger)
+    result = dataclasses.replace(synthetic, scene=scene)
+    save(result, tmp_path / "out")
+    for name in gone:
+        named[name].unlink()
+    found = load(tmp_path / "out")
+    assert_same(found, result)
+    assert found.scene.finger.skin.exponent == 3.0
+    save(found, tmp_path / "again")
+    assert_same(load(tmp_path / "again"), result)
 
 
 @pytest.mark.usefixtures("plain_report")

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fefinger.checks import choice, number
+from fefinger.checks import InputError, choice, number
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")
@@ -79,12 +79,28 @@ class Recipe:
         return values
 
     def key(self) -> str:
-        """Return a hash of all that decides the mesh, the content of a surface file included."""
+        """Return a hash of all that decides the mesh, the content of a surface file included.
+
+        Raises InputError where a surface file cannot be read.
+        """
         made = FORMAT if self.surface is None else SURFACE_FORMAT
         parts = {**self.to_dict(), "format": made}
         for name in ("surface", "bone_surface"):
             file = getattr(self, name)
             if file is not None:
-                parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+                parts[name] = _hash(name, file)
         text = json.dumps(parts, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _hash(name: str, file: str) -> str:
+    """Return the SHA-256 of the surface file of a finger; that of a stored result may be gone."""
+    try:
+        return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    except OSError as error:
+        message = (
+            f"finger.{name}: expected a file with a surface, received {file!r} "
+            f"({error.strerror or error}); work in the folder that the path is relative to, or "
+            "name the file where it is"
+        )
+        raise InputError(message) from None

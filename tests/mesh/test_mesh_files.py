@@ -127,6 +127,13 @@ def test_sidecar_says_recipe_versions_and_quality(mesh: FingerMesh, tmp_path: Pa
     assert sidecar["quality"]["min_dihedral_deg"] > 8
 
 
+def test_surface_that_is_gone_is_named() -> None:
+    with pytest.raises(
+        InputError, match=r"finger\.surface: expected a file .*'gone\.stl' \(No such"
+    ):
+        Recipe(14, 10, 14, surface="gone.stl").key()
+
+
 def test_shipped_mesh_is_used_without_meshing(no_cache: Path) -> None:
     half = ready.ready(Recipe(14, 10, 14, resolution="coarse"), half=True)
     assert half.name == "ah-coarse"
