@@ -3,21 +3,40 @@
 from collections.abc import Mapping
 
 
-UNITS = {
-    **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
-    **dict.fromkeys(("width", "thickness", "pad_radius", "radius", "radii", "at"), "mm"),
-    **dict.fromkeys(("corner", "hold", "settle", "seconds"), "s"),
-    **dict.fromkeys(("period", "ridge", "spacing", "depth", "SAI", "SAII", "FAI", "FAII"), "mm"),
-    "modulus": "kPa",
-    "speed": "mm_per_s",
-    "force": "N",
-    "loading_rate": "N_per_s",
-    "frequency": "Hz",
-}
-"""Units of the fields of a scene, by the last part of their names."""
+_TYPES = ("SAI", "SAII", "FAI", "FAII")
 
-IN_OTHERS = {"indenter.corner": "mm", "motion.amplitude": "mm", "ask.population.densities": ""}
-"""Units of fields whose last part means something else elsewhere."""
+_LAYER = {"modulus": "kPa", "thickness": "mm"}
+
+_RELAXING = {"v": "per_s"}
+
+UNITS: dict[str, dict[str, str]] = {
+    "finger": dict.fromkeys(("width", "thickness", "pad_radius"), "mm"),
+    "finger.skin": _LAYER,
+    "finger.subcutaneous": _LAYER,
+    "finger.bone": {"modulus": "kPa"},
+    "finger.nail": {"modulus": "kPa"},
+    "finger.prony": _RELAXING,
+    "finger.skin.prony": _RELAXING,
+    "finger.subcutaneous.prony": _RELAXING,
+    "indenter": {
+        **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
+        **dict.fromkeys(("radius", "radii", "at", "width", "corner"), "mm"),
+        **dict.fromkeys(("period", "ridge", "depth", "shift", "x", "y", "heights"), "mm"),
+    },
+    "motion": {
+        **{"speed": "mm_per_s", "depth": "mm", "loading_rate": "N_per_s", "force": "N"},
+        **{"amplitude": "mm", "frequency": "Hz"},
+        **dict.fromkeys(("hold", "settle", "corner", "time"), "s"),
+    },
+    "ask": {"seconds": "s"},
+    "ask.depths": dict.fromkeys(_TYPES, "mm"),
+    "ask.population": {
+        **dict.fromkeys(("radius", "spacing", "start", "stop", "places", "distance"), "mm"),
+        "noise": "uA_per_cm2",
+    },
+    "ask.population.densities": dict.fromkeys(_TYPES, "per_cm2"),
+}
+"""Units of the fields of a scene, by their table: a name means something else in another."""
 
 
 MEASURES = {
@@ -46,6 +65,7 @@ ERRORS = {
 
 SHORT = {
     **{"N_per_mm": "N/mm", "N_per_s": "N/s", "mm_per_s": "mm/s", "mm2": "mm²", "percent": "%"},
+    **{"uA_per_cm2": "uA/cm²", "per_cm2": "1/cm²", "per_s": "1/s"},
     **{unit: unit for unit in ("kPa", "deg", "mm", "Hz", "N", "s")},
 }
 """Units as names of columns end in them, longer ones first, and as they are written."""
@@ -56,12 +76,11 @@ def column(field: str, kind: str = "") -> str:
 
     `kind` is that of the motion, whose amplitude is a force or a depth.
     """
-    unit = IN_OTHERS.get(field, UNITS.get(field.rpartition(".")[2], ""))
+    table, _, name = field.rpartition(".")
+    unit = UNITS.get(table, {}).get(name, "")
     if field == "motion.amplitude" and kind.startswith("force"):
         unit = "N"
-    if field == "ask.seconds" or not unit:
-        return field + ("_s" if unit else "")
-    return f"{field}_{unit}"
+    return f"{field}_{unit}" if unit else field
 
 
 def split(name: str) -> tuple[str, str]:
