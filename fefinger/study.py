@@ -123,7 +123,8 @@ def study(
         Forces and depths at which rows are told, as "1N" and "0.5mm", on the loading branch.
     mechanics
         Name of the mechanics; by default one for all scenes, the cheapest that refuses none of
-        them, on one mesh; "each" takes the cheapest for every scene, and its mesh.
+        them. Either is on one mesh, the finest that one of the scenes needs, unless they state
+        `finger.resolution`; "each" takes the cheapest for every scene, and its mesh.
     folder
         Where finished scenes are kept and looked for; None keeps none.
     workers
@@ -155,7 +156,7 @@ def study(
     answers: dict[int, Answer] = {}
     place = None if folder is None else output_folder(output_folder(folder) / "scenes")
     chosen = ""
-    if mechanics is None:
+    if mechanics != EACH:
         tasks, chosen = agreed(tasks, asked.over, place)
     if place is not None:
         found = ((i, kept(place, task)) for i, task in tasks.items())

@@ -5,7 +5,7 @@ import pytest
 import fefinger as ff
 from fefinger import plan
 from fefinger.records import Plan, Refusal, Rung, Settings
-from fefinger.studies import choice
+from fefinger.studies import choice, workers
 from fefinger.studies.tasks import Asked
 
 
@@ -24,6 +24,8 @@ def planned(monkeypatch, takes, refusing=()):
     def choose(scene, mechanics=None):
         angle = scene.indenter.angle
         name, mesh = takes[angle] if mechanics is None else (mechanics, takes[angle][1])
+        stated = scene.finger.resolution
+        mesh = mesh if stated == "auto" else stated
         refused = angle == 45 and mechanics in refusing
         reasons = (Refusal(name, "accuracy", "far"),) if refused else ()
         rung = Rung(name, 1.0, 0.1, "a report")
@@ -82,6 +84,49 @@ def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     planned(monkeypatch, takes, refusing=("linear", "solid"))
     asked = tasks(ANGLES)
     assert choice.agreed(asked) == (asked, "")
+
+
+def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs(monkeypatch):
+    takes = {15: ("lumped", "coarse"), 30: ("lumped", "coarse"), 45: ("lumped", "standard")}
+    planned(monkeypatch, takes, refusing=("linear",))
+    found, said = choice.agreed(tasks(ANGLES, "linear"))
+    assert {task["mechanics"] for task in found.values()} == {"linear"}
+    assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
+    assert said.startswith("All scenes are answered by linear on the standard mesh, the finest ")
+    assert "for others linear on the coarse mesh would do" in said
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
+    assert choice.agreed(tasks(ANGLES, "linear"))[1] == ""
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
+    asked = tasks(ANGLES, "hertz")
+    assert choice.agreed(asked) == (asked, "")
+
+
+def test_meshes_that_scenes_state_stay(monkeypatch):
+    planned(monkeypatch, {30: ("linear", "coarse")})
+    over = {"finger.resolution": ("coarse", "standard")}
+    for name in ("linear", None):
+        found, said = choice.agreed(tasks(over, name), over)
+        stated = [task["scene"]["finger"]["resolution"] for task in found.values()]
+        assert (stated, said) == (["coarse", "standard"], "")
+
+
+def test_a_study_with_a_mechanics_that_is_named_is_on_one_mesh(monkeypatch):
+    answered = []
+
+    def local(tasks, count):
+        for i, task in enumerate(tasks):
+            answered.append(task)
+            yield i, {"error": "not answered"}
+
+    monkeypatch.setattr(workers, "local", local)
+    takes = {15: ("linear", "coarse"), 30: ("linear", "coarse"), 45: ("linear", "standard")}
+    planned(monkeypatch, takes)
+    found = ff.study("flat-press", ANGLES, changes=LEAN, mechanics="linear")
+    assert [task["scene"]["finger"]["resolution"] for task in answered] == ["standard"] * 3
+    assert "linear on the standard mesh" in found.about["chosen"]
+    answered.clear()
+    ff.study("flat-press", ANGLES, changes=LEAN, mechanics="each")
+    assert [task["scene"]["finger"]["resolution"] for task in answered] == ["auto"] * 3
 
 
 def test_a_study_of_forces_over_angles_is_of_one_mechanics_and_says_so():

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 @click.option(
     "--mechanics",
     metavar="NAME|each",
-    help="Use this one, not the cheapest that answers all; each: the cheapest, scene by scene.",
+    help="Use this one, not the cheapest that answers all, on one mesh too; each: the cheapest, "
+    "scene by scene.",
 )
 @click.option("--workers", type=int, metavar="N", help="Processes, by default one per core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler to use instead.")

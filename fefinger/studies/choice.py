@@ -44,10 +44,11 @@ def agreed(
 ) -> "tuple[dict[int, Task], str]":
     """Return the tasks with one mechanics and mesh for all, and a sentence on it.
 
-    It is the first on the ladder that refuses none of the scenes, and the finest mesh that one of
-    them takes of it. Where no mechanics answers all, tasks are returned as they came. The choice is
-    kept in a `folder`: what is cheapest depends on what else is kept on this machine, and a study
-    that goes on must not start again for that. `over` are the fields of the grid.
+    It is the one that the tasks name, or the first on the ladder that refuses none of the scenes;
+    and the finest mesh that one of them takes of it, for those that do not state theirs. Where no
+    mechanics answers all, tasks are returned as they came. The choice is kept in a `folder`: what
+    is cheapest depends on what else is kept on this machine, and a study that goes on must not
+    start again for that. `over` are the fields of the grid.
     """
     place = folder / f"choice-{_digest(tasks)}.json" if folder else None
     found = _kept(place)
@@ -78,15 +79,19 @@ def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
 
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
-    asked = [(scene, plan) for scene in scenes if (plan := _plan(scene)) is not None]
-    used = list(dict.fromkeys(_label(plan) for _, plan in asked))
+    named = sample[0]["mechanics"]
+    asked = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
+    used = list(dict.fromkeys(_label(scene, plan) for scene, plan in asked))
+    if named is not None:
+        mesh = _finest(asked)
+        return Choice(named, mesh, _said_of_named(_named(named, mesh), used) if mesh else "")
     first = max((names().index(plan.mechanics) for _, plan in asked), default=len(names()))
     barred = ROUND if set(over) & set(TURNING) else ()
     for name in names()[first:]:
-        own = [_plan(scene, name) for scene, _ in asked] if name not in barred else []
-        plans = [plan for plan in own if plan is not None and not plan.overridden]
-        if own and len(plans) == len(own):
-            mesh = _finest(plans)
+        own = [(scene, _plan(scene, name)) for scene, _ in asked] if name not in barred else []
+        able = [(scene, plan) for scene, plan in own if plan is not None and not plan.overridden]
+        if own and len(able) == len(own):
+            mesh = _finest(able)
             return Choice(name, mesh, _said(_named(name, mesh), used))
     return Choice(None, None, "")
 
@@ -100,6 +105,16 @@ def _said(taken: str, used: Sequence[str]) -> str:
     return f"All scenes are answered by {taken}; the cheapest that is good enough {cheapest}."
 
 
+def _said_of_named(taken: str, used: Sequence[str]) -> str:
+    others = [each for each in used if each != taken]
+    if not others:
+        return ""
+    return (
+        f"All scenes are answered by {taken}, the finest that one of them needs; for others "
+        f"{', '.join(others)} would do (--set finger.resolution=NAME takes another mesh)."
+    )
+
+
 def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
     """Return the plan for a scene, None where it has none, which is told when it is answered."""
     try:
@@ -108,16 +123,22 @@ def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
         return None
 
 
-def _label(plan: "Plan") -> str:
-    return _named(plan.mechanics, plan.settings.resolution if plan.settings else None)
+def _label(scene: "Scene", plan: "Plan") -> str:
+    return _named(plan.mechanics, _mesh(scene, plan))
+
+
+def _mesh(scene: "Scene", plan: "Plan") -> str | None:
+    """Return the mesh that a plan has chosen; None where there is none, or the scene states it."""
+    stated = scene.finger.resolution != AUTO
+    return None if stated or plan.settings is None else plan.settings.resolution
 
 
 def _named(mechanics: str, mesh: str | None) -> str:
     return f"{mechanics} on the {mesh} mesh" if mesh else mechanics
 
 
-def _finest(plans: "Sequence[Plan]") -> str | None:
-    meshes = {plan.settings.resolution for plan in plans if plan.settings}
+def _finest(planned: "Sequence[tuple[Scene, Plan]]") -> str | None:
+    meshes = {_mesh(scene, plan) for scene, plan in planned}
     return max((mesh for mesh in meshes if mesh), key=RESOLUTIONS.index, default=None)
 
 

@@ -136,8 +136,8 @@ def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]
     if len(used) > 1:
         found.append(
             f"The rows are answers of {', '.join(used)}: what changes between them may be the "
-            "mechanics or its mesh. --mechanics NAME takes one for all, --set "
-            "finger.resolution=NAME one mesh."
+            "mechanics or its mesh. --mechanics NAME takes one for all, on one mesh unless scenes "
+            "state theirs; --set finger.resolution=NAME states it for all."
         )
     return found
 
