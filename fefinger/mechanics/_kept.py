@@ -7,19 +7,23 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fefinger import cache
 from fefinger.checks import InputError
-from fefinger.mesh.record import FingerMesh
 from fefinger.scene import Finger
 
+
+if TYPE_CHECKING:
+    from fefinger.mesh.record import FingerMesh
 
 FORMAT = 1
 """Raised when the elements, the solver or the files change, so that operators are built again."""
 
 
-def identity(finger: Finger, *, odd: bool, mesh: FingerMesh | None = None) -> dict[str, Any] | None:
+def identity(
+    finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None
+) -> dict[str, Any] | None:
     """Return all that decides an operator; None where the mesh is in no file.
 
     `mesh` is the one that it is built on; without it, the one that is at hand now.
