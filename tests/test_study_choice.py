@@ -101,6 +101,16 @@ def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs
     assert choice.agreed(asked) == (asked, "")
 
 
+def test_the_mesh_of_a_mechanics_that_is_named_is_kept_where_it_has_one(monkeypatch, tmp_path):
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
+    first = choice.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path)
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
+    assert choice.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path) == first
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
+    choice.agreed(tasks(ANGLES, "hertz"), ANGLES, tmp_path)
+    assert len(list(tmp_path.iterdir())) == 1
+
+
 def test_meshes_that_scenes_state_stay(monkeypatch):
     planned(monkeypatch, {30: ("linear", "coarse")})
     over = {"finger.resolution": ("coarse", "standard")}

@@ -53,8 +53,9 @@ def agreed(
     place = folder / f"choice-{_digest(tasks)}.json" if folder else None
     found = _kept(place)
     if found is None:
+        named = next(iter(tasks.values()))["mechanics"]
         found = _choice(tasks, over)
-        if place is not None:
+        if place is not None and (named is None or found.mesh is not None):
             write(place, json.dumps(found))
     if found.mechanics is None:
         return dict(tasks), found.said
