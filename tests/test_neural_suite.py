@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fefinger.validation import (
     neural_filters,
+    neural_gains,
     neural_phases,
     neural_ramps,
     neural_sinusoids,
@@ -65,6 +66,38 @@ def test_claims_fail_on_a_membrane_that_lacks_the_property(monkeypatch, membrane
     )
     assert holds(measure("spring"))
     assert not holds(measure(name))
+
+
+def test_the_lowest_threshold_is_looked_for_beyond_what_is_published():
+    for kind, (low, high) in neural_gains.BEST.items():
+        assert neural_gains.tones(kind)[0] < low
+        assert neural_gains.tones(kind)[-1] >= 4 * high
+    low, high = neural_gains.SMALLEST
+    assert neural_gains.AMPLITUDES[0] < low
+    assert neural_gains.AMPLITUDES[-1] > high
+
+
+def test_the_threshold_of_faii_falls_on_beyond_its_band():
+    edge = neural_gains.BEST["FAII"][1]
+    inside, outside = (neural_gains.threshold_at("FAII", tone) for tone in (edge, 2 * edge))
+    assert outside < 0.8 * inside
+
+
+def test_the_best_tone_of_faii_is_short_of_its_band():
+    cases = {case.name: case for case in suites.cases("neural", quick=False)}
+    case = cases["gains: frequency of the lowest threshold of FAII"]
+    assert suites.Outcome(case, case.expected).verdict == "short"
+    assert suites.Outcome(case, 512.0).verdict == "fail"  # then it is in the band, and can be said
+    assert "1000 Hz" in case.shortfall
+
+
+@pytest.mark.parametrize("kind", ["FAI", "FAII"])
+def test_the_lowest_threshold_is_that_in_the_band(monkeypatch, kind):
+    _, high = neural_gains.BEST[kind]
+    falling = tuple(1 / tone for tone in neural_gains.tones(kind))
+    monkeypatch.setattr(neural_gains, "thresholds", lambda kind: falling)
+    assert neural_gains.best_tone(kind) > high
+    assert neural_gains.lowest_in_band(kind) == 1 / high
 
 
 def test_the_steady_state_is_that_of_the_filter_after_many_cycles():

@@ -8,7 +8,7 @@ and SAII, and one spike for FAI and FAII. Membrane with rates / 6, saturating ge
 What follows from it, in Hz at 0.1, 0.2, 0.5, 1 and 1.5 mm of hold: SAI 0, 10, 15, 18, 20 (published
 for monkey units, see THRESHOLDS: 0, 0 to 9, 0 to 15, 10 to 30, 22 to 45); SAII 0, 0, 0, 13, 15. A
 sinusoid that grows slowly first fires FAI at 11 um (16 Hz) and FAII at 14 um (64 Hz) and 5 um (400
-Hz), amplitude.
+Hz), amplitude; that of FAII falls on beyond 512 Hz, where the published bands of units end.
 
 What the rule does not fit: the thesis filters pass a ramp ten times better than a hold, so an SA
 unit that fires in the hold from its threshold on gives its first spike to a ramp of a few um (SAI
