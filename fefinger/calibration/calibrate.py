@@ -24,7 +24,7 @@ from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.calibration.work import Work
 from fefinger.checks import InputError, choice
-from fefinger.finger import Finger
+from fefinger.finger import RESOLUTIONS, Finger
 from fefinger.records import Progress
 
 
@@ -113,6 +113,7 @@ def calibrate(
         A fit or a press that fails.
     """
     choice("mechanics", mechanics, MECHANICS)
+    choice("resolution", resolution, RESOLUTIONS)
     start = finger or Finger.subject(_named(source))
     work = Work(replace(start, resolution=resolution), progress)
     wanted = _target(work, source)

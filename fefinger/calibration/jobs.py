@@ -1,6 +1,7 @@
 """Several calibrations: from what the command line was given to texts and files."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,16 +71,23 @@ def _one(job: Job) -> Calibration:
     return calibrate(job.source, **job.options)
 
 
-def folders(todo: Sequence[Job], output: str | None) -> list[Path]:
-    """Return the folder of every job below `output`, made now; none without an output."""
-    from fefinger.files import output_folder
+@contextmanager
+def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
+    """Give the folder of every job below `output`, made for the work inside; none without one.
 
-    if output is None:
-        return []
-    whole = output_folder(output)
-    if len(todo) == 1:
-        return [whole]
-    return [output_folder(str(whole / job.source.strip(".").replace(".", ""))) for job in todo]
+    An error leaves no empty one.
+    """
+    from fefinger import files
+
+    with ExitStack() as opened:
+        whole = opened.enter_context(files.output(output))
+        if whole is None or len(todo) == 1:
+            yield [] if whole is None else [whole]
+            return
+        names = [job.source.strip(".").replace(".", "") for job in todo]
+        for name in names:
+            opened.enter_context(files.output(whole / name))
+        yield [whole / name for name in names]
 
 
 def save(found: Sequence[Calibration], places: Sequence[Path]) -> list[str]:

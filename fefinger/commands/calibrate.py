@@ -55,10 +55,10 @@ def calibrate(
         {name: value for name, value in size.items() if value is not None},
         {"mechanics": mechanics, "resolution": resolution, "frames": frames, "check": check},
     )
-    folders = jobs.folders(todo, output)
-    with console.progress() as report:
-        found = jobs.run(todo, workers, report)
-    files = jobs.save(found, folders)
+    with jobs.folders(todo, output) as folders:
+        with console.progress() as report:
+            found = jobs.run(todo, workers, report)
+        files = jobs.save(found, folders)
     if as_json:
         records = [each.record() for each in found]
         console.print_json({"calibrations": records, "files": files})

@@ -138,7 +138,11 @@ REFUSED = {
     "nobody": (["--subject", "x.y."], "finger.subject"),
     "two": (["none.csv", "--subject", "a.h.", "--subject", "d.s."], "expected one beside DATA.csv"),
     "mechanics": (["--subject", "a.h.", "--mechanics", "hertz"], "mechanics: expected one of"),
-    "resolution": (["--subject", "a.h.", "--resolution", "best"], "finger.resolution"),
+    "resolution": (
+        ["--subject", "a.h.", "--resolution", "best"],
+        "resolution: expected one of 'coarse', 'standard', 'fine', received 'best'",
+    ),
+    "no one resolution": (["--subject", "a.h.", "--resolution", "auto"], "received 'auto'"),
     "check": (["--subject", "a.h.", "--check", "x.csv"], "check: expected the record of a user"),
     "frames": (["--subject", "a.h.", "--frames", "x.csv"], "cannot be read"),
     "unmeasured": (["--subject", "f.c."], "width"),
@@ -149,6 +153,20 @@ REFUSED = {
 def test_the_command_refuses_what_it_cannot_use(words, message, capsys, solved):
     assert main(["calibrate", *words]) == 2
     assert message in capsys.readouterr().err
+    assert solved == []
+
+
+@pytest.mark.parametrize("subjects", [["a.h."], ["a.h.", "d.s."]], ids=["one", "two"])
+def test_a_refusal_leaves_no_empty_folder(subjects, tmp_path, solved):
+    words = [word for name in subjects for word in ("--subject", name)]
+    out = tmp_path / "new" / "out"
+    assert main(["calibrate", *words, "--resolution", "auto", "-o", str(out)]) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_empty_name_is_no_folder_of_a_calibration(capsys, solved):
+    assert main(["calibrate", "--subject", "a.h.", "--subject", "d.s.", "-o", ""]) == 2
+    assert "output folder: expected a name" in capsys.readouterr().err
     assert solved == []
 
 
