@@ -13,6 +13,7 @@ from fefinger.commands import COMMANDS
 from fefinger.commands.options import DONE, FAILED, UNUSABLE
 from fefinger.interrupt import INTERRUPTED, MESSAGE, interruptible
 from fefinger.version import VERSION
+from fefinger.writing import FULL, said
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -30,6 +31,11 @@ def main(arguments: list[str] | None = None) -> int:
     except ConvergenceError as error:
         click.echo(f"failed: {error}", err=True)
         return FAILED
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        click.echo(f"error: {said(error, error.filename)}", err=True)
+        return UNUSABLE
     except (KeyboardInterrupt, click.Abort):
         click.echo(MESSAGE, err=True)
         return INTERRUPTED

@@ -210,16 +210,17 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
 
     `result.vtkhdf` is written only where the result has fields, `spikes.csv` only where it has
     spikes; files of these names from an earlier result are removed. An interruption or an error
-    leaves the folder as it was. Raises InputError when the folder cannot be written.
+    leaves the folder as it was. Raises InputError when the folder cannot be written, or is full.
     """
-    from fefinger import report, vtkhdf
+    from fefinger import report, vtkhdf, writing
 
     target = output_folder(folder)
-    with tempfile.TemporaryDirectory(dir=target, prefix=".saving-") as scratch:
+    with (
+        writing.spoken(target),
+        tempfile.TemporaryDirectory(dir=target, prefix=".saving-") as scratch,
+    ):
         new = {name: Path(scratch, name) for name in NAMES}
-        labeled = dataset(result)
-        plain = {name: {"_FillValue": None} for name in labeled.variables}
-        labeled.to_netcdf(new["result.nc"], engine="h5netcdf", encoding=plain)
+        new["result.nc"].write_bytes(writing.netcdf(dataset(result)))
         if result.fields is not None:
             vtkhdf.write(result.fields, new["result.vtkhdf"])
         if result.spikes is not None:

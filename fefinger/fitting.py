@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger import writing
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.text import strict_json, table
 from fefinger.theory import identify, lumped, ramphold
@@ -264,7 +265,7 @@ def save(found: Fit, folder: Path) -> list[str]:
     """Write `fit.json` and `fit.csv` into an existing folder.
 
     The table has the record up to the end of the hold, with the smoothed position by which both
-    models move, and their forces.
+    models move, and their forces. InputError where there is no room for both.
     """
     used = ramphold.split(found.time, found.position, found.force)
     position = ramphold.smooth_position(used)
@@ -273,10 +274,8 @@ def save(found: Fit, folder: Path) -> list[str]:
         for way in (found.joint, found.thesis)
     ]
     columns = np.column_stack([used.time, position, used.force, *models])
-    new = {name: folder / f".{name}.new" for name in ("fit.json", "fit.csv")}
-    new["fit.json"].write_text(strict_json(record(found)) + "\n", encoding="utf-8")
     heading = "time_s,position_mm,force_N,joint_N,thesis_N"
-    np.savetxt(new["fit.csv"], columns, "%.9g", ",", header=heading, comments="")
-    for name, path in new.items():
-        path.replace(folder / name)
-    return [str(folder / name) for name in new]
+    texts = {"fit.json": strict_json(record(found)) + "\n"}
+    with writing.together(folder, texts), writing.in_place(folder / "fit.csv") as rows:
+        np.savetxt(rows, columns, "%.9g", ",", header=heading, comments="")
+    return [str(folder / name) for name in ("fit.json", "fit.csv")]

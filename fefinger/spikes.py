@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError, choice, nearest, number
+from fefinger.writing import spoken
 
 
 if TYPE_CHECKING:
@@ -178,8 +179,9 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
     """Write FILES into a folder and return their paths."""
     paths = [folder / name for name in FILES]
-    trains.to_csv(paths[0])
-    trains.to_npz(paths[1])
+    with spoken(folder):
+        trains.to_csv(paths[0])
+        trains.to_npz(paths[1])
     return [str(path) for path in paths]
 
 

@@ -10,6 +10,7 @@ each, `tables.py` and `report.py` write the table and the page.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -78,21 +79,25 @@ class Study:
         """Write table.csv, study.json and report.html into a folder, and return their paths.
 
         The table of other scenes that is there already, with its page, is moved into a folder
-        beside it, whose files are returned too.
+        beside it, whose files are returned too. InputError where there is no room for the files,
+        none of which is then left.
         """
         import json
 
+        from fefinger import writing
         from fefinger.files import output_folder
         from fefinger.studies import tables
         from fefinger.studies.report import html
-        from fefinger.studies.tasks import write
 
         place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
-        aside = tables.set_aside(self, place)
-        tables.write(self, place / "table.csv")
-        write(place / "study.json", json.dumps(record, indent=1, allow_nan=False) + "\n")
-        write(place / "report.html", page)
+        texts = {
+            "study.json": json.dumps(record, indent=1, allow_nan=False) + "\n",
+            "report.html": page,
+        }
+        with writing.together(place, texts):
+            aside = tables.set_aside(self, place)
+            tables.write(self, place / "table.csv")
         return [*(str(place / name) for name in tables.NAMES), *aside]
 
 
@@ -165,7 +170,8 @@ def study(
     for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
         answers[i] = {**clean(answer), **made()}
         if place is not None and "rows" in answer:
-            keep(place, tasks[i], answers[i])
+            with suppress(InputError):  # a disk that is full: the answer goes into the table still
+                keep(place, tasks[i], answers[i])
         if progress is not None:
             progress("scenes", (len(answers) + len(failed)) / len(asked.points))
     done = _collected(asked, tasks, failed, answers, reused)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fefinger import page
+from fefinger import page, writing
 from fefinger.text import shown
 
 
@@ -58,10 +58,7 @@ def save(
         ),
         f"{name}.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
     }
-    for file, text in texts.items():
-        new = folder / f".{file}.new"
-        new.write_text(text, encoding="utf-8")
-        new.replace(folder / file)
+    writing.write(folder, texts)
 
 
 def html(

@@ -5,7 +5,9 @@ stored once and every step points to it; only the values change from step to ste
 Source: VTK file formats, "VTKHDF File Format", sections Unstructured Grid and Temporal Data.
 """
 
+from io import BytesIO
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,8 +28,8 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
     """
     import h5py
 
-    steps = fields.times.size
-    with h5py.File(path, "w") as file:
+    steps, buffer = fields.times.size, BytesIO()  # in memory: see `writing.netcdf`
+    with h5py.File(buffer, "w") as file:
         root = file.create_group("VTKHDF", track_order=True)
         root.attrs["Version"] = VERSION
         root.attrs["Type"] = np.bytes_("UnstructuredGrid")
@@ -42,6 +44,7 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
             points.create_dataset(name, data=values.astype(np.float32))
         root.create_group("CellData").create_dataset("region", data=fields.region)
         _write_steps(root, fields, tuple(stacked), steps)
+    Path(path).write_bytes(buffer.getbuffer())
 
 
 def _write_mesh(root: Any, fields: Fields) -> None:

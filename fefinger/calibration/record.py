@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger import writing
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
 from fefinger.calibration.inverse import Solution
@@ -128,10 +129,7 @@ class Calibration:
         texts = {FILE: json.dumps(self.record(), indent=1) + "\n"}
         if self.mechanics == "solid":
             texts[TISSUE_FILE] = tomli_w.dumps(self.tissue_set())
-        for name, text in texts.items():
-            new = Path(folder) / f".{name}.new"
-            new.write_text(text, encoding="utf-8")
-            new.replace(Path(folder) / name)
+        writing.write(folder, texts)
         return [str(Path(folder) / name) for name in texts]
 
     @classmethod

@@ -1,11 +1,15 @@
 """`fefinger calibrate`: fit a finger to subjects of the thesis or to a record."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fefinger import console
 from fefinger.commands.options import json_option, output_option
+
+
+if TYPE_CHECKING:
+    from fefinger.calibration.record import Calibration
 
 
 @click.command()
@@ -58,12 +62,21 @@ def calibrate(
     with jobs.folders(todo, output) as folders:
         with console.progress() as report:
             found = jobs.run(todo, workers, report)
-        files = jobs.save(found, folders)
+        files: list[str] = []
+        try:
+            files = jobs.save(found, folders)
+        finally:  # the answer is told, also where it cannot be saved
+            _tell(found, files, as_json=as_json)
+
+
+def _tell(found: list["Calibration"], files: list[str], *, as_json: bool) -> None:
+    from fefinger.calibration import jobs
+
     if as_json:
         records = [each.record() for each in found]
         console.print_json({"calibrations": records, "files": files})
-    else:
-        texts = [jobs.summary(each) for each in found]
-        click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
-        if mechanics != "solid":
-            click.echo("no tissue.toml: t(u) stiffens the force, not a tissue; --mechanics solid")
+        return
+    texts = [jobs.summary(each) for each in found]
+    click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
+    if any(each.mechanics != "solid" for each in found):
+        click.echo("no tissue.toml: t(u) stiffens the force, not a tissue; --mechanics solid")

@@ -21,8 +21,12 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
 
     with outputs.output(output) as folder:
         found = fitting.fit(data, terms=terms)
-        files = [] if folder is None else fitting.save(found, folder)
-    if as_json:
-        console.print_json(fitting.record(found) | {"files": files})
-    else:
-        click.echo("\n".join([fitting.summary(found), *(f"file  {file}" for file in files)]))
+        files: list[str] = []
+        try:
+            files = [] if folder is None else fitting.save(found, folder)
+        finally:  # the answer is told, also where it cannot be saved
+            if as_json:
+                console.print_json(fitting.record(found) | {"files": files})
+            else:
+                lines = [fitting.summary(found), *(f"file  {file}" for file in files)]
+                click.echo("\n".join(lines))

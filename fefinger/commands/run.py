@@ -5,7 +5,7 @@ import time
 import click
 
 from fefinger import console
-from fefinger.checks import Stopped
+from fefinger.checks import InputError, Stopped
 from fefinger.commands.options import changes_option, json_option, output_option
 
 
@@ -24,21 +24,32 @@ def run(
     from fefinger.waves import quasistatic
 
     asked = scenes.load(scene, scenes.settings(changes))
-    with files.output(output), console.progress() as report:
-        try:
-            result = answer(asked, mechanics=mechanics, progress=report)
-        except Stopped as stop:
-            if output is not None:
-                click.echo(f"kept: {', '.join(stop.reached.save(output))}", err=True)
-            raise
+    with files.output(output):
+        with console.progress() as report:
+            try:
+                result = answer(asked, mechanics=mechanics, progress=report)
+            except Stopped as stop:
+                if output is not None:
+                    _keep(stop, output)
+                raise
         seconds, written = dict(result.seconds), list[str]()
-        if output is not None:
-            started = time.perf_counter()
-            written = result.save(output)
-            seconds["save"] = time.perf_counter() - started
-    for warning in quasistatic(asked, result.time, result.depth):
-        click.echo(warning, err=True)
-    if as_json:
-        console.print_json(console.run_record(result, seconds, written))
-    else:
-        click.echo(console.run_summary(result, seconds, written))
+        try:
+            if output is not None:
+                started = time.perf_counter()
+                written = result.save(output)
+                seconds["save"] = time.perf_counter() - started
+        finally:  # the answer is told, also where it cannot be saved
+            for warning in quasistatic(asked, result.time, result.depth):
+                click.echo(warning, err=True)
+            if as_json:
+                console.print_json(console.run_record(result, seconds, written))
+            else:
+                click.echo(console.run_summary(result, seconds, written))
+
+
+def _keep(stop: Stopped, output: str) -> None:
+    """Save what a run that had to stop has reached, and tell where; or why not."""
+    try:
+        click.echo(f"kept: {', '.join(stop.reached.save(output))}", err=True)
+    except InputError as error:  # the reason to stop is told all the same
+        click.echo(f"not kept: {error}", err=True)

@@ -37,9 +37,12 @@ def spikes(
     signals = series.read(source)
     with outputs.output(output) as folder:
         trains = series.fire(signals, types, length=length, corners=corners, tolerance=tolerance)
-        files = [] if folder is None else series.save(trains, folder)
-    record = console.spikes_record(trains, files)
-    if as_json:
-        console.print_json(record)
-    else:
-        click.echo(console.spikes_summary(record))
+        files: list[str] = []
+        try:
+            files = [] if folder is None else series.save(trains, folder)
+        finally:  # the answer is told, also where it cannot be saved
+            record = console.spikes_record(trains, files)
+            if as_json:
+                console.print_json(record)
+            else:
+                click.echo(console.spikes_summary(record))

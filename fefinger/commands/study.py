@@ -96,13 +96,16 @@ def study(
     asked = {"--over": grid, "--at": at, "--set": changes}
     command = _command(scene, asked, mechanics)
     found = replace(found, about={"command": command, **found.about})
-    files = [] if output is None else _saved(found, output)
-    files += [write(found, file, "--table") for file in tables]
-    record = console.study_record(found, files)
-    if as_json:
-        console.print_json(record)
-    else:
-        click.echo(console.study_summary(record))
+    files: list[str] = []
+    try:
+        files += [] if output is None else _saved(found, output)
+        files += [write(found, file, "--table") for file in tables]
+    finally:  # the answers are told, also where they cannot be saved
+        record = console.study_record(found, files)
+        if as_json:
+            console.print_json(record)
+        else:
+            click.echo(console.study_summary(record))
     return FAILED if found.failures else DONE
 
 

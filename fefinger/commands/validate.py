@@ -44,14 +44,16 @@ def validate(
         with console.progress() as report:
             outcomes = known.run(suites, quick=quick, every=every, progress=report or silent)
         record = known.as_json(outcomes)
-        if folder is not None:
-            options = {"--quick": quick, "--all": every}
-            words = [*suites, *(key for key, given in options.items() if given)]
-            written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
-    if as_json:
-        console.print_json(record)
-    else:
-        click.echo("\n".join([console.validation_summary(record), *written]))
+        try:
+            if folder is not None:
+                options = {"--quick": quick, "--all": every}
+                words = [*suites, *(key for key, given in options.items() if given)]
+                written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
+        finally:  # what was found is told, also where it cannot be saved
+            if as_json:
+                console.print_json(record)
+            else:
+                click.echo("\n".join([console.validation_summary(record), *written]))
     verdicts = {case["verdict"] for suite in record["suites"] for case in suite["cases"]}
     return FAILED if "fail" in verdicts else DONE
 

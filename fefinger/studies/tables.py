@@ -14,6 +14,7 @@ import numpy as np
 
 from fefinger.checks import InputError
 from fefinger.studies.columns import MEASURES, split
+from fefinger.writing import in_place, netcdf
 
 
 if TYPE_CHECKING:
@@ -64,22 +65,13 @@ def write(study: "Study", path: str | PathLike[str], option: str = "table") -> s
     """
     check(path, option)
     path = Path(path)
-    new = path.with_name(f".{path.stem}.new{path.suffix}")
-    try:
+    with in_place(path) as new:
         if path.suffix.lower() == ".csv":
             study.table().to_csv(new, index=False)
         elif path.suffix.lower() == ".parquet":
             _uniform(study.table()).to_parquet(new, engine="pyarrow", index=False)
         else:
-            found = dataset(study)
-            plain = {name: {"_FillValue": None} for name in found.variables}
-            found.to_netcdf(new, engine="h5netcdf", encoding=plain)
-        new.replace(path)
-    except OSError as error:
-        msg = f"{option}: cannot write {str(path)!r}: {error.strerror or error}"
-        raise InputError(msg) from error
-    finally:
-        new.unlink(missing_ok=True)
+            new.write_bytes(netcdf(dataset(study)))
     return str(path)
 
 

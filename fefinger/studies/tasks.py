@@ -7,7 +7,6 @@ A task is what a process of this machine or of a cluster is given; its answer ha
 import hashlib
 import json
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from fefinger.checks import InputError
 from fefinger.studies.columns import column
 from fefinger.studies.grid import EACH, parse_at, product
 from fefinger.version import VERSION
+from fefinger.writing import in_place
 
 
 if TYPE_CHECKING:
@@ -172,6 +172,5 @@ def clean(value: Any) -> Any:
 
 def write(path: Path, text: str) -> None:
     """Write a file, which appears complete or not at all."""
-    new = path.with_name(f".{path.name}.{os.getpid()}.new")
-    new.write_text(text, encoding="utf-8")
-    new.replace(path)
+    with in_place(path) as new:
+        new.write_text(text, encoding="utf-8")

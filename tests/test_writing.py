@@ -1,0 +1,171 @@
+"""Where a disk is full: a sentence, the answer all the same, and nothing that is half-written."""
+
+import errno
+import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger import fitting, library, validation_report, writing
+from fefinger.__main__ import main
+from fefinger.checks import InputError
+from fefinger.theory.lumped import Spring
+from fefinger.theory.synthetic import ramp_and_hold
+
+
+resource = pytest.importorskip("resource", reason="limits the size of files")
+
+ROOM = 1000
+"""Bytes that a file may have."""
+
+FULL = "cannot write .*; free some space or choose another folder"
+
+
+@contextmanager
+def full() -> Iterator[None]:
+    """Let files have no more than ROOM bytes, as on a disk that is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_the_answer_of_a_run_is_told_where_it_cannot_be_saved(answered, capsys, tmp_path):
+    with full():
+        status = main(["run", "flat-press", "-o", str(tmp_path / "out")])
+    out, err = capsys.readouterr()
+    assert status == 2
+    assert "peak force" in out
+    assert "cannot write" in err
+    assert "free some space or choose another folder" in err
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_result_that_cannot_be_saved_leaves_the_one_before(synthetic, tmp_path):
+    (tmp_path / "result.nc").write_text("before")
+    with full(), pytest.raises(InputError, match=FULL):
+        synthetic.save(tmp_path)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["before"]
+
+
+def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
+    monkeypatch, capsys, synthetic, tmp_path
+):
+    def stopped(*given, **options):
+        msg = "it buckled"
+        raise ff.Stopped(msg, synthetic)
+
+    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", stopped)
+    with full():
+        assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 1
+    err = capsys.readouterr().err
+    assert "not kept: cannot write" in err
+    assert "it buckled" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def press(tmp_path):
+    """Return the file of a trial with the noise of the thesis."""
+    row = library.pawluk_bulk()["a.h."]
+    made = ramp_and_hold(Spring(row.b, row.m, 0.5), row.prony, seed=0, hold=2)
+    table = np.column_stack([made.time, made.position, made.force])
+    file = tmp_path / "press.csv"
+    np.savetxt(file, table, "%.7g", ",", header="time,position,force", comments="")
+    return file
+
+
+def test_a_fit_is_told_where_it_cannot_be_saved(capsys, press, tmp_path):
+    with full():
+        assert main(["fit", str(press), "-o", str(tmp_path / "out")]) == 2
+    out, err = capsys.readouterr()
+    assert "ramp and hold together" in out
+    assert "cannot write" in err
+    assert list(tmp_path.iterdir()) == [press]
+
+
+def test_a_table_of_a_fit_without_room_takes_its_record_along(monkeypatch, press, tmp_path):
+    found = fitting.fit(press)
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(fitting, "record", lambda found: {})  # small enough
+    with full(), pytest.raises(InputError, match=FULL):
+        fitting.save(found, tmp_path / "out")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Return what answers two scenes by a force law."""
+    lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False, "motion.hold": 0.05}
+    grid = {"motion.depth": (0.2, 0.4)}
+    return lambda **more: ff.study(
+        "flat-press", grid, changes=lean, mechanics="lumped", workers=1, **more
+    )
+
+
+def test_a_study_is_told_where_it_cannot_be_saved(monkeypatch, capsys, study, tmp_path):
+    found = study()  # not while files are limited: it asks git, whose own files would be cut
+    monkeypatch.setattr(importlib.import_module("fefinger.study"), "study", lambda *a, **k: found)
+    words = ["study", "flat-press", "--over", "motion.depth=0.2,0.4", "-o", str(tmp_path)]
+    with full():
+        assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert "2 of 2 scenes" in out
+    assert "cannot write" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_netcdf_without_room_leaves_nothing(study, tmp_path):
+    found = study()
+    with full(), pytest.raises(InputError, match=FULL):
+        found.write(tmp_path / "table.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch, study, tmp_path):
+    def write(path, text):
+        raise InputError(writing.said(OSError(errno.ENOSPC, "No space left on device"), path))
+
+    monkeypatch.setattr("fefinger.studies.tasks.write", write)
+    found = study(folder=tmp_path)
+    assert (found.failures, found.rows[0]["status"]) == ((), "done")
+    assert list((tmp_path / "scenes").iterdir()) == []
+
+
+def test_texts_appear_together_or_not_at_all(tmp_path):
+    (tmp_path / "a.json").write_text("before")
+    with full(), pytest.raises(InputError, match=FULL):
+        writing.write(tmp_path, {"a.json": "now", "b.toml": "x" * 2 * ROOM})
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["before"]
+    writing.write(tmp_path, {"a.json": "now", "b.toml": "y"})
+    assert sorted(path.read_text() for path in tmp_path.iterdir()) == ["now", "y"]
+
+
+def test_a_page_of_validation_without_room_leaves_nothing(tmp_path):
+    record = {"suites": []}
+    with full(), pytest.raises(InputError, match=FULL):
+        validation_report.save(record, tmp_path, {}, {})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_sentence_advises_on_what_is_wrong():
+    forbidden = OSError(errno.EACCES, "Permission denied")
+    assert writing.said(forbidden, "out") == (
+        "cannot write 'out': Permission denied; choose another folder"
+    )
+    assert "free some space" in writing.said(OSError(errno.ENOSPC, "No space left on device"))
+
+
+def test_a_full_disk_elsewhere_is_a_sentence_too(monkeypatch, capsys):
+    def load(*given):
+        raise OSError(errno.ENOSPC, "No space left on device", "somewhere")
+
+    monkeypatch.setattr("fefinger.scenes.load", load)
+    assert main(["explain", "flat-press"]) == 2
+    assert "error: cannot write 'somewhere': No space left" in capsys.readouterr().err
