@@ -327,6 +327,42 @@ def test_the_invariants_see_a_response_that_lies():
     assert violation > limit
 
 
+PRESSED = {
+    "plate": ff.Flat(30),
+    "ball": ff.Sphere(8),
+    "ball aside": ff.Sphere(8, (1.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("indenter", PRESSED.values(), ids=PRESSED)
+def test_a_pressure_that_carries_more_or_less_than_the_force_is_seen(indenter):
+    jump = ff.Sampled((0.0, 1.0), (0.6, 0.6))
+    made, response = answered("linear", {"indenter": indenter, "motion": jump})
+    kept(invariants(made, response))
+    for factor in (0.99, 1.01, 10.0):
+        lie = replace(response, pressure=factor * response.pressure)
+        violation, limit = invariants(made, lie)["balance"]
+        assert violation > limit, factor
+    for factor in (0.1, 10.0):
+        lie = replace(response, contact_area=factor * response.contact_area)
+        violation, limit = invariants(made, lie)["area of pressure"]
+        assert violation > limit, factor
+
+
+def test_finite_strain_gives_the_pressure_across_the_travel():
+    _, response = answered("linear", {"motion": ff.Sampled((0.0, 1.0), (0.6, 0.6))})
+    made = scene(indenter=ff.Sphere(8), motion=ff.Sampled((0.0, 1.0), (0.6, 0.6)))
+    finite = replace(response, mechanics="solid")
+    assert invariants(made, finite)["balance"][0] < 1e-12
+    assert invariants(made, response)["balance"][0] > 1e-2
+
+
+def test_what_a_press_prescribes_is_not_compared_with_itself():
+    names = [case.name for case in suites.cases("condensed", quick=False)]
+    told = [name for name in names if name.startswith("depth in every step")]
+    assert told == ["depth in every step, sphere, off center, by force"]
+
+
 def test_the_suite_has_its_trials_and_tells_what_came_out():
     every = extremes.trials(quick=False)
     assert len(every) >= 200
