@@ -1,8 +1,10 @@
 """Ctrl-C ends the process with status 130, also where compiled code swallows it."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -50,3 +52,72 @@ def test_an_error_without_an_interruption_is_passed_on():
     done = run("raise SystemError('a fault')")
     assert done.returncode == 1
     assert "SystemError: a fault" in done.stderr
+
+
+CALIBRATE = """
+import sys
+from fefinger.calibration import jobs
+from fefinger.finger import Finger
+from fefinger.interrupt import interruptible
+
+def work():
+    options = {"finger": Finger.subject("a.h.")}
+    jobs.run([jobs.Job(file, options) for file in sys.argv[1:]], workers=2)
+    return 0
+
+if __name__ == "__main__":
+    sys.exit(interruptible(work))
+"""
+PATIENCE = 60.0
+"""s that a process is waited for, before the test fails."""
+
+
+def soon(what):
+    """Return what a function gives once it no longer raises an OSError."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return what()
+        except OSError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.05)
+
+
+def gone(line):
+    """Return whether nobody reads from a pipe, within PATIENCE."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        try:
+            os.write(line, b"\n")
+        except BrokenPipeError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("end", ["SIGINT", "SIGKILL"])
+def test_the_processes_of_a_calibration_end_with_it(end, tmp_path):
+    """Each reads a record from a pipe that never ends."""
+    files = [tmp_path / name for name in ("one.csv", "two.csv")]
+    for file in files:
+        os.mkfifo(file)
+    with subprocess.Popen(
+        [sys.executable, "-c", CALIBRATE, *map(str, files)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # so that the signal is for one alone
+    ) as running:
+        wanted = os.O_WRONLY | os.O_NONBLOCK
+        lines = [soon(lambda file=file: os.open(file, wanted)) for file in files]
+        try:
+            running.send_signal(getattr(signal, end))
+            assert all(gone(line) for line in lines)
+            status = running.wait(PATIENCE)
+        finally:
+            for line in lines:
+                os.close(line)
+            running.kill()
+        said = running.stderr.read()
+    assert status == (130 if end == "SIGINT" else -signal.SIGKILL)
+    assert "Traceback" not in said
