@@ -2,6 +2,7 @@
 
 import difflib
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -71,6 +72,11 @@ def choice(name: str, value: Any, options: Iterable[str]) -> str:
         message = f"{name}: expected one of {listed}, received {value!r}.{nearest(value, known)}"
         raise InputError(message)
     return str(value)
+
+
+def repeated(values: Iterable[str]) -> list[str]:
+    """Return, once each and in their order, the values that stand more than once."""
+    return [value for value, count in Counter(values).items() if count > 1]
 
 
 def flag(name: str, value: Any) -> bool:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError, choice, nearest, number
+from fefinger.checks import InputError, choice, nearest, number, repeated
 from fefinger.writing import spoken
 
 
@@ -68,10 +68,17 @@ def read(path: str | PathLike[str]) -> Signals:
     Raises
     ------
     InputError
-        A file or a header that cannot be read, a value that is not a number, times that are not
-        sorted, signals that are absurdly large.
+        A file or a header that cannot be read, two columns of one name, a value that is not a
+        number, times that are not sorted, signals that are absurdly large.
     """
     header, rows = _table(path)
+    if twice := repeated(header):
+        names = ", ".join(map(repr, twice))
+        msg = (
+            f"{path}: expected a name of its own for each column, received {names} more than once; "
+            "rename the columns, as in left_displacement_mm"
+        )
+        raise InputError(msg)
     at = [i for i, name in enumerate(header) if name in TIME]
     if len(at) != 1:
         msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
@@ -124,13 +131,17 @@ def fire(
     Raises
     ------
     InputError
-        An unknown type, a strain without a length, samples too coarse for a type's fastest pole.
+        An unknown type or one given twice, a strain without a length, samples too coarse for a
+        type's fastest pole.
     """
     from fefinger.neural.afferents import simulate
     from fefinger.neural.endorgans import TYPES
     from fefinger.neural.signals import count_changes
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
+    if repeated(types):
+        msg = f"--type: expected every type once, received {', '.join(types)}; leave out repeats"
+        raise InputError(msg)
     columns, kinds, names = _units(signals, types)
     if not corners:
         for i, kind in zip(columns, kinds, strict=True):

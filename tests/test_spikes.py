@@ -146,6 +146,7 @@ def unusable(text, tmp_path):
         ("time,displacement_mm\n0,0\n", "expected a header and two rows or more"),
         ("time,displacement_mm\n1,0\n1,1\n", "span more than 0 s"),
         ("", "received 0 lines"),
+        ("time,strain,strain\n0,0,0\n1,0,0.1\n", "its own for each column, received 'strain' more"),
     ],
 )
 def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
@@ -175,6 +176,13 @@ def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
         spikes.fire(strain)
     with pytest.raises(InputError, match="--length: expected a finite number in mm above 0"):
         spikes.fire(strain, length=-1.0)
+
+
+def test_a_type_given_twice_is_refused(press):
+    with pytest.raises(
+        InputError, match="--type: expected every type once, received SAI, FAI, SAI"
+    ):
+        spikes.fire(spikes.read(press), ("SAI", "FAI", "SAI"))
 
 
 def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice
+from fefinger.checks import InputError, choice, repeated
 from fefinger.neural.endorgans import LONGEST_RUN, TYPES
 from fefinger.neural.membranes import Firing
 
@@ -88,10 +88,19 @@ def unit_array(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> A
 
 
 def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tuple[str, ...]:
-    """Return one name per unit: those given, or its type, numbered where that repeats."""
+    """Return one name per unit: those given, or its type, numbered where that repeats.
+
+    InputError for names that are not one per unit, or not each its own.
+    """
     if names is not None:
         if len(names) != len(types):
             msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
+            raise InputError(msg)
+        if twice := repeated(names):
+            msg = (
+                f"names: expected one of its own for each unit, {', '.join(twice)} repeats; rename "
+                "the units"
+            )
             raise InputError(msg)
         return tuple(names)
     seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]

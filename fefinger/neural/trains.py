@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.checks import InputError, repeated
 from fefinger.neural import exports
 
 
@@ -27,9 +28,10 @@ COLUMNS = ("unit", "type", "time_s")
 class SpikeTrains:
     """What the afferent units fired, and the signals on the way to it.
 
-    types, names: one per unit. times: one ascending array of spike times in s per unit, between
-    t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm
-    of the end organs under the skin, or None. seed: of what is random in them; None: nothing is.
+    types, names: one per unit, no name twice. times: one ascending array of spike times in s per
+    unit, between t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths:
+    (n_units,) mm of the end organs under the skin, or None. seed: of what is random in them; None:
+    nothing is.
 
     time: (n_t,) s, on which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) uA/cm² the generator current; both linear in between
@@ -39,6 +41,11 @@ class SpikeTrains:
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
     notes: what a reader of the trains has to know, in sentences.
+
+    Raises
+    ------
+    InputError
+        Two units of one name.
     """
 
     types: tuple[str, ...]
@@ -56,6 +63,15 @@ class SpikeTrains:
     depths: NDArray[np.float64] | None = None
     seed: int | None = None
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that a name is that of one unit: spikes are told apart by it."""
+        if twice := repeated(self.names):
+            msg = (
+                f"names: expected one of its own for each unit, {', '.join(twice)} repeats; "
+                "rename the units"
+            )
+            raise InputError(msg)
 
     def __len__(self) -> int:
         """Return the number of units."""

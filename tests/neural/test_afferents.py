@@ -155,6 +155,7 @@ def test_counts_that_change_are_named():
         ([0, np.nan], np.zeros((2, 1)), {"types": ("SAI",)}, "finite values"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "generator": "quadratic"}, "generator"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "received 2"),
+        ([0, 1], np.zeros((2, 2)), {"types": ("SAI",) * 2, "names": ("a", "a")}, "unit, a repeats"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 0.0}, "dt: expected a finite"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": np.nan}, "dt: expected a finite"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 1e-3}, "dt: .*at most 5e-05"),

@@ -1,8 +1,11 @@
 """SpikeTrains: counts, instantaneous rate and rows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fefinger.checks import InputError
 from fefinger.neural.trains import COLUMNS, SpikeTrains
 
 
@@ -42,6 +45,11 @@ def test_rate_is_one_over_the_interval_all_through_it():
 @pytest.mark.parametrize("times", [[], [1.0]])
 def test_rate_of_less_than_two_spikes_is_zero(times):
     np.testing.assert_array_equal(trains(times).rate(0, [0.0, 1.0, 1.5]), 0.0)
+
+
+def test_two_units_of_one_name_are_refused():
+    with pytest.raises(InputError, match="one of its own for each unit, left repeats"):
+        replace(trains([], [], []), names=("left", "right", "left"))
 
 
 def test_unknown_units_are_named():
