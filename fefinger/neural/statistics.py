@@ -43,7 +43,7 @@ def psth(trials: Sequence[ArrayLike], edges: ArrayLike) -> Array:
     if edges.ndim != 1 or len(edges) < 2 or not np.all(np.diff(edges) > 0):
         msg = f"edges: expected two times in s or more that increase, received {edges}"
         raise InputError(msg)
-    if not trials:
+    if len(trials) == 0:
         msg = "trials: expected one spike train or more, received none"
         raise InputError(msg)
     counts = np.histogram(np.concatenate([_ascending(t) for t in trials]), edges)[0]

@@ -59,6 +59,8 @@ def test_a_histogram_over_trials_integrates_to_the_mean_count():
     rate = psth(trials, edges)
     np.testing.assert_allclose(rate, np.array([1, 2, 0]) / (3 * np.diff(edges)))
     assert rate @ np.diff(edges) == pytest.approx(1.0)
+    array = np.array([[0.1, 0.2], [0.25, 0.26]])
+    np.testing.assert_array_equal(psth(array, edges), psth(array.tolist(), edges))
 
 
 @pytest.mark.parametrize("phase", [0.0, 90.0, 250.0])
@@ -136,6 +138,7 @@ def test_one_more_spike_costs_what_the_definitions_say():
     [
         (lambda: intervals([1.0, 0.5]), "times: expected finite spike times"),
         (lambda: psth([], [0.0, 1.0]), "trials: expected one"),
+        (lambda: psth(np.empty((0, 3)), [0.0, 1.0]), "trials: expected one"),
         (lambda: psth([[0.5]], [1.0, 0.0]), "edges: expected"),
         (lambda: locking([0.5], 0.0), "frequency: expected"),
         (lambda: van_rossum([], [], 0.0), "tau: expected"),
