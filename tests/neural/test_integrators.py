@@ -60,6 +60,42 @@ def test_the_error_falls_with_the_order_also_on_uneven_samples(method, order):
     assert np.all(np.abs(slopes - order) < 0.4), (slopes, errors)
 
 
+@pytest.mark.parametrize("edge", [0.0, 1e-12, 1e-9])
+def test_the_adaptive_method_bends_beside_the_steepest_edge(edge):
+    """Where the edge has no width it is given by two neighboring numbers."""
+    before = 0.1 - edge if edge else np.nextafter(0.1, 0)
+    bent, current = [0.2, 0.25, 0.3], [20.0, 0.0, 0.0]
+    steep = STANDARD.fire([0, before, 0.1, *bent], [0, 0, 20, *current], method="adaptive")
+    jump = STANDARD.fire([0, 0.1, 0.1, *bent], [0, 0, 20, *current], method="adaptive")
+    assert len(jump.times[0]) > 10
+    np.testing.assert_allclose(steep.times[0], jump.times[0], atol=max(1e-9, 10 * edge))
+
+
+@pytest.mark.parametrize(("at", "current"), [(0.1, 9000.0), (100.0, 20.0)])
+def test_the_adaptive_method_passes_jumps_narrower_than_its_steps(at, current):
+    levels, after = [0.0, 0.0, current, current], [at, at + 0.01]
+    found = STANDARD.fire([at - 0.1, np.nextafter(at, 0), *after], levels, method="adaptive")
+    jump = STANDARD.fire([at - 0.1, at, *after], levels, method="adaptive")
+    np.testing.assert_array_equal(found.times[0], jump.times[0])
+    np.testing.assert_array_equal(found.final, jump.final)
+
+
+def test_time_between_neighboring_numbers_is_not_lost():
+    from fefinger.neural.membranes._adaptive import _straight
+
+    time = 1e3 + np.spacing(1e3) * np.arange(21.0)
+    pieces = _straight(time, np.arange(21.0) % 2)
+    assert sum(stop - start for start, stop, *_ in pieces) >= 0.9 * np.ptp(time)
+
+
+def test_a_current_of_too_many_pieces_for_the_adaptive_method_is_refused():
+    from fefinger.neural.membranes._adaptive import MOST
+
+    time = np.linspace(0.0, 1.0, MOST + 1)
+    with pytest.raises(InputError, match="fewer than 1000000 straight pieces"):
+        STANDARD.fire(time, np.arange(MOST + 1) % 2, method="adaptive")
+
+
 def test_the_vector_form_of_the_equations_is_that_with_library_exponentials():
     from fefinger.neural.membranes import _hodgkin_huxley, _lanes
 

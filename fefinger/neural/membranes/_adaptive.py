@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from fefinger.checks import ConvergenceError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, slope
 from fefinger.neural.membranes.firing import Run
 
@@ -13,7 +13,13 @@ from fefinger.neural.membranes.firing import Run
 _RTOL, _ATOL = 1e-10, 1e-12
 
 _STRAIGHT = 1e-12
-"""Change of slope, over the largest slope, below which three samples lie on one line."""
+"""Change of slope, over the larger of both, below which three samples lie on one line."""
+
+_JUMP = 10.0
+"""Spacings of the time up to which an interval is a jump: the solver takes no shorter steps."""
+
+MOST = 1_000_000
+"""Straight pieces of a current that are refused from here on: each takes about a millisecond."""
 
 
 def integrate(
@@ -27,6 +33,7 @@ def integrate(
     """Integrate one unit, current (n_t, 1), and return what `_lanes.integrate` finds.
 
     It starts anew at every kink of the current; peak and block are read at the ends of steps.
+    InputError for MOST straight pieces or more, ConvergenceError where the solver gives up.
     """
     slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
     y, step, armed, above, peak, blocked = rest, None, True, 0.0, float(rest[0]), 0.0
@@ -64,15 +71,30 @@ def integrate(
 def _straight(
     time: NDArray[np.float64], current: NDArray[np.float64]
 ) -> list[tuple[float, float, float, float]]:
-    """Return (t0, t1, i0, i1) of the longest pieces on which the current is one straight line."""
-    kept = np.flatnonzero(np.diff(time) > 0)
+    """Return (t0, t1, i0, i1) of the longest pieces on which the current is one straight line.
+
+    InputError where they are too many. A jump is a repeated time, or the last time before it and
+    its own; of many such short intervals in a row only the first is left out, or their sum would be
+    lost.
+    """
+    apart = np.diff(time)
+    short = (apart > 0) & (apart <= _JUMP * np.spacing(np.abs(time[1:])))
+    short[1:] &= ~short[:-1]
+    kept = np.flatnonzero((apart > 0) & ~short)
     if len(kept) == 0:
         return []
-    slopes = np.diff(current)[kept] / np.diff(time)[kept]
+    slopes = np.diff(current)[kept] / apart[kept]
     starts, ends = current[kept], current[kept + 1]
-    size = max(float(np.abs(slopes).max(initial=0.0)), 1e-300)
+    # Against the slopes beside it: against the largest, a steep edge would hide every other bend.
+    size = np.maximum(np.abs(slopes[1:]), np.abs(slopes[:-1]))
     bends = (np.abs(np.diff(slopes)) > _STRAIGHT * size) | (starts[1:] != ends[:-1])
     first = np.append(0, np.flatnonzero(bends) + 1)
+    if len(first) >= MOST:
+        msg = (
+            f"current: expected fewer than {MOST} straight pieces for the adaptive method, "
+            f"received {len(first)}; take fewer samples, 'runge-kutta', or a larger tolerance"
+        )
+        raise InputError(msg)
     last = np.append(first[1:], len(kept)) - 1
     pieces = zip(time[kept[first]], time[kept[last] + 1], starts[first], ends[last], strict=True)
     return [(float(a), float(b), float(c), float(d)) for a, b, c, d in pieces]

@@ -146,7 +146,8 @@ class HodgkinHuxley:
         ------
         InputError
             Arrays that do not fit, times that decrease, a step that is too long, a current that is
-            not finite or beyond 1e4 uA/cm², or a tolerance together with a method or step.
+            not finite or beyond 1e4 uA/cm², a tolerance together with a method or step, or a
+            million straight pieces of current or more for the adaptive method.
         """
         if tolerance is not None:
             if dt is not None or method is not None:
