@@ -35,6 +35,10 @@ SIGNALS = {
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 """A fingertip is about 12 mm thick, and no skin is strained by more than its own length."""
 
+OUTWARD = 1.1
+"""Depth of the lowest value below 0, over the highest value, that a wrong sign is asked from: the
+two ends of a vibration about 0 are alike but for its samples."""
+
 SLOW_JUMP = 0.3
 """Jump of velocity between coarse samples, over the largest velocity, that SA units are refused:
 straight lines through a sinusoid with such jumps stray from it by 1 %."""
@@ -155,7 +159,7 @@ def fire(
         tolerance=None if tolerance is None else _seconds(tolerance),
     )
     trains = run(signals.time, signals.drive[:, columns])
-    notes = trains.notes + _starts(signals)
+    notes = trains.notes + _starts(signals) + _signs(signals)
     if not corners:
         time, drive = _curved(signals)
         smooth = run(time, drive[:, columns], check=False)
@@ -299,6 +303,22 @@ def _starts(signals: Signals) -> tuple[str, ...]:
         for header, first in zip(signals.headers, signals.drive[0], strict=True)
         if first != 0.0
     )
+
+
+def _signs(signals: Signals) -> tuple[str, ...]:
+    """Return a sentence for each column that goes further below 0 than above."""
+    told = []
+    for header, column, length in zip(
+        signals.headers, signals.drive.T, signals.lengths, strict=True
+    ):
+        low, high = float(column.min()), max(float(column.max()), 0.0)
+        if -low > OUTWARD * high:
+            wanted = "into the skin" if length is not None else "where it excites the type"
+            told.append(
+                f"{header}: goes down to {low:g}, but only up to {high:g}; is it positive "
+                f"{wanted}? Turn its sign around if not"
+            )
+    return tuple(told)
 
 
 def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -76,6 +76,24 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
     assert any("takes for a jump from 0" in note for note in trains.notes)
 
 
+@pytest.mark.parametrize(
+    ("name", "values", "asked"),
+    [
+        ("displacement_mm", -PRESS, "is it positive into the skin?"),
+        ("strain", -0.1 * PRESS, "is it positive where it excites the type?"),
+        ("displacement_mm", PRESS, None),
+        ("displacement_mm", 0.3 * np.sin(1e3 * TIME) - 0.01, None),
+        ("displacement_mm", np.zeros_like(TIME), None),
+    ],
+)
+def test_a_column_of_the_wrong_sign_is_asked_about(name, values, asked, tmp_path):
+    path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
+    trains = spikes.fire(spikes.read(path), ("SAI",), length=2.0, corners=True)
+    found = [note for note in trains.notes if "is it positive" in note]
+    assert len(found) == (asked is not None)
+    assert all(asked in note for note in found)
+
+
 @pytest.mark.parametrize(("rate", "kind"), [(1000, "FAII"), (30, "FAI"), (5, "SAII")])
 def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, kind, tmp_path):
     frequency = rate / 8
