@@ -32,6 +32,11 @@ SIGNALS = {
 }
 """Ends of the headers of signals, with mm per unit; strain has its length from the user."""
 
+SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
+"""What may stand between the columns of a file that has no commas there."""
+
+DECIMAL = "write 0.5 for 0,5 if its commas are decimal"
+
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 """A fingertip is about 12 mm thick, and no skin is strained by more than its own length."""
 
@@ -206,9 +211,17 @@ def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
         with open(path, newline="", encoding="utf-8-sig") as file:
             lines = [[cell.strip() for cell in line] for line in csv.reader(file)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        msg = f"{path}: expected a CSV file of text, cannot read it: {error}"
+        todo = "; save it as UTF-8" if isinstance(error, UnicodeDecodeError) else ""
+        msg = f"{path}: expected a CSV file of text, cannot read it: {error}{todo}"
         raise InputError(msg) from error
     rows = [line for line in lines if any(line)]
+    for mark, name in SEPARATORS.items():
+        if rows and len(rows[0]) == 1 and mark in rows[0][0]:
+            msg = (
+                f"{path}: expected commas between the columns and points in the numbers, received "
+                f"{name} in the first line, {rows[0][0]!r}; put commas there, and {DECIMAL}"
+            )
+            raise InputError(msg)
     if len(rows) < 3:
         msg = (
             f"{path}: expected a header and two rows or more, received {len(rows)} lines that are "
@@ -225,7 +238,8 @@ def _numbers(
     values = np.empty((len(rows), len(header)))
     for i, row in enumerate(rows):
         if len(row) != len(header):
-            msg = f"{path}: row {i + 1}: expected {len(header)} values, received {len(row)}"
+            todo = f"; {DECIMAL}" if len(row) > len(header) else ""
+            msg = f"{path}: row {i + 1}: expected {len(header)} values, received {len(row)}{todo}"
             raise InputError(msg)
         for j, cell in enumerate(row):
             try:
@@ -233,9 +247,10 @@ def _numbers(
             except ValueError:
                 values[i, j] = math.nan
             if not math.isfinite(values[i, j]):
+                todo = DECIMAL if "," in cell else "leave out rows that have none"
                 msg = (
                     f"{path}: row {i + 1}, column {header[j]}: expected a finite number, received "
-                    f"{cell!r}; leave out rows that have none"
+                    f"{cell!r}; {todo}"
                 )
                 raise InputError(msg)
     return values
@@ -311,7 +326,7 @@ def _signs(signals: Signals) -> tuple[str, ...]:
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
     ):
-        low, high = float(column.min()), max(float(column.max()), 0.0)
+        low, high = float(column.min()), max(0.0, float(column.max()))
         if -low > OUTWARD * high:
             wanted = "into the skin" if length is not None else "where it excites the type"
             told.append(

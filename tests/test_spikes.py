@@ -164,6 +164,11 @@ def unusable(text, tmp_path):
         ("time,displacement_mm\n0,0\n", "expected a header and two rows or more"),
         ("time,displacement_mm\n1,0\n1,1\n", "span more than 0 s"),
         ("", "received 0 lines"),
+        ("time;strain\n0,0;0,0\n1,0;0,1\n", "received semicolons in the first line"),
+        ("time\tstrain\n0\t0\n1\t0.1\n", "received tabs in the first line"),
+        ("time strain\n0 0\n1 0.1\n", "received spaces in the first line"),
+        ("time,strain\n0,0,0,0\n1,0,0,1\n", "row 1: expected 2 values, .* write 0.5 for 0,5"),
+        ('time,strain\n0,0\n1,"0,1"\n', "row 2, column strain: .* '0,1'; write 0.5 for 0,5"),
         ("time,strain,strain\n0,0,0\n1,0,0.1\n", "its own for each column, received 'strain' more"),
     ],
 )
@@ -174,8 +179,8 @@ def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
 
 def test_files_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for name in ("binary.csv", "missing.csv"):
-        with pytest.raises(InputError, match="cannot read it"):
+    for name, message in (("binary.csv", "it: .*save it as UTF-8"), ("missing.csv", "it: ")):
+        with pytest.raises(InputError, match=f"cannot read {message}"):
             spikes.read(tmp_path / name)
 
 
