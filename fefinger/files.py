@@ -105,7 +105,10 @@ LAYOUT: dict[tuple[str, str], Variable] = {
         "unit_x_in", ("unit_time", "unit"), "mm", "input of the end organs, compression positive"
     ),
     ("SpikeTrains", "current"): Variable(
-        "unit_current", ("unit_time", "unit"), "uA/cm2", "generator current"
+        "unit_current",
+        ("unit_time", "unit"),
+        "uA/cm2",
+        "generator current at these times, not linear between",
     ),
     ("SpikeTrains", "peak_mV"): Variable(
         "unit_peak", ("unit",), "mV", "highest membrane potential above rest"

@@ -47,6 +47,13 @@ UNITS = {
 }
 """Units of the arrays of SpikeTrains, as stored with them."""
 
+MEANINGS = {
+    "x_in": "input of the end organs, compression positive, linear between its times",
+    "current": "generator current at these times, not linear between them: it is that of the "
+    "filters, and the membranes were given more of it",
+}
+"""What SIGNALS are, as said in files that have a place for it."""
+
 
 def to_csv(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
     """Write one row per spike in CSV_COLUMNS, by unit and then time; empty places if unknown."""
@@ -65,7 +72,8 @@ def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
     """Write everything to a compressed NPZ that `read_npz` reads back to the last bit.
 
     `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
-    `units_of_arrays` the unit of each array as "name unit".
+    `units_of_arrays` the unit of each array as "name unit", `meanings` what SIGNALS are as
+    "name: meaning".
     """
     arrays: dict[str, Any] = {name: getattr(trains, name) for name in ("time", *SIGNALS, *PER_UNIT)}
     arrays |= {name: getattr(trains, name) for name in ("types", "names", "notes")}
@@ -77,6 +85,7 @@ def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
     arrays["span"] = [trains.t_start, trains.t_stop]
     arrays["format"] = NPZ_FORMAT
     arrays["units_of_arrays"] = [f"{name} {unit}" for name, unit in UNITS.items()]
+    arrays["meanings"] = [f"{name}: {meaning}" for name, meaning in MEANINGS.items()]
     with _in_place(path) as new, open(new, "wb") as file:
         np.savez_compressed(file, **arrays)
 
@@ -128,7 +137,8 @@ def to_pandas(trains: "SpikeTrains") -> "pd.DataFrame":
 def to_xarray(trains: "SpikeTrains") -> "xr.Dataset":
     """Return a dataset of the signals over `time` and `unit`, and of the spikes over `spike`.
 
-    `spike_unit` is the index of the unit of each spike; every variable has its units.
+    `spike_unit` is the index of the unit of each spike; every variable has its units, and the
+    signals say in `long_name` what they are.
     """
     import xarray as xr
 
@@ -136,6 +146,8 @@ def to_xarray(trains: "SpikeTrains") -> "xr.Dataset":
         return xr.Variable(dims, values, {"units": UNITS[name]})
 
     data = {name: variable(name, ("time", "unit"), getattr(trains, name)) for name in SIGNALS}
+    for name, meaning in MEANINGS.items():
+        data[name].attrs["long_name"] = meaning
     data |= {name: variable(name, ("unit",), getattr(trains, name)) for name in PER_UNIT}
     data["spike_time"] = variable("times", ("spike",), np.concatenate(trains.times))
     data["spike_unit"] = xr.Variable(("spike",), np.repeat(range(len(trains)), trains.count()))
@@ -174,8 +186,9 @@ def to_neo(trains: "SpikeTrains") -> Any:
         )
     density = pq.CompoundUnit("uA/cm**2")
     for name, unit in (("x_in", pq.mm), ("current", density)):
+        told = {"name": name, "description": MEANINGS[name]}
         segment.irregularlysampledsignals.append(
-            neo.IrregularlySampledSignal(trains.time * pq.s, getattr(trains, name), unit, name=name)
+            neo.IrregularlySampledSignal(trains.time * pq.s, getattr(trains, name), unit, **told)
         )
     block = neo.Block(name="fefinger", **_provenance(trains))
     block.segments.append(segment)
@@ -229,7 +242,7 @@ def to_nwb(
         unit="m",
         conversion=1e-3,
         timestamps=trains.time,
-        description="input of the end organs, one column per unit, compression positive",
+        description=f"one column per unit: {MEANINGS['x_in']}",
     )
     file.add_stimulus(series)
     with _in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:

@@ -33,9 +33,11 @@ class SpikeTrains:
     (n_units,) mm of the end organs under the skin, or None. seed: of what is random in them; None:
     nothing is.
 
-    time: (n_t,) s, on which x_in (n_t, n_units) mm, signed, compression positive, is the input of
-    the end organ and current (n_t, n_units) uA/cm² the generator current; both linear in between
-    as far as the membrane is concerned.
+    time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
+    the end organ and current (n_t, n_units) uA/cm² the generator current. x_in is linear in
+    between. The current is not: it is what the filter makes of x_in at these times alone, and the
+    membrane was given more of it in between. Where x_in is few corners, straight lines between
+    these values do not fire the same spikes.
 
     peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur

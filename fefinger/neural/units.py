@@ -188,7 +188,7 @@ def simulate_units(
 
     Every end organ has its filter, rectification and generator; `rule` says how their currents
     meet. `x_in` of the result is the mean of a unit's end organs, `current` their mean, or with
-    the rules "max" and "first" their largest; noise is in neither.
+    the rules "max" and "first" their largest, at the times that are given; noise is in neither.
 
     Parameters
     ----------

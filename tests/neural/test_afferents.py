@@ -110,6 +110,18 @@ def test_drives_can_be_chosen_per_type():
     np.testing.assert_allclose(trains.x_in[:, 0], 0.02 / 0.05 * x, atol=1e-15)
 
 
+def test_the_current_at_corners_is_that_of_the_filter_and_not_all_the_membrane_gets():
+    time, x = np.array([0, 0.1, 0.35, 0.6]), np.array([[0.0], [0.0], [2.0], [2.0]])
+    fine = np.union1d(time, np.linspace(0, 0.6, 601))
+    few = simulate(time, x, types=["FAI"], check=False)
+    many = simulate(fine, np.interp(fine, time, x[:, 0])[:, None], types=["FAI"], check=False)
+    np.testing.assert_allclose(few.times[0], many.times[0], atol=1e-6)
+    at = np.searchsorted(fine, time)
+    np.testing.assert_allclose(few.current, many.current[at], atol=1e-9)
+    lines = np.interp(fine, time, few.current[:, 0])
+    assert np.abs(lines - many.current[:, 0]).max() > 1.0
+
+
 def test_names_positions_and_signals_are_kept():
     time, x = press(hold=0.1)
     trains = respond(time, x, types=("FAI", "SAI", "FAI"), positions=np.eye(3), check=False)

@@ -66,6 +66,16 @@ def test_every_array_has_its_unit():
     assert set(exports.UNITS) == arrays | {"times"}
 
 
+def test_every_form_says_what_the_current_is_between_its_times(tmp_path):
+    said = "generator current at these times, not linear between them"
+    TRAINS.to_npz(tmp_path / "spikes.npz")
+    with np.load(tmp_path / "spikes.npz") as file:
+        assert any(said in meaning for meaning in file["meanings"])
+    data = TRAINS.to_xarray()
+    assert said in data["current"].attrs["long_name"]
+    assert "linear between its times" in data["x_in"].attrs["long_name"]
+
+
 def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
     TRAINS.to_csv(tmp_path / "spikes.csv")
     with open(tmp_path / "spikes.csv", newline="") as file:
@@ -115,6 +125,7 @@ def test_neo_has_a_train_per_unit_and_the_signals(trains):
     np.testing.assert_array_equal(x_in.rescale("mm").magnitude, trains.x_in)
     np.testing.assert_array_equal(current.magnitude, trains.current)
     assert current.dimensionality.string == "(uA/cm**2)"
+    assert "not linear between" in current.description
 
 
 @BOTH
