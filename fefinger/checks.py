@@ -79,6 +79,20 @@ def repeated(values: Iterable[str]) -> list[str]:
     return [value for value, count in Counter(values).items() if count > 1]
 
 
+def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
+    """Return `values` as a tuple of different strings, or raise InputError."""
+    result = (values,) if isinstance(values, str) else tuple(values)
+    twice = repeated(map(str, result))
+    if isinstance(values, str) or twice or not all(isinstance(value, str) for value in result):
+        received = f"{', '.join(twice)} more than once" if twice else repr(values)
+        message = (
+            f"{field}: expected a list of strings, no two alike, received {received}; give each "
+            "a name of its own"
+        )
+        raise InputError(message)
+    return result
+
+
 def flag(name: str, value: Any) -> bool:
     """Return `value` if it is true or false, or raise InputError."""
     if not isinstance(value, bool):

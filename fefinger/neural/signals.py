@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, repeated
+from fefinger.checks import InputError, choice
+from fefinger.checks import names as different
 from fefinger.neural.endorgans import LONGEST_RUN, TYPES
 from fefinger.neural.membranes import Firing
 
@@ -93,16 +94,11 @@ def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tu
     InputError for names that are not one per unit, or not each its own.
     """
     if names is not None:
+        names = different("names", names)
         if len(names) != len(types):
             msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
             raise InputError(msg)
-        if twice := repeated(names):
-            msg = (
-                f"names: expected one of its own for each unit, {', '.join(twice)} repeats; rename "
-                "the units"
-            )
-            raise InputError(msg)
-        return tuple(names)
+        return names
     seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]
     return tuple(
         kind if types.count(kind) == 1 else f"{kind}-{n}"

@@ -67,6 +67,7 @@ class Locking(NamedTuple):
 def locking(times: ArrayLike, frequency: float, *, start: float = 0.0) -> Locking:
     """Return how spikes lock to a sinusoid of `frequency` Hz whose cycle begins at `start` s."""
     frequency = number("frequency", frequency, above=0.0, unit="Hz")
+    start = number("start", start, unit="s")
     times = _ascending(times)
     n = len(times)
     if not n:

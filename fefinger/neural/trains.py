@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, repeated
+from fefinger.checks import InputError, names
 from fefinger.neural import exports
 
 
@@ -47,7 +47,7 @@ class SpikeTrains:
     Raises
     ------
     InputError
-        Two units of one name.
+        Names that are no strings or not different, or fields that are not of as many units.
     """
 
     types: tuple[str, ...]
@@ -67,13 +67,15 @@ class SpikeTrains:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check that a name is that of one unit: spikes are told apart by it."""
-        if twice := repeated(self.names):
-            msg = (
-                f"names: expected one of its own for each unit, {', '.join(twice)} repeats; "
-                "rename the units"
-            )
-            raise InputError(msg)
+        """Check that a name is that of one unit, and that every field has all units."""
+        n = len(names("names", self.names))
+        lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven")
+        found = {field: len(getattr(self, field)) for field in lists}
+        found |= {field: np.shape(getattr(self, field))[-1] for field in ("x_in", "current")}
+        for field, count in found.items():
+            if count != n:
+                msg = f"{field}: expected one for each of {n} names, received {count}"
+                raise InputError(msg)
 
     def __len__(self) -> int:
         """Return the number of units."""
@@ -133,7 +135,12 @@ class SpikeTrains:
     @classmethod
     def from_npz(cls, path: str | PathLike[str]) -> "SpikeTrains":
         """Return what `to_npz` wrote; InputError for another file."""
-        return cls(**exports.read_npz(path))
+        fields = exports.read_npz(path)
+        try:
+            return cls(**fields)
+        except InputError as error:
+            msg = f"{path}: {error}"
+            raise InputError(msg) from error
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a table with one row per spike: unit, type, place and depth in mm, time in s."""

@@ -204,6 +204,9 @@ def test_files_that_are_damaged_or_of_another_kind_are_refused(tmp_path):
     for name, content in damaged.items():
         (tmp_path / f"{name}.npz").write_bytes(content)
     np.save(tmp_path / "one.npy", np.zeros(3))
+    np.savez(tmp_path / "twice.npz", **arrays | {"names": ["FAI", "FAI", "SAI"]})
+    with pytest.raises(InputError, match=r"twice.npz: names: .* received FAI more than once"):
+        SpikeTrains.from_npz(tmp_path / "twice.npz")
     del arrays["offsets"]
     np.savez(tmp_path / "less.npz", **arrays)
     for name in ("short.npz", "empty.npz", "inside.npz", "one.npy"):

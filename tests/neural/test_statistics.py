@@ -141,6 +141,7 @@ def test_one_more_spike_costs_what_the_definitions_say():
         (lambda: psth(np.empty((0, 3)), [0.0, 1.0]), "trials: expected one"),
         (lambda: psth([[0.5]], [1.0, 0.0]), "edges: expected"),
         (lambda: locking([0.5], 0.0), "frequency: expected"),
+        (lambda: locking([0.5], 1.0, start=np.nan), "start: expected"),
         (lambda: van_rossum([], [], 0.0), "tau: expected"),
         (lambda: victor_purpura([], [], -1.0), "cost: expected"),
     ],

@@ -48,8 +48,22 @@ def test_rate_of_less_than_two_spikes_is_zero(times):
 
 
 def test_two_units_of_one_name_are_refused():
-    with pytest.raises(InputError, match="one of its own for each unit, left repeats"):
+    with pytest.raises(InputError, match="no two alike, received left more than once"):
         replace(trains([], [], []), names=("left", "right", "left"))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"names": (1, 0)}, r"names: expected a list of strings, .* received \(1, 0\)"),
+        ({"names": "ab"}, "names: expected a list of strings, .* received 'ab'"),
+        ({"times": (np.zeros(0),)}, "times: expected one for each of 2 names, received 1"),
+        ({"x_in": np.zeros((2, 3))}, "x_in: expected one for each of 2 names, received 3"),
+    ],
+)
+def test_names_that_could_be_indices_and_fields_of_other_units_are_refused(change, message):
+    with pytest.raises(InputError, match=message):
+        replace(trains([0.5], [1.0]), **change)
 
 
 def test_unknown_units_are_named():
