@@ -74,6 +74,10 @@ class _Setup:
         choice("rectifier", self.rectifier, RECTIFIERS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)
+        own = None if self.variation is None else self.variation.numbers
+        if own is not None and len(own) != len(self.types):
+            msg = f"numbers: expected one for each of {len(self.types)} units, received {len(own)}"
+            raise InputError(msg)
         for kind, organ in self.organs.items():
             if not hasattr(organ, "respond"):
                 msg = f"organs.{kind}: expected a filter such as PoleZero, received {organ!r}"

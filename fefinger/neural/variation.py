@@ -39,6 +39,10 @@ class Variation:
             raise InputError(msg)
         number("spread", self.spread, at_least=0.0, at_most=3.0)
         number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
+        for own in self.numbers or ():
+            if isinstance(own, bool) or not isinstance(own, int | np.integer) or own < 0:
+                msg = f"numbers: expected whole numbers of 0 or more, received {own!r} among them"
+                raise InputError(msg)
 
     def gain(self, unit: int) -> float:
         """Return the factor on the gain of a unit."""

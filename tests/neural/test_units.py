@@ -216,6 +216,7 @@ class Other:
         ({"rectifier": "none"}, "rectifier: expected one of"),
         ({"delays": -1.0}, "delays: expected one or 1 times"),
         ({"names": ("a", "b")}, "names: expected 1"),
+        ({"variation": Variation(seed=1, numbers=(0, 1))}, "numbers: expected one for each of 1"),
         (
             {"rule": "first", "membrane": Other()},
             "rule: expected for 'first' a HodgkinHuxley membrane, received Other",
@@ -234,6 +235,8 @@ def test_unusable_units_are_refused(change, message):
         ({"seed": -1}, "seed: expected a whole number"),
         ({"seed": 1, "noise": -1.0}, "noise: expected"),
         ({"seed": 1, "spread": np.inf}, "spread: expected"),
+        ({"seed": 1, "numbers": (0, -1)}, "numbers: expected whole numbers of 0 or more"),
+        ({"seed": 1, "numbers": (0.5,)}, "numbers: expected whole numbers .* received 0.5"),
     ],
 )
 def test_unusable_variations_are_refused(values, message):
