@@ -149,7 +149,8 @@ def study(
     from fefinger.mechanics import names
     from fefinger.studies.choice import agreed
     from fefinger.studies.grid import EACH, checked
-    from fefinger.studies.tasks import Asked, clean, keep, kept, made
+    from fefinger.studies.tasks import Asked, keep, kept, made
+    from fefinger.text import finite
 
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
@@ -168,7 +169,7 @@ def study(
         answers = {i: answer for i, answer in found if answer is not None}
     reused = len(answers)
     for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
-        answers[i] = {**clean(answer), **made()}
+        answers[i] = {**finite(answer), **made()}
         if place is not None and "rows" in answer:
             with suppress(InputError):  # a disk that is full: the answer goes into the table still
                 keep(place, tasks[i], answers[i])

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 
@@ -32,15 +32,16 @@ def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
 
 
 def strict_json(record: Any) -> str:
-    """Return a record as JSON, with null for numbers that are not finite: JSON has none of them."""
-    return json.dumps(_finite(record), indent=2, allow_nan=False)
+    """Return a record as JSON, which has no numbers that are not finite: null stands for them."""
+    return json.dumps(finite(record), indent=2, allow_nan=False)
 
 
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
+def finite(value: Any) -> Any:
+    """Return values as JSON has them, with None for numbers that are not finite."""
+    if isinstance(value, Mapping):
+        return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
+        return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -21,7 +21,7 @@ from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.text import SAID
+from fefinger.text import SAID, finite
 
 
 AS_THE_ORACLE = 0.1
@@ -273,24 +273,15 @@ def write(folder: Path) -> None:
     _tradeoff.read.cache_clear()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
-    record = suites.as_json({"tradeoff": outcomes}) | _plain(said)
+    record = suites.as_json({"tradeoff": outcomes}) | finite(said)
     drawn, found = suites.figures(record), suites.findings(record)
     save(record, folder, drawn, made["provenance"], "tradeoff", found)
 
 
 def _put(target: Path, data: dict[str, Any]) -> None:
     new = target.with_suffix(".new")
-    new.write_text(json.dumps(_plain(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    new.write_text(json.dumps(finite(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     new.replace(target)
-
-
-def _plain(value: Any) -> Any:
-    """Return values as JSON has them, null for numbers that are not finite."""
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 if __name__ == "__main__":

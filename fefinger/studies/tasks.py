@@ -6,7 +6,6 @@ A task is what a process of this machine or of a cluster is given; its answer ha
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -159,15 +158,6 @@ def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
         "seeds": ", ".join(map(str, seeds)) or "none: nothing is drawn at random",
     }
     return told
-
-
-def clean(value: Any) -> Any:
-    """Return plain values with None for numbers that are not finite."""
-    if isinstance(value, Mapping):
-        return {name: clean(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [clean(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def write(path: Path, text: str) -> None:
