@@ -314,6 +314,10 @@ def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path)
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames >= 3
         assert film.size == pictures.size(1)
+        for number in range(film.n_frames):  # the words stood above all but the first
+            film.seek(number)
+            title = np.asarray(film.convert("L"))[8:26, 8:300]
+            assert (title < 100).sum() > 50
     assert [path.name for path in tmp_path.iterdir()] == ["a.gif"]
 
 

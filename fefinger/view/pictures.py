@@ -147,6 +147,7 @@ def movie(
         for time in times:
             for stage in stages:
                 stage.at(float(time))
+            plotter.render()
             picture = np.array(plotter.screenshot(return_img=True))
             yield picture
         for _ in range(REST):

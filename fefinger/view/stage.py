@@ -134,7 +134,7 @@ class Stage:
         lines = [textwrap.fill(line, letters) for line in self.words().split("\n")]
         prop = self.plotter.add_text(
             "\n".join(lines), position=WORDS, font_size=9, color=figures.INK, viewport=True,
-            name=f"words {self.where[1]}",
+            name=f"words {self.where[1]}", render=False,
         ).prop  # fmt: skip
         prop.SetVerticalJustificationToTop()
         prop.SetLineSpacing(1.2)
