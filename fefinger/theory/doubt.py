@@ -86,7 +86,7 @@ def misfit(missed: Array, noise: Array, size: Array, largest: float) -> tuple[st
     if max(times, scatter) <= OFF or np.abs(missed).max() <= SEEN * largest:
         return ()
     return (
-        f"the model misses the record by up to {abs(missed[worst]):.2g} N, {times:.2g} times the "
+        f"the model misses the record by {abs(missed[worst]):.2g} N, {times:.2g} times the "
         f"noise of a sample, and averages by {scatter:.2g} times theirs: the deviations say too "
         "little; fit more terms, tare the force, or look for drift, or a force that lags behind",
     )
