@@ -77,7 +77,7 @@ def balance() -> tuple[float, float]:
     on = plate()
     state = on.at(np.linspace(0, DEPTH, 5)[1:])[-1]
     inner, _ = on.elements.residual(state.values, on.elements.at_rest)
-    _, loads = on.contact.gaps(state.values, state.depth)
+    loads = on.contact.at(state).loads
     reactions, fixed = np.zeros_like(inner), on.finger.system.fixed
     reactions[fixed] = (inner - loads @ state.pressure)[fixed]
     total = reactions[: on.finger.space.n_displacements].reshape(-1, 3).sum(axis=0)

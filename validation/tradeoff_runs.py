@@ -33,7 +33,7 @@ from fefinger.scene import Flat, Ramp, Scene
 
 Array = NDArray[np.float64]
 
-FORMAT = 7
+FORMAT = 8
 """Raised when the mechanics or what is kept change so that kept runs are to be made again."""
 
 PITCH, TAXELS = 1.0, 17

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 """What reading a press raises that is not there or damaged: it is solved again."""
 
-FORMAT = 7
+FORMAT = 8
 """Raised when the mechanics or this file change, so that presses are solved again."""
 
 PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}

@@ -29,15 +29,8 @@ PLAUSIBLE = (
 )
 SHARP = 0.05  # least rise of an edge over the chord of a side
 TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
-FAINT = 2e-3  # of the highest pressure: what holds a facet spreads so much over open gaps beside it
 ROWS = 4096  # fits at a time, as far as memory is near
 SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
-
-
-def touching(pressure: Array, gap: Array) -> Flags:
-    """Return which vertices (n_t, n) touch, by pressures kPa and gaps mm (n_t, n)."""
-    faint = FAINT * pressure.max(axis=1, keepdims=True, initial=0.0)
-    return (pressure > 0) & ((pressure > faint) | (gap <= 0))
 
 
 @dataclass(frozen=True)
@@ -55,7 +48,7 @@ class Surface:
     def area(self, pressed: Flags, gap: Array) -> Array:
         """Return the contact area (n_t,) mm² through time.
 
-        pressed (n_t, n) are the vertices `touching`, gap (n_t, n) mm the distance of every
+        pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
         vertex from the obstacle, along its normal; FAR where that is not ahead.
         """
         rims, areas = _Rims.of(self), np.zeros(len(gap))

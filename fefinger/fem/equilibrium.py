@@ -21,7 +21,7 @@ from fefinger.fem.factored import Factored
 from fefinger.fem.finite import Continuum
 from fefinger.fem.march import depth_at
 from fefinger.fem.single import Single
-from fefinger.fem.sliding import Hold, Sliding
+from fefinger.fem.sliding import Facing, Sliding
 from fefinger.fem.solve import System, rough
 from fefinger.fem.spaces import Array
 from fefinger.fem.state import Asked, State
@@ -35,7 +35,7 @@ FEW = 6  # iterations of a step that a good factor takes
 RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
 SEARCH = 8  # factors of one step under depth control; more, and the way downhill is shorter
 SOON = 3  # iterations that a factor is given at least
-STIFF = 2.0  # what a factor need not know of what holds a facet, in shear moduli over its size
+STIFF = 2.0  # what a factor need not know of what resists folds, in shear moduli over a facet
 NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
 BEDS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear moduli over the size of the patch
 MEMORY = 12  # iterates that the acceleration remembers
@@ -72,10 +72,9 @@ class Equilibrium:
         self._excess, self._bed = 0, 0
         # A tangent has as many negative eigenvalues as pressures where the body is stable.
         self._pressures = int((system.free >= body.space.n_displacements).sum())
-        at_rest = np.zeros(body.space.n_unknowns)
+        at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
         first = rough(body.space, system.matrix, system)
-        _, loads = contact.gaps(at_rest, 0.0)
-        none = np.zeros(len(contact))
+        loads = contact.at(State(at_rest, none, 0.0)).loads
         self._factored = Factored(first, system.free, loads, 1.0, none, none)
 
     def find(self, start: State, asked: Asked) -> State:
@@ -115,16 +114,16 @@ class Equilibrium:
             sound, error = state, look.error
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
-                return look.found
+                return state
             if error < best:
                 best, found = error, count
             elif count - found > stuck or self.factors > most:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn or (count - renewed >= SOON and self._outgrown(look.hold, asked)):
-                self._renew(state, asked, whole=whole)
+            if worn or (count - renewed >= SOON and self._outgrown(look.facing.rise, asked)):
+                self._renew(look, asked, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
-            state = self._step(look, mixing)
+            state = self._step(look, asked, mixing)
         raise _missed(error, count + 1)
 
     def _descend(self, start: State, asked: Asked) -> State:
@@ -147,15 +146,15 @@ class Equilibrium:
             sound = state
             errors.append(look.error)
             if look.error <= EQUILIBRIUM:
-                return look.found
+                return state
             if _in_vain(errors):
                 break
             if calm >= CALM and look.error < sure:
                 with suppress(ConvergenceError):
                     return self._search(state, asked, whole=False)
                 sure = SURER * look.error
-            share = self._blend(state, asked, share)
-            state = self._trusted(state, self._step(look, plain))
+            share = self._blend(look, asked, share)
+            state = self._trusted(state, self._step(look, asked, plain))
             if asked.control == "depth" and (len(errors) - 1) % KEPT == 0:
                 share = max(share / STRIDE, LEAST)
         raise _missed(errors[-1], len(errors) - 1)
@@ -174,37 +173,23 @@ class Equilibrium:
         inner, least = self.body.residual(state.values, asked.memory)
         if least <= 0 or not np.abs(inner).max() < MOST:  # nor where one is not a number
             return None
-        gaps, loads = self.contact.gaps(state.values, state.depth)
-        hold = self._hold(state, asked, gaps)
-        inner, rest = inner - hold.force, self._rest(asked, hold)
-        error = self._error(state, rest, inner, gaps, loads @ state.pressure)
-        return _Look(state, rest, inner, gaps, loads, hold, error)
+        facing = self.contact.at(state)
+        return _Look(state, inner, facing, self._error(state, asked, inner, facing))
 
-    def _hold(self, state: State, asked: Asked, gaps: Array) -> Hold:
-        """Return what keeps facets from folding through the obstacle."""
-        shear = self.body.scale * float(asked.memory.gains.mean())
-        return self.contact.hold(state.values, state.depth, gaps, shear)
-
-    def _outgrown(self, hold: Hold, asked: Asked) -> bool:
-        """Return whether what holds the facets is too stiff for the factor, which does not know it.
+    def _outgrown(self, rise: Array, asked: Asked) -> bool:
+        """Return whether what resists folds is too stiff for the factor, which does not know it.
 
         The iteration would go back and forth: it is meant for errors that are small beside K0.
         """
         gain = float(asked.memory.gains.mean())
         skin = gain * self.body.scale / np.sqrt(self.contact.travel)
         known = self._factored.rise * gain / self._factored.gain
-        return bool((np.abs(hold.rise - known) > np.maximum(STIFF * skin, known / 2)).any())
+        return bool((np.abs(rise - known) > np.maximum(STIFF * skin, known / 2)).any())
 
-    def _rest(self, asked: Asked, hold: Hold) -> Asked:
-        """Return what is left to the contact; a force that folds bear is not asked of it."""
-        if asked.control == "depth":
-            return asked
-        borne = float(self.contact.travel @ hold.pressure)
-        return replace(asked, target=max(asked.target - borne, 0.0))
-
-    def _error(self, state: State, asked: Asked, inner: Array, gaps: Array, force: Array) -> float:
+    def _error(self, state: State, asked: Asked, inner: Array, facing: Facing) -> float:
         """Return the largest of the relative errors of force, volume, gap and target."""
         travel, n = self.contact.travel, self.body.space.n_displacements
+        force, gaps = facing.loads @ state.pressure, facing.gaps
         free = self.system.free[self.system.free < n]
         load = max(self.load, float(np.linalg.norm(force)))
         self.load, residual = load, inner - force
@@ -226,7 +211,7 @@ class Equilibrium:
         worst = max(errors)
         return worst if np.isfinite(worst) else np.inf
 
-    def _renew(self, state: State, asked: Asked, *, whole: bool = True) -> None:
+    def _renew(self, look: "_Look", asked: Asked, *, whole: bool = True) -> None:
         """Factor the tangent of the state, on a bed where it touches.
 
         Without what it leans on, a body under pressure may be about to buckle. Under depth control
@@ -239,30 +224,28 @@ class Equilibrium:
         ConvergenceError
             If it is singular.
         """
-        body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
-        matrix = body.tangent(state.values, asked.memory, whole=whole)
-        gaps, loads = contact.gaps(state.values, state.depth)
-        hold = self._hold(state, asked, gaps)
-        if hold.stiffness.nnz:
-            matrix = matrix + hold.stiffness
-        touched, bed = state.pressure > 0, 0.0
+        body, gain = self.body, float(asked.memory.gains.mean())
+        touched = look.state.pressure > 0
+        matrix = body.tangent(look.state.values, asked.memory, whole=whole)
+        matrix, bed = matrix + look.facing.stiffness(), 0.0
         if not (whole and asked.control == "depth"):
             renewed = self._rough(matrix)
         else:
-            under = contact.bed(state.values, state.depth, touched)
-            unit = gain * body.scale / float(np.sqrt(contact.travel.sum()))
+            under = look.facing.bed(touched)
+            unit = gain * body.scale / float(np.sqrt(self.contact.travel.sum()))
             while True:
                 bed = BEDS[self._bed] * unit
                 renewed = self._rough(matrix + bed * under)
                 if renewed.negative <= self._pressures or self._bed == len(BEDS) - 1:
                     break
                 self._bed += 1
+        beds = np.where(touched, bed, 0.0)
         self._factored = Factored(
-            renewed, self.system.free, loads, gain, np.where(touched, bed, 0.0), hold.rise
+            renewed, self.system.free, look.facing.loads, gain, beds, look.facing.rise
         )
         self._excess = 0
 
-    def _blend(self, state: State, asked: Asked, share: float) -> float:
+    def _blend(self, look: "_Look", asked: Asked, share: float) -> float:
         """Factor a blend of the tangents; return the share of the one made positive definite.
 
         That is `share`, or more where the body would buckle on a bed under the weighted gaps that
@@ -274,19 +257,19 @@ class Equilibrium:
         ConvergenceError
             If it is singular.
         """
-        body, contact, gain = self.body, self.contact, float(asked.memory.gains.mean())
-        definite = body.tangent(state.values, asked.memory, whole=False)
-        apart = body.tangent(state.values, asked.memory) - definite
-        gaps, loads = contact.gaps(state.values, state.depth)
-        hold = self._hold(state, asked, gaps)
-        unit = gain * body.scale / float(np.sqrt(contact.travel.sum()))
-        leans = (state.pressure > 0) & (asked.control == "depth")
+        body, travel, gain = self.body, self.contact.travel, float(asked.memory.gains.mean())
+        values = look.state.values
+        definite = body.tangent(values, asked.memory, whole=False)
+        apart = body.tangent(values, asked.memory) - definite
+        fixed = definite + look.facing.stiffness()
+        unit = gain * body.scale / float(np.sqrt(travel.sum()))
+        leans = (look.state.pressure > 0) & (asked.control == "depth")
         bed = np.where(leans, BEDS[-1] * unit, 0.0)
         while True:
-            renewed = self._rough(definite + (1 - share) * apart + hold.stiffness)
-            none = np.zeros(len(contact))
-            held = Factored(renewed, self.system.free, loads, gain, none, hold.rise)
-            negative = renewed.negative - held.lean(bed, contact.travel)
+            renewed = self._rough(fixed + (1 - share) * apart)
+            none, loads = np.zeros(len(travel)), look.facing.loads
+            held = Factored(renewed, self.system.free, loads, gain, none, look.facing.rise)
+            negative = renewed.negative - held.lean(bed, travel)
             self._factored = held
             if share >= 1 or negative <= self._pressures:
                 return share
@@ -304,10 +287,10 @@ class Equilibrium:
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
 
-    def _step(self, look: "_Look", mixing: "Anderson") -> State:
+    def _step(self, look: "_Look", asked: Asked, mixing: "Anderson") -> State:
         """Return the state after one iteration."""
-        state, asked, gaps, loads = look.state, look.asked, look.gaps, look.loads
-        held, travel = self._factored, self.contact.travel
+        state, held = look.state, self._factored
+        gaps, loads, travel = look.facing.gaps, look.facing.loads, self.contact.travel
         size = abs(state.depth)
         apart = gaps / travel
         near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
@@ -337,24 +320,12 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class _Look:
-    """An iterate with the forces it is out of balance by.
-
-    asked: what is left to the contact; inner (n_unknowns,) mN the force of the body less that of
-    `hold`; gaps (n,) mm³ and their derivatives, the loads; error, the largest relative one.
-    """
+    """An iterate: inner (n_unknowns,) mN the force of the body; error, the largest relative one."""
 
     state: State
-    asked: Asked
     inner: Array
-    gaps: Array
-    loads: sparse.csc_matrix
-    hold: Hold
+    facing: Facing
     error: float
-
-    @property
-    def found(self) -> State:
-        """The state with all that presses on it."""
-        return replace(self.state, pressure=self.state.pressure + self.hold.pressure)
 
 
 def _in_vain(errors: list[float]) -> bool:

@@ -1,10 +1,19 @@
 """Weighted gaps between a deformed pad and a rigid obstacle, with their derivatives.
 
 With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
-of a hat psi_i on the undeformed pad is w_i = integral of psi_i g(x(X)) dA: finite sliding, because
-g is taken where the point is now. lambda_i >= 0 times the derivative of w_i is the load; g grows by
-1 per mm along the axis, so that the force along the axis is the sum of m_i lambda_i, m_i being the
-integral of psi_i.
+of a hat psi_i on the undeformed pad is w_i = integral of psi_i phi(g(x(X))) dA: finite sliding,
+because g is taken where the point is now. lambda_i >= 0 times its derivative B_i is the load, so
+that phi'(g) times the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the axis,
+and the force along the axis is the sum of t_i lambda_i, t_i being the integral of psi_i phi'(g), or
+of m_i p_i, m_i that of psi_i and p_i = lambda_i t_i / m_i. Gaps w_i m_i / t_i with the loads
+B_i m_i / t_i of these p_i stand for w_i and lambda_i.
+
+    phi(g) = g - c² h / b ln cosh(b g / (c h)),    phi'(g) = 1 - c tanh(b g / (c h)),
+
+on a facet of size h, is g where the facet lies flat on the obstacle. Weighted means of g itself do
+not see a facet fold, half of its six nodes behind the obstacle and half before it, as it would
+under 40 % of compression along the skin. phi is concave: a fold closes its weighted gaps, and
+pressure resists it in proportion. What that changes is of second order in g / h.
 """
 
 from dataclasses import dataclass
@@ -17,27 +26,112 @@ from scipy import sparse
 from fefinger.fem.contact import RINGS, Candidates, Seen, candidates, seen
 from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.fem.state import State
 
 
 Flags = NDArray[np.bool_]
 
-SLACK = 0.05  # of the size of a facet: how far a point of it may pass through the obstacle
-HOLD = 1500.0  # pressure that keeps it from going farther, in shear moduli, at a whole size more
+BEND = 4.0  # b: how fast the pressure changes with g, per size of a facet
+MOST = 0.9  # c: how much it rises at most behind the obstacle, and falls before it
 
 
 @dataclass(frozen=True)
-class Hold:
-    """What keeps the facets before the obstacle.
+class Facing:
+    """A pad as it stands before an obstacle, under a pressure p (n,) kPa.
 
-    force (n_unknowns,) mN on the skin; pressure (n,) kPa of the candidates with the same force
-    along the axis; rise (n,) kPa/mm how fast it grows with the depth; stiffness: the derivative of
-    minus the force.
+    distance g (n_tri, n_q) mm, gradient (n_tri, n_q, 3): of the points of integration.
     """
 
-    force: Array
+    contact: "Sliding"
     pressure: Array
-    rise: Array
-    stiffness: sparse.csr_matrix
+    distance: Array
+    gradient: Array
+
+    @cached_property
+    def weighted(self) -> Array:
+        """The weighted gaps w (n,) mm³."""
+        t = self.distance / self._scale
+        bent = self.distance - MOST * self._scale * (np.logaddexp(t, -t) - np.log(2.0))
+        return self.contact.gathered(self.contact.hats * bent[:, None])
+
+    @property
+    def gaps(self) -> Array:
+        """The gaps w m / t (n,) mm³, which close as the undeformed pad's."""
+        return self.weighted / self.steepness
+
+    @cached_property
+    def steepness(self) -> Array:
+        """The mean t / m (n,) of phi'."""
+        slopes = self.contact.gathered(self.contact.hats * self._slope[:, None])
+        return np.asarray(slopes / self.contact.travel)
+
+    @cached_property
+    def loads(self) -> sparse.csc_matrix:
+        """The loads B m / t (n_unknowns, n) mm² of unit pressures, the derivatives of gaps of 0."""
+        on, rows = self.contact.on, self.contact.rows
+        hats = self.contact.hats * self._slope[:, None]
+        block = np.einsum("tjq,kq,tqc->tkcj", hats, on.part.quadratic, self.gradient)
+        block /= self.steepness[on.owner][:, None, None, :]
+        rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
+        columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
+        kept = columns >= 0
+        entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+        shape = (self.contact.n_unknowns, len(self.contact))
+        return sparse.coo_matrix(entries, shape=shape).tocsc()
+
+    @cached_property
+    def rise(self) -> Array:
+        """How fast the pressure (n,) kPa/mm changes with g, which is what resists folds."""
+        mean = self.contact.gathered(self.contact.hats * self._fall[:, None])
+        return np.asarray(self._multipliers * mean / self.contact.travel)
+
+    def stiffness(self) -> sparse.csr_matrix:
+        """Return what phi'' adds to the tangent: the integral of -phi'' psi lambda (grad g . v)².
+
+        It is positive semidefinite.
+        """
+        return self._normal(self._multipliers, self._fall)
+
+    def bed(self, chosen: Flags) -> sparse.csr_matrix:
+        """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
+        return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
+
+    @cached_property
+    def _multipliers(self) -> Array:
+        """Lambda (n,) kPa without pulls, which an iterate may have."""
+        return np.asarray(np.maximum(self.pressure, 0.0) / self.steepness)
+
+    @cached_property
+    def _scale(self) -> Array:
+        return np.asarray(MOST * self.contact.sizes / BEND)
+
+    @cached_property
+    def _turn(self) -> Array:
+        return np.asarray(np.tanh(self.distance / self._scale))
+
+    @cached_property
+    def _slope(self) -> Array:
+        return np.asarray(1.0 - MOST * self._turn)
+
+    @cached_property
+    def _fall(self) -> Array:
+        return np.asarray(MOST / self._scale * (1.0 - self._turn**2))
+
+    def _normal(self, factor: Array, density: Array) -> sparse.csr_matrix:
+        """Return the integral of psi `factor` (n,) `density` (n_tri, n_q) (grad g . v)²."""
+        on, rows = self.contact.on, self.contact.rows
+        owned = np.where(on.owner >= 0, factor[on.owner], 0.0)
+        weights = np.einsum("tjq,tj->tq", self.contact.hats, owned) * density
+        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
+        along = along.reshape(*along.shape[:2], -1)
+        block = np.einsum("tq,tqi,tqj->tij", weights, along, along)
+        rows = rows.reshape(len(block), -1)
+        where = (
+            np.broadcast_to(rows[:, :, None], block.shape).ravel(),
+            np.broadcast_to(rows[:, None, :], block.shape).ravel(),
+        )
+        shape = (self.contact.n_unknowns, self.contact.n_unknowns)
+        return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
 
 
 @dataclass(frozen=True)
@@ -59,86 +153,33 @@ class Sliding:
 
     @cached_property
     def travel(self) -> Array:
-        """The weights m (n,) mm²: how fast the weighted gaps close as the obstacle travels."""
-        return self._gathered(self.hats.sum(axis=2))
+        """The integrals m (n,) mm² of the hats: how fast the gaps close as the obstacle travels."""
+        return self.gathered(self.hats)
 
     @cached_property
     def hats(self) -> Array:
         """Weights times hats (n_tri, 3, n_q) mm²."""
         return np.asarray(self.on.part.linear[None] * self.on.part.weights[:, None, :])
 
-    def gaps(self, values: Array, depth: float) -> tuple[Array, sparse.csc_matrix]:
-        """Return the weighted gaps (n,) mm³ and their derivatives (n_unknowns, n) mm²."""
-        distance, gradient, _ = self.obstacle.implicit(self.now(values), depth)
-        distance = np.where(np.isfinite(distance), distance, FAR)
-        weighted = np.einsum("tjq,tq->tj", self.hats, distance)
-        block = np.einsum("tjq,kq,tqc->tkcj", self.hats, self.on.part.quadratic, gradient)
-        rows = np.broadcast_to(self._rows()[:, :, :, None], block.shape).ravel()
-        columns = np.broadcast_to(self.on.owner[:, None, None, :], block.shape).ravel()
-        kept = columns >= 0
-        entries = (block.ravel()[kept], (rows[kept], columns[kept]))
-        shape = (self.n_unknowns, len(self))
-        return self._gathered(weighted), sparse.coo_matrix(entries, shape=shape).tocsc()
-
     @cached_property
     def sizes(self) -> Array:
-        """Sizes (n_tri, 1) mm of the facets: the short sides of right ones as large."""
+        """Sizes h (n_tri, 1) mm of the facets: the short sides of right ones as large."""
         return np.asarray(np.sqrt(2 * self.on.part.weights.sum(axis=1, keepdims=True)))
 
-    def hold(self, values: Array, depth: float, gaps: Array, shear: float) -> Hold:
-        """Return what keeps facets from folding through the obstacle.
+    @cached_property
+    def rows(self) -> Integers:
+        """The unknowns (n_tri, 6, 3) of the facets."""
+        return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
 
-        Three weighted gaps do not see a facet fold, half of its six nodes behind the obstacle and
-        half before it, as it would under 40 % of compression along the skin. Points deeper in the
-        obstacle than SLACK facets are therefore pushed back, by the square of what they are deeper,
-        so that the force has a derivative; a fine mesh has none.
-        The weighted `gaps` (n,) mm³ that an iterate has not closed yet do not count. `shear` is the
-        shear modulus of the skin in kPa.
-        """
-        distance, gradient, _ = self.obstacle.implicit(self.now(values), depth)
-        owned = self.on.owner >= 0
-        ahead = np.where(owned, np.minimum(gaps / self.travel, 0.0)[self.on.owner], 0.0)
-        distance = distance - np.einsum("tj,jq->tq", ahead, self.on.part.linear)
-        beyond = np.maximum(-distance / self.sizes - SLACK, 0.0)
-        if not beyond.any():
-            empty = sparse.csr_matrix((self.n_unknowns, self.n_unknowns))
-            none = np.zeros(len(self))
-            return Hold(np.zeros(self.n_unknowns), none, none, empty)
-        pressure = HOLD * shear * beyond**2
-        hats = self.hats * owned[:, :, None]
-        density = hats.sum(axis=1)
-        block = np.einsum("tq,kq,tqc->tkc", density * pressure, self.on.part.quadratic, gradient)
-        force = np.zeros(self.n_unknowns)
-        np.add.at(force, self._rows(), block)
-        total = self._gathered(np.einsum("tjq,tq->tj", hats, pressure))
-        rise = 2 * HOLD * shear * beyond / self.sizes
-        stiffness = self._normal(density * rise, gradient)
-        risen = self._gathered(np.einsum("tjq,tq->tj", hats, rise))
-        return Hold(force, total / self.travel, risen / self.travel, stiffness)
-
-    def bed(self, values: Array, depth: float, chosen: Flags) -> sparse.csr_matrix:
-        """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
-        _, gradient, _ = self.obstacle.implicit(self.now(values), depth)
-        owner = self.on.owner
-        weights = np.einsum("tjq,tj->tq", self.hats, (owner >= 0) & chosen[owner])
-        return self._normal(weights, gradient)
-
-    def _normal(self, weights: Array, gradient: Array) -> sparse.csr_matrix:
-        """Return the matrix of the sum of `weights` (n_tri, n_q) times (grad g . v)²."""
-        along = np.einsum("kq,tqc->tqkc", self.on.part.quadratic, gradient)
-        along = along.reshape(*along.shape[:2], -1)
-        block = np.einsum("tq,tqi,tqj->tij", weights, along, along)
-        rows = self._rows().reshape(len(block), -1)
-        where = (
-            np.broadcast_to(rows[:, :, None], block.shape).ravel(),
-            np.broadcast_to(rows[:, None, :], block.shape).ravel(),
-        )
-        shape = (self.n_unknowns, self.n_unknowns)
-        return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
+    def at(self, state: State) -> Facing:
+        """Return the pad in a state before the obstacle."""
+        distance, gradient, _ = self.obstacle.implicit(self.now(state.values), state.depth)
+        distance = np.where(np.isfinite(distance), distance, FAR)
+        return Facing(self, state.pressure, distance, gradient)
 
     def now(self, values: Array) -> Array:
         """Return where the quadrature points (n_tri, n_q, 3) mm are."""
-        nodal = values[self._rows()]
+        nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
@@ -151,13 +192,11 @@ class Sliding:
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
 
-    def _rows(self) -> Integers:
-        return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
-
-    def _gathered(self, values: Array) -> Array:
-        kept = self.on.owner >= 0
-        sums = np.bincount(self.on.owner[kept], values[kept], minlength=len(self))
-        return np.asarray(sums, dtype=np.float64)
+    def gathered(self, density: Array) -> Array:
+        """Return sums (n,) over the facets of the candidates of densities (n_tri, 3, n_q)."""
+        sums, kept = density.sum(axis=2), self.on.owner >= 0
+        found = np.bincount(self.on.owner[kept], sums[kept], minlength=len(self))
+        return np.asarray(found, dtype=np.float64)
 
 
 def sliding(

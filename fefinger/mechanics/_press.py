@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.area import Surface as Touched
-from fefinger.fem.area import touching
 from fefinger.fem.body import Body, Reduced, Solid, body, reduce
 from fefinger.fem.contact import Complementarity, Seen, patch
 from fefinger.fem.forms import Elastic
@@ -299,7 +298,7 @@ def answer(
         "time": contact.time,
         "depth": history.depth,
         "force": force,
-        "contact_area": surface.area(touching(pressure, gap), gap) if asked else None,
+        "contact_area": surface.area(pressure > 0, gap) if asked else None,
         "centroid": centroid(pad, pressure) if asked else None,
         "pad": pad if asked else None,
         "pressure": pressure if asked else None,

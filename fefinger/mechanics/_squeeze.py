@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import ConvergenceError, InputError, Stopped
-from fefinger.fem.area import Surface, touching
+from fefinger.fem.area import Surface
 from fefinger.fem.body import Body
 from fefinger.fem.contact import Candidates
 from fefinger.fem.equilibrium import Equilibrium
@@ -196,8 +196,7 @@ class _Recorder:
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
-        _, loads = self.contact.gaps(state.values, state.depth)
-        count = self.places.size
+        loads, count = self.contact.at(state).loads, self.places.size
         forces = (loads @ state.pressure)[:count].reshape(-1, 3)
         arms = self.places + state.values[:count].reshape(-1, 3)
         return np.asarray(np.cross(arms, forces).sum(axis=0))
@@ -350,7 +349,7 @@ def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
     touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
     sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
-    pressed = touching(_press.on_seen(passage.pressure, seen), passage.gap)[:, column]
+    pressed = _press.on_seen(passage.pressure, seen)[:, column] > 0
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
         surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)

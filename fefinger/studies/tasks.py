@@ -21,7 +21,7 @@ from fefinger.writing import in_place
 if TYPE_CHECKING:
     from fefinger.scene import Scene
 
-FORMAT = 2
+FORMAT = 3
 """Raised when the measures change, so that scenes are answered again."""
 
 LEAN = {"ask.fields": False}

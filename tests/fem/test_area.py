@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from fefinger.fem import area as areas
-from fefinger.fem.area import Surface, touching
+from fefinger.fem.area import Surface
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
@@ -111,20 +111,6 @@ def test_what_the_obstacle_is_not_ahead_of_does_not_change_the_area() -> None:
     lost = np.where(r > 1.6, FAR, gap)
     found = [Surface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
     assert found[1] == pytest.approx(found[0], rel=0.01)
-
-
-def test_vertices_that_all_but_bear_nothing_and_stand_off_do_not_touch() -> None:
-    """What holds the facets gave 17 vertices some pressure where 13 touched, and twice the area."""
-    points, _ = scattered(0.5, 2)
-    r = np.hypot(*points.T[:2])
-    gap = hertz_gap(r, 1.0)
-    pressure = np.where(r < 0.97, 10 * np.sqrt(np.maximum(1 - r**2, 0.0)), 0.0)
-    held = np.where((pressure == 0) & (r < 1.7), 5e-3, pressure)
-    pressed = [touching(each[None], gap[None]) for each in (pressure, held)]
-    assert (pressed[0] == (pressure > 0)).all()
-    assert (pressed[0] == pressed[1]).all()
-    closed = touching(np.array([[10.0, 1e-4]]), np.array([[-0.01, -0.01]]))
-    assert closed.all()
 
 
 def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:

@@ -73,11 +73,11 @@ def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pyte
         asked = Asked("depth", depth, pressed.body.at_rest)
         state = solver.find(state, asked)
     pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
-    solver._renew(state, asked)
+    solver._renew(solver._look(state, asked), asked)
     assert solver._factored.rough.negative == pressures
     monkeypatch.setattr(equilibrium, "BEDS", equilibrium.BEDS[:1])
     soft = cube(neo_hookean(Elastic(40.0, 0.49))).equilibrium
-    soft._renew(state, asked)
+    soft._renew(soft._look(state, asked), asked)
     assert soft._factored.rough.negative > pressures
     assert soft._factored.bed.max() < solver._factored.bed.max()
 
@@ -318,7 +318,7 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
         asked = Asked("depth", depth, pressed.body.at_rest)
         state = solver.find(state, asked)
     tangent = pressed.body.tangent(state.values, asked.memory)
-    _, loads = solver.contact.gaps(state.values, state.depth)
+    loads = solver.contact.at(state).loads
     bed = np.full(len(solver.contact), 1e3)
     stiff = (tangent + loads @ sparse.diags(bed / solver.contact.travel) @ loads.T).tocsr()
     none = np.zeros_like(bed)
@@ -345,10 +345,11 @@ def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
     for depth in (0.1, 0.3, 0.5):
         asked = Asked("depth", depth, pressed.body.at_rest)
         state = solver.find(state, asked)
-        shares.append(solver._blend(state, asked, LEAST))
+        shares.append(solver._blend(solver._look(state, asked), asked, LEAST))
     assert shares[0] == LEAST
     assert LEAST < shares[2] <= 1
-    assert solver._blend(state, replace(asked, control="force"), 1.0) == 1
+    by_force = replace(asked, control="force")
+    assert solver._blend(solver._look(state, by_force), by_force, 1.0) == 1
 
 
 def test_no_node_goes_farther_downhill_in_an_iteration_than_it_is_trusted():

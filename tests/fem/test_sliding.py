@@ -1,5 +1,7 @@
 """Weighted gaps on a deformed surface, and strain measures of large gradients."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm, logm
@@ -10,6 +12,7 @@ from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.spaces import Space
+from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
 from fefinger.profiles import Bar, Ellipsoid, Plane, Profile
 
@@ -29,82 +32,102 @@ def surface(profile: Profile, axis: np.ndarray = AXIS) -> tuple[Space, Sliding, 
     return space, sliding(space, top, np.zeros_like(space.points), obstacle, reach=2.0), top
 
 
+def moved(space: Space, contact: Sliding, seed: int = 0, depth: float = 0.2) -> State:
+    """Return a surface that crosses the obstacle back and forth, under some pressure."""
+    random = np.random.default_rng(seed)
+    values = 0.1 * random.normal(size=space.n_unknowns)
+    return State(values, random.uniform(1, 2, len(contact)), depth)
+
+
+def raised(space: Space, across: np.ndarray, height: float = 0.0) -> State:
+    """Return a plane top of the cube that is bent to heights (n_nodes,) mm, and moved up as one."""
+    values = np.zeros(space.n_unknowns)
+    values[2 : space.n_displacements : 3] = across + height
+    return State(values, np.zeros(0), 0.0)
+
+
 @pytest.mark.parametrize("profile", [Plane(), Ellipsoid((3.0, 2.0, 4.0))], ids=["plane", "round"])
 def test_the_loads_are_the_derivatives_of_the_weighted_gaps(profile: Profile):
     space, contact, _ = surface(profile)
-    random = np.random.default_rng(0)
-    values, along = 0.1 * random.normal(size=(2, space.n_unknowns))
-    _, loads = contact.gaps(values, 0.2)
-    h = 1e-5
-    ahead, behind = (contact.gaps(values + s * along, 0.2)[0] for s in (h, -h))
-    assert loads.T @ along == pytest.approx((ahead - behind) / (2 * h), rel=1e-7, abs=1e-9)
+    state, h = moved(space, contact), 1e-5
+    along = np.random.default_rng(7).normal(size=space.n_unknowns)
+    found = contact.at(state)
+    ahead, behind = (contact.at(replace(state, values=state.values + s * along)) for s in (h, -h))
+    change = (ahead.weighted - behind.weighted) / (2 * h)
+    assert found.steepness * (found.loads.T @ along) == pytest.approx(change, rel=1e-7, abs=1e-9)
 
 
 def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_says_so():
     space, contact, _ = surface(Ellipsoid((3.0, 2.0, 4.0)))
-    values = 0.1 * np.random.default_rng(1).normal(size=space.n_unknowns)
-    before, loads = contact.gaps(values, 0.2)
-    after, _ = contact.gaps(values, 0.3)
-    assert before - after == pytest.approx(0.1 * contact.travel)
+    state, h = moved(space, contact, 1), 1e-6
+    found = contact.at(state)
+    before, after = (contact.at(replace(state, depth=0.2 + s)).weighted for s in (-h, h))
+    assert (before - after) / (2 * h) == pytest.approx(found.steepness * contact.travel)
     assert contact.travel.sum() == pytest.approx(1.0)
     rigid = np.zeros(space.n_unknowns)
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
-    assert loads.T @ rigid == pytest.approx(contact.travel)
+    assert found.loads.T @ rigid == pytest.approx(contact.travel)
 
 
 def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     space, contact, _ = surface(Plane())
-    values = 0.1 * np.random.default_rng(2).normal(size=space.n_unknowns)
-    bed = contact.bed(values, 0.2, np.ones(len(contact), dtype=bool))
+    found = contact.at(moved(space, contact, 2))
+    bed = found.bed(np.ones(len(contact), dtype=bool))
     rigid, across = np.zeros((2, space.n_unknowns))
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
     across[: space.n_displacements] = np.tile([0.8, 0.0, 0.6], space.n_nodes)
     assert rigid @ bed @ rigid == pytest.approx(contact.travel.sum())
     assert np.abs(bed @ across).max() < 1e-15
-    _, loads = contact.gaps(values, 0.2)
-    assert bed @ rigid == pytest.approx(loads @ np.ones(len(contact)))
     one = np.arange(len(contact)) == 0
-    assert contact.bed(values, 0.2, one).sum() < bed.sum()
+    assert found.bed(one).sum() < bed.sum()
 
 
-def folded(depth: float = 0.2) -> tuple[Sliding, np.ndarray, np.ndarray]:
-    """Return a surface that crosses the obstacle back and forth, and its weighted gaps."""
+def test_what_resists_folds_is_the_derivative_of_the_loads():
     space, contact, _ = surface(Plane())
-    values = 0.15 * np.random.default_rng(4).normal(size=space.n_unknowns)
-    return contact, values, np.maximum(contact.gaps(values, depth)[0], 0.0)
+    state, h = moved(space, contact, 4), 1e-6
+    along = np.random.default_rng(5).normal(size=space.n_unknowns)
+    found = contact.at(state)
+    multipliers = state.pressure / found.steepness
+
+    def load(way: float) -> np.ndarray:
+        there = contact.at(replace(state, values=state.values + way * along))
+        return there.loads @ (multipliers * there.steepness)
+
+    change = (load(h) - load(-h)) / (2 * h)
+    stiffness = found.stiffness()
+    assert -stiffness @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+    assert np.linalg.eigvalsh(stiffness.toarray()).min() > -1e-12 * abs(stiffness).max()
+    assert (found.rise > 0).all()
+    pulled = contact.at(replace(state, pressure=-state.pressure))
+    assert abs(pulled.stiffness()).max() == 0
 
 
-def test_what_holds_a_folded_facet_has_its_derivative_and_its_force():
-    contact, values, gaps = folded()
-    found = contact.hold(values, 0.2, gaps, 40.0)
-    along = np.random.default_rng(5).normal(size=len(values))
-    h = 1e-7
-    ahead, behind = (contact.hold(values + s * along, 0.2, gaps, 40.0).force for s in (h, -h))
-    change = (ahead - behind) / (2 * h)
-    assert -found.stiffness @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
-    pushed = found.force[: 3 * (len(values) // 3)].reshape(-1, 3).sum(axis=0)
-    assert pushed @ AXIS == pytest.approx(contact.travel @ found.pressure)
-    assert np.linalg.norm(np.cross(pushed, AXIS)) < 1e-12 * np.linalg.norm(pushed)
-    assert (found.pressure >= 0).all()
-
-
-def test_nothing_holds_a_facet_that_is_flat_or_not_closed_yet():
-    space, contact, _ = surface(Plane(), np.array([0.0, 0.0, -1.0]))
-    values = np.zeros(space.n_unknowns)
-    values[2 : space.n_displacements : 3] = 0.5
-    inside, _ = contact.gaps(values, 0.0)
-    assert inside == pytest.approx(-0.5 * contact.travel)
-    assert not contact.hold(values, 0.0, inside, 40.0).force.any()
-    assert contact.hold(values, 0.0, np.zeros_like(inside), 40.0).force.any()
+def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less():
+    space, contact, _ = surface(Plane(), -UP)
+    size, at = contact.sizes.max(), space.node_points
+    top = at[:, 2] == 1
+    flat = contact.at(raised(space, top * -0.02 * size))
+    assert flat.gaps == pytest.approx(0.02 * size * contact.travel, rel=0.05)
+    touching = contact.at(raised(space, 0.0 * top))
+    assert touching.gaps == pytest.approx(0.0, abs=1e-15)
+    middle = top & (np.abs(3 * at[:, :2] - np.round(3 * at[:, :2])) > 0.1).any(axis=1)
+    folds = {}
+    for fold in (0.02, 0.04):
+        bent = contact.at(raised(space, fold * size * (top * 2.0 / 3.0 - middle)))
+        mean = contact.gathered(contact.hats * bent.distance[:, None])
+        folds[fold] = (mean - bent.weighted) / size
+    assert (folds[0.02] > 0).all()
+    assert folds[0.04] / folds[0.02] == pytest.approx(4.0, rel=0.1)  # of second order
 
 
 def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     space, contact, top = surface(Plane())
     flat = np.zeros_like(space.points)
     small = patch(space, top, flat, contact.obstacle, reach=2.0)
-    gaps, loads = contact.gaps(np.zeros(space.n_unknowns), 0.0)
-    assert gaps == pytest.approx(small.gap, abs=1e-15)
-    assert abs(loads - small.loads).max() < 1e-15
+    rest = contact.at(State(np.zeros(space.n_unknowns), np.zeros(len(contact)), 0.0))
+    mean = contact.gathered(contact.hats * rest.distance[:, None])
+    assert mean == pytest.approx(small.gap, abs=1e-15)
+    assert rest.loads.sum(axis=0) == pytest.approx(small.loads.sum(axis=0))
 
 
 def test_skin_beside_an_edge_may_fold_around_it_though_its_gap_is_beyond_all_reach():
@@ -146,10 +169,11 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     space, contact, _ = surface(Ellipsoid((2.0, 2.0, 2.0)), np.array([0.0, 0.0, -1.0]))
     values = np.zeros(space.n_unknowns)
     values[: space.n_displacements : 3] = 10.0
-    gaps, loads = contact.gaps(values, 0.0)
-    assert gaps == pytest.approx(FAR * contact.travel)
+    found = contact.at(State(values, np.ones(len(contact)), 0.0))
+    assert (found.gaps > 0.5 * FAR * contact.travel).all()
     assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
-    assert np.isfinite(loads.data).all()
+    for each in (found.loads.data, found.rise, found.stiffness().data):
+        assert np.isfinite(each).all()
 
 
 def test_logarithmic_strain_is_half_the_logarithm_of_c():
