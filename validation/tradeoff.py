@@ -24,8 +24,11 @@ from fefinger.mechanics._tradeoff import STATED
 from fefinger.text import SAID, finite
 
 
+AS_REPORTED = 0.05
+"""How close to the report the share of the picks within the least cost is expected."""
+
 AS_THE_ORACLE = 0.1
-"""How close to the share of the oracle that of the picks is expected."""
+"""By how much the share of the picks may be smaller than that of the oracle."""
 
 COMMAND = "python -m fefinger.validation.tradeoff reports"
 
@@ -166,14 +169,14 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
                 "1",
                 "95 % of the scenes",
             )
-    yield _cost(data)
+    yield from _cost(data)
 
 
 WHOSE = {"the picks": "stated_kept", "all candidates": "stated_kept_by_all_candidates"}
 
 
-def _cost(data: Callable[[], dict[str, Any]]) -> Case:
-    """Return the case on the cost of the picks, which is beside what is wanted and why."""
+def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
+    """Yield the cases on the cost of the picks, which is beside what is wanted and why."""
     known = committed()
     over = known["summary"]["stated_over_actual_of_the_cheapest"]
     reached = held_out.oracle(known["held_out"], over)
@@ -181,20 +184,32 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Case:
         f"{100 * share:.0f} % at {factor}"
         for factor, share in known["summary"]["oracle_within_1.2"].items()
     )
-    return Case(
+    share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
+    yield Case(
         "tradeoff",
-        f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do",
+        share,
         lambda: float(data()["summary"]["within_1.2"]),
-        reached,
+        known["summary"]["within_1.2"],
+        AS_REPORTED,
+        "1",
+        "what the report says",
+        wanted=held_out.KEPT,
+        shortfall=(
+            f"{100 * held_out.KEPT:.0f} % asks for errors known almost exactly: of the picks of an "
+            "oracle that states every actual error too large by a factor there are within it, by "
+            f"that factor, {curve}."
+        ),
+        reason="times of another machine, in ratios",
+    )
+    yield Case(
+        "tradeoff",
+        f"{share}: how much smaller than that of an oracle",
+        lambda: max(0.0, reached - float(data()["summary"]["within_1.2"])),
+        0.0,
         AS_THE_ORACLE,
         "1",
         f"an oracle that states every actual error {over:.2g} times too large, as the planner does "
         "in the median with that of the cheapest that will do",
-        wanted=held_out.KEPT,
-        shortfall=(
-            f"{100 * held_out.KEPT:.0f} % asks for errors known almost exactly: of the oracle's "
-            f"picks there are within it, by the factor of its statements, {curve}."
-        ),
         reason="what the planner states is too large by a factor that varies",
     )
 
