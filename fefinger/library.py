@@ -211,7 +211,7 @@ def calibrated_dp() -> TissueSet:
     Modulus and exponent of Demiray's law with which `solid` shows the stiffness against force of
     Table 2.1 (confidence low: they trade against each other and against the ratio of the layers,
     which is a prior; see `reports/calibrated.json` for the uncertainties). The relaxation is that
-    of the same table. With the finger of the subject, on the standard mesh; at small strain the
+    of the same table. With the finger of the subject, on the coarse mesh; at small strain the
     exponent says nothing, and the set is too soft.
     """
     return _calibrated("d.p.")
@@ -220,7 +220,7 @@ def calibrated_dp() -> TissueSet:
 def calibrated_ds() -> TissueSet:
     """Return a fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
 
-    Fitted on the standard mesh (confidence low).
+    Fitted on the coarse mesh (confidence low).
     """
     return _calibrated("d.s.")
 
@@ -236,7 +236,7 @@ def calibrated_ah() -> TissueSet:
 def calibrated_pw() -> TissueSet:
     """Return a fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
 
-    Fitted on the standard mesh (confidence low).
+    Fitted on the coarse mesh (confidence low).
     """
     return _calibrated("p.w.")
 
