@@ -38,10 +38,8 @@ MIDDLE = 1
 
 FLATTER = (
     "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
-    "that is flatter along the finger spreads it again. For d.s. six presses hold the printed R "
-    "between them, but pads of 15.48 and 15.57 mm give R of 11.1 and 13.0 mm: meshes of their own, "
-    "and the depth at which a press ends, resolve no finer. The geometry is no bound: its pads can "
-    "be 18.7 mm."
+    "that is flatter along the finger spreads it again. The radius that the thesis's fit finds is so "
+    "met; the width, which weighs the tails of the pressure, is not."
 )
 
 STIFFER = (
