@@ -38,8 +38,8 @@ MIDDLE = 1
 
 FLATTER = (
     "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
-    "that is flatter along the finger spreads it again. The radius that the thesis's fit finds is so "
-    "met; the width, which weighs the tails of the pressure, is not."
+    "that is flatter along the finger spreads it again. The radius that the thesis's fit finds is "
+    "so met; the width, which weighs the tails of the pressure, is not."
 )
 
 STIFFER = (
