@@ -129,8 +129,9 @@ MESH = {"coarse": 4.3e-3, "standard": 3e-3, "fine": 3e-3}
 
 Of coarse meshes that of `reports/mesh-curves.json`, from presses on meshes that were drawn anew; on
 standard ones it is 1e-3 there, but new presses of calibrated fingers by `solid` are 0.5e-3 to
-3.5e-3 off the curves that were fitted (suite `calibration`). Two of 31 draws of the coarse mesh
-before were 2 % stiffer, which is not explained.
+3.5e-3 off the curves that were fitted (suite `calibration`). Draws of another day gave 4.5e-3 and
+1.3e-3, and 0.3 and 0.44 mm for LENGTH. Two of 31 draws of the coarse mesh before were 2 % stiffer,
+which is not explained.
 """
 
 LENGTH = 0.3
