@@ -28,6 +28,17 @@ def test_the_committed_index_is_fresh() -> None:
     assert written == index.html(REPORTS), "run `python -m fefinger.validation.index reports`"
 
 
+def test_no_committed_comparison_fails() -> None:
+    failed = [
+        f"{path.stem}: {case['name']}"
+        for path in REPORTS.glob("*.json")
+        for suite in json.loads(path.read_text(encoding="utf-8")).get("suites", ())
+        for case in suite["cases"]
+        if case["verdict"] == "fail"
+    ]
+    assert not failed
+
+
 def test_every_file_is_linked_and_every_link_is_there() -> None:
     html = index.html(REPORTS)
     links = set(re.findall(r'href="([^"]*)"', html))
