@@ -1,7 +1,7 @@
 """Measure by what answers differ on meshes of one finger: the mesher draws at random.
 
 Run as `python -m fefinger.validation.evidence_scatter reports`; it builds each mesh anew, in a
-process and a cache of its own, and takes some twelve minutes of two cores.
+process and a cache of its own, and takes some twenty minutes of two cores.
 """
 
 import json
@@ -24,7 +24,7 @@ from fefinger.mechanics._scatter import REPORT
 from fefinger.mechanics._tradeoff import STATED
 
 
-MESHES, DRAWS = ("coarse", "standard"), 12
+MESHES, DRAWS = ("coarse", "standard"), 24
 
 PLATES = ("flat-0", "flat-15")
 """Presses by `linear`: contacts that grow along the pad, and ones that stay small."""

@@ -56,7 +56,8 @@ RULES = (
     "rules are as before. With six meshes compared 94 % of the errors of pressure were kept, and "
     "with twelve, which are taken since, 95 %: those of the highest pressure on the coarse mesh of "
     "another finger are told too small by a fifth. When the weighted gaps of `solid` were changed, "
-    "which had not seen facets fold, its runs were made again."
+    "which had not seen facets fold, its runs were made again. Two dozens of twelve meshes then "
+    "made the picks take 2.2 and 3.5 times the least time; twenty-four are compared since."
 )
 
 SHARED = (
