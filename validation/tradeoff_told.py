@@ -68,10 +68,10 @@ def again(found: dict[str, Any]) -> str:
     """Return what became of scenes that were drawn anew."""
     return (
         "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
-        "drawn anew on the same presses, not looked at before, the picks meet the "
-        f"tolerance in {100 * found['tolerance_met']:.0f} %, keep what they state of the force in "
-        f"{100 * found['stated_kept']['force']:.0f} %, and are within {ENOUGH:g} times in "
-        f"{100 * found['within_1.2']:.0f} %."
+        "drawn anew on the same presses, not looked at before, the picks meet the tolerance in "
+        f"{100 * found['tolerance_met']:.0f} %, keep what they state (of all candidates) in "
+        f"{_shares(found['stated_kept'], found['stated_kept_by_all_candidates'])}, and are within "
+        f"{ENOUGH:g} times in {100 * found['within_1.2']:.0f} %."
     )
 
 
