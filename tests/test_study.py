@@ -340,6 +340,15 @@ def test_an_error_of_the_program_is_a_sentence_too():
     assert workers.answer({})["error"] == "unexpected KeyError: 'scene'"
 
 
+def test_a_worker_whose_parent_is_gone_ends_without_a_word():
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen([sys.executable, "-c", workers.SERVE], **pipes) as worker:
+        worker.stdout.close()
+        worker.stdin.write(b"{}\n")
+        worker.stdin.close()
+        assert worker.stderr.read() == b""
+
+
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
 def test_a_cluster_gives_the_same():
     distributed = pytest.importorskip("distributed", reason="needs the extra 'distributed'")

@@ -44,8 +44,12 @@ def serve() -> None:
     out = sys.stdout
     with contextlib.redirect_stdout(sys.stderr):
         for line in sys.stdin:
-            out.write(json.dumps(answer(json.loads(line))) + "\n")
-            out.flush()
+            told = json.dumps(answer(json.loads(line)))
+            try:
+                out.write(told + "\n")
+                out.flush()
+            except BrokenPipeError:  # the parent is gone, which has told why
+                os._exit(1)
 
 
 class Worker:
