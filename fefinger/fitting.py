@@ -37,7 +37,12 @@ LIKELY = {
         50.0,
         (("kN", 0.0, 0.02), ("mN or grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
     ),
-    "time": ("duration", 0.05, 1000.0, (("minutes", 0.0, 0.05), ("ms", 1000.0, math.inf))),
+    "time": (
+        "duration",
+        0.05,
+        1000.0,
+        (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
+    ),
 }
 """What a column amounts to, its range for a finger, and the unit that values outside it are in."""
 

@@ -114,6 +114,7 @@ TABLES = {
     "force in g": (lambda s: changed(s, 2, lambda f: f * 102), r"in mN or grams of force;"),
     "force in mN": (lambda s: changed(s, 2, lambda f: f * 1e3), r"force: .*in mN;"),
     "time in ms": (lambda s: changed(s, 0, lambda t: t * 1e3), r"time: .*in ms;"),
+    "the ramp alone": (lambda s: s[:200], r"time: .*, or ended before a hold;"),
     "pulling": (lambda s: changed(s, 2, lambda f: -f), "expected pressing to be positive"),
     "outward": (lambda s: changed(s, 1, lambda x: -x), "change its sign"),
     "unsorted": (swap, r"line 103: expected a time above .* received an earlier time"),
