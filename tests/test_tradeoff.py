@@ -197,6 +197,15 @@ def test_an_oracle_picks_the_cheapest_unless_it_overstates_across_a_tolerance():
     assert shares == [1.0, 0.75, 0.5, 0.25, 0.0]
 
 
+def test_smaller_stated_errors_buy_cheaper_picks_until_they_are_not_kept():
+    scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}  # stated: twice the actual error
+    found = tradeoff_held_out.smaller(scenes, 0.5)
+    assert found == {"within_1.2": 1.0, "kept": 1.0, "tolerance_met": 1.0}
+    found = tradeoff_held_out.smaller(scenes, 0.15)  # the rough one will seem to do, once
+    assert (found["kept"], found["tolerance_met"]) == (0.0, 0.75)
+    assert tradeoff_held_out.smaller(scenes, 1.0)["within_1.2"] == 0.25
+
+
 def test_the_summary_counts_what_is_kept_and_what_the_picks_cost():
     scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}
     found = summary(scenes)

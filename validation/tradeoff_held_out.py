@@ -30,6 +30,9 @@ KEPT = 0.95
 OVERSTATED = (1.0, 1.1, 1.2, 1.5, 2.0, 2.5, 3.0)
 """Factors by which an oracle states errors too large."""
 
+SMALLER = (0.9, 0.8, 0.7, 0.6, 0.5)
+"""Factors of all that is stated, to see what margins cost and what they are for."""
+
 
 def label(rung: Rung) -> str:
     """Return the name of a rung as a candidate."""
@@ -78,9 +81,9 @@ def _unjudged(ladder: Sequence[Rung]) -> str | None:
     return label(min(willing, key=lambda rung: rung.seconds)) if willing else None
 
 
-def cheapest(rows: dict[str, dict[str, Any]], tolerance: float) -> str | None:
-    """Return the cheapest candidate whose actual error of the force is within a tolerance."""
-    able = [name for name, row in rows.items() if row["actual"]["force"] <= tolerance]
+def cheapest(rows: dict[str, dict[str, Any]], tolerance: float, by: str = "actual") -> str | None:
+    """Return the cheapest candidate whose error of the force is within a tolerance."""
+    able = [name for name, row in rows.items() if _force(row, by) <= tolerance]
     return min(able, key=lambda name: rows[name]["seconds"]) if able else None
 
 
@@ -126,6 +129,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "stated_over_actual_of_the_cheapest": _over(cheap, "force"),
         "within_1.2": _share(list(ratios <= ENOUGH)),
         "oracle_within_1.2": {f"{x:g}": oracle(judged, x) for x in OVERSTATED},
+        "stated_smaller": {f"{x:g}": smaller(judged, x) for x in SMALLER},
         "median_ratio": float(np.median(ratios)),
         "worst_ratio": float(ratios.max()),
         "geometric_mean_ratio": float(np.exp(np.log(ratios).mean())),
@@ -145,6 +149,32 @@ def oracle(judged: dict[str, dict[str, Any]], factor: float) -> float:
         if pick and best:
             ratios.append(rows[pick]["seconds"] / rows[best]["seconds"])
     return _share([ratio <= ENOUGH for ratio in ratios])
+
+
+def smaller(judged: dict[str, dict[str, Any]], factor: float) -> dict[str, float]:
+    """Return what the picks would be like if every stated error of the force were so much smaller.
+
+    Shares of those within ENOUGH, of those whose error of the force is as stated, or as asked.
+    """
+    picks = []
+    for each in judged.values():
+        rows = each["candidates"]
+        pick = cheapest(rows, each["tolerance"] / factor, by="stated")
+        if pick and each["best"]:
+            picks.append((rows[pick], rows[each["best"]], each["tolerance"]))
+    return {
+        "within_1.2": _share(
+            [row["seconds"] <= ENOUGH * best["seconds"] for row, best, _ in picks]
+        ),
+        "kept": _share([_force(row) <= factor * _force(row, "stated") for row, *_ in picks]),
+        "tolerance_met": _share([_force(row) <= tolerance for row, _, tolerance in picks]),
+    }
+
+
+def _force(row: dict[str, Any], kind: str = "actual") -> float:
+    """Return the error of the force of a candidate, infinite where none is stated."""
+    error = row[kind]["force"]
+    return np.inf if error is None else float(error)
 
 
 def _told(rows: list[dict[str, Any]], quantity: str) -> list[tuple[float, float]]:
