@@ -65,8 +65,8 @@ def build(
     for attempt in range(ATTEMPTS):
         say(f"meshing, attempt {attempt + 1}")
         chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
-        mesh = _attempt(shape, recipe, chosen, name=name, say=say)
         try:
+            mesh = _attempt(shape, recipe, chosen, name=name, say=say)
             gate(mesh.quality)
         except ConvergenceError as error:
             fault = error

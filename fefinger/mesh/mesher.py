@@ -1,15 +1,20 @@
-"""pytetwild, quiet, with a sizing field: conforming tetrahedra around the surfaces of a finger."""
+"""pytetwild with a sizing field: conforming tetrahedra around the surfaces of a finger."""
 
 import itertools
 import os
+import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.checks import ConvergenceError
+from fefinger.mesh import tetwild
 from fefinger.mesh.surface import Triangles
 
 
@@ -47,45 +52,47 @@ def tetrahedra(
     """Return vertices (n, 3) mm and positive cells (m, 4) that fill a box around the surfaces.
 
     The surfaces, open or closed, appear as faces within the envelope; nothing is removed outside.
+    Raises ConvergenceError where the mesher fails.
     """
-    import pytetwild
-
     points, triangles = _joined(surfaces)
     box = np.array([points.min(axis=0) - 1.0, points.max(axis=0) + 1.0])
     nodes, cells = _grid(box, max(settings.pad, 0.6))
-    with silent():
-        vertices, found = pytetwild.tetrahedralize(
-            points,
-            triangles.astype(np.int32),
-            edge_length_abs=settings.largest,
-            epsilon=settings.envelope,
-            coarsen=True,
-            disable_filtering=True,
-            num_threads=1,
-            bg_vertices=nodes,
-            bg_tets=cells.astype(np.int32),
-            bg_values=size(nodes),
-        )
+    vertices, found = _apart(
+        vertices=points,
+        faces=triangles.astype(np.int32),
+        edge_length_abs=settings.largest,
+        epsilon=settings.envelope,
+        bg_vertices=nodes,
+        bg_tets=cells.astype(np.int32),
+        bg_values=size(nodes),
+    )
     # fTetWild lists the corners of a cell the other way round.
     return np.asarray(vertices, dtype=float), found.astype(np.int64)[:, [0, 2, 1, 3]]
 
 
-@contextmanager
-def silent() -> Iterator[None]:
-    """Send what C++ prints to nowhere: file descriptors 1 and 2, for the time of the block."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = [os.dup(1), os.dup(2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 1)
-        os.dup2(nowhere, 2)
-        yield
-    finally:
-        os.dup2(kept[0], 1)
-        os.dup2(kept[1], 2)
-        for descriptor in (*kept, nowhere):
-            os.close(descriptor)
+def _apart(**given: Any) -> tuple[Array, Index]:
+    """Return the vertices and cells of what is `given` to `tetwild`, run beside this process."""
+    with TemporaryDirectory(prefix="fefinger-") as name:
+        folder = Path(name)
+        np.savez(folder / tetwild.GIVEN, **given)
+        command = [sys.executable, "-m", tetwild.__name__, name]
+        where = {"PYTHONPATH": os.pathsep.join(each for each in sys.path if each)}
+        run = subprocess.run(
+            command,
+            check=False,
+            env=os.environ | where,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+        )
+        if run.returncode:
+            said = (run.stderr.strip().splitlines() or ["nothing"])[-1]
+            message = f"mesher: it ended with status {run.returncode} and said: {said}"
+            raise ConvergenceError(message)
+        with np.load(folder / tetwild.FOUND) as found:
+            return found["vertices"], found["cells"]
 
 
 def _joined(surfaces: list[Triangles]) -> Triangles:

@@ -1,5 +1,6 @@
 """The builder from end to end on a very coarse finger, and the gate that judges it."""
 
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.mesh import improve
 from fefinger.mesh.build import SETTINGS, build, sizes, touched
-from fefinger.mesh.mesher import Settings
+from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
@@ -39,16 +40,34 @@ def test_rough_finger_is_conforming(rough: FingerMesh) -> None:
     assert np.array_equal(np.unique(np.sort(named, axis=1), axis=0), unique[count == 1])
 
 
-def test_mesher_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    from fefinger.mesh.mesher import tetrahedra
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+SIDES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
-    sides = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
-    points, cells = tetrahedra(
-        [(corners, sides)], lambda p: np.full(len(p), 1.0), Settings(pad=1.0, largest=1.0)
-    )
+
+def meshed(sides):
+    return tetrahedra([(CORNERS, sides)], lambda p: np.full(len(p), 1.0), Settings(1.0, largest=1))
+
+
+def test_mesher_is_silent_and_leaves_ctrl_c_to_python(capfd: pytest.CaptureFixture[str]) -> None:
+    """In this process it would put the handler of SIGINT back to the one that ends us."""
+
+    def stop(signum, frame):
+        raise KeyboardInterrupt
+
+    handler = signal.signal(signal.SIGINT, stop)
+    try:
+        points, cells = meshed(SIDES)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, handler)
     assert volumes(points, cells).min() > 0
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_mesher_that_fails_is_an_error_and_not_the_end() -> None:
+    with pytest.raises(ConvergenceError, match="mesher: it ended with status"):
+        meshed(SIDES[:0])
 
 
 def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
