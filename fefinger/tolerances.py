@@ -24,8 +24,9 @@ FORCE_MATCH = 1e-9
 """Relative error of the force under force control."""
 
 SMALL_FORCE = 1e-6
-"""Force, against the largest one of its path, below which its error is relative to that of this
-size: what presses less than the contact tells apart could not be met any closer."""
+"""Force (of finite strain, depth too), against the largest one of its path, below which errors are
+relative to one of this size: what presses less than the contact tells apart could not be met any
+closer."""
 
 INSIDE = 1e-3
 """Barycentric coordinate by which a site may lie outside the nearest cell: facets are flat, the

@@ -18,7 +18,7 @@ from fefinger.calibration import pad, target
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
-from fefinger.calibration.outcome import AGREES, Found, checked, outcome, reach
+from fefinger.calibration.outcome import AGREES, Found, checked, outcome, reach, refuse_gross
 from fefinger.calibration.press import PART
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, Record
@@ -110,7 +110,7 @@ def calibrate(
     InputError
         A source that cannot be used.
     ConvergenceError
-        A fit or a press that fails.
+        A fit or a press that fails, or a finger that does not show the record at all.
     """
     choice("mechanics", mechanics, MECHANICS)
     choice("resolution", resolution, RESOLUTIONS)
@@ -128,6 +128,7 @@ def calibrate(
     again = None if check is None else target.unloading(check)
     rung = {"condensed": condensed, "solid": solid}[mechanics]
     done = rung(work, wanted, measured)
+    refuse_gross(done)
     return done if again is None else checked(done, again)
 
 
@@ -231,6 +232,7 @@ def _target(work: Work, source: str | Path) -> Bulk | Record:
         return target.subject(source)
     with work.stage("lumped") as misfit:
         found = target.record(source, work.finger.resolution)
+        target.check_depth(found, work.finger)
         misfit(found.lumped_misfit)
     return found
 

@@ -28,6 +28,7 @@ from fefinger.calibration.record import (
     tissue,
 )
 from fefinger.calibration.target import Bulk, Record
+from fefinger.checks import ConvergenceError
 from fefinger.finger import Finger
 from fefinger.motion import RampSinusoid
 from fefinger.theory import doubt
@@ -38,8 +39,15 @@ from fefinger.tissue import Tissue
 Array = NDArray[np.float64]
 
 LAW = "demiray"
+GROSS = 0.1
+"""Squared error over the variance of a record from which on a fit is none. The thesis has 0.07 on
+the sinusoids that it predicts."""
+
 AGREES = 0.05
 """Relative error of the fitted R up to which the pad radius counts as found."""
+
+APART = 0.1
+"""Distance in mm of two touches that is told."""
 
 FREQUENCIES = (2, 4, 8, 16)
 """Hz of the sinusoids of the thesis (section 2.2.2), which are predicted and not fitted."""
@@ -127,6 +135,20 @@ def checked(done: Calibration, motion: tuple[Array, Array, Array]) -> Calibratio
     return replace(done, checks=done.checks | {"record that was not fitted": errors(force, model)})
 
 
+def refuse_gross(done: Calibration) -> None:
+    """Raise ConvergenceError for a finger that does not show the record that it was fitted to."""
+    missed = done.residuals.get("mse", 0.0)
+    if missed > GROSS:
+        rest = "".join(f"; {said}" for said in done.unidentified)
+        msg = (
+            f"{done.target}: expected a finger that shows the record, but the best one misses "
+            f"{100 * missed:.3g} % of its variance, at most {100 * GROSS:g} % being taken; press "
+            f"less deep than {done.deepest:.2g} mm, where its presses end, and check the size of "
+            f"the finger and the units{rest}"
+        )
+        raise ConvergenceError(msg)
+
+
 def errors(measured: Array, model: Array) -> dict[str, float]:
     """Return the squared error of Eq. 2.5 and the error at the peaks, both as fractions.
 
@@ -207,6 +229,7 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
     if isinstance(wanted, Record):
         lumped = wanted.lumped
         said += doubt.bias(wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty)
+        said += _other_touch(found.solution.values[TOUCH], lumped.spring.x0)
     if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")
     if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:
@@ -223,6 +246,17 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
                 f"instead of {pad.HEAVIEST:g} N as those of the thesis"
             )
     return tuple(said)
+
+
+def _other_touch(own: float, lumped: float) -> list[str]:
+    """Return what there is to say of a finger that touches elsewhere than the lumped law."""
+    if abs(own - lumped) < APART:
+        return []
+    return [
+        f"x0: this finger touches at {own:.2g} mm, the lumped law of the same record at "
+        f"{lumped:.2g} mm: how a force begins is the model's, and the deviation of x0 does not "
+        "count that"
+    ]
 
 
 def _status(

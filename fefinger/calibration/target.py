@@ -11,6 +11,7 @@ from scipy.linalg import solve_triangular
 
 from fefinger import fitting, library
 from fefinger.checks import InputError, choice
+from fefinger.finger import Finger
 from fefinger.theory.identify import Identification, joint
 from fefinger.theory.lumped import Spring, constant_velocity, force
 from fefinger.theory.ramphold import RampHold, averages, deviation_of, split
@@ -196,13 +197,29 @@ def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Re
     except ValueError as error:
         msg = f"{name}: {error}"
         raise InputError(msg) from None
-    except RuntimeError as error:
-        msg = f"{name}: expected a force that rises on the ramp and falls in the hold, but {error}"
+    except RuntimeError:
+        msg = (
+            f"{name}: expected a force that rises on the ramp and falls in the hold, as the lumped "
+            "law of the thesis, but its fit does not converge; is this a finger, and is its hold "
+            f"of {parts.hold_seconds:.3g} s long enough to see it relax?"
+        )
         raise InputError(msg) from None
     _check_finger(name, parts, found)
     t, x, f, _ = averages(parts)
     sd = deviation_of(parts, found.spring, found.prony)
     return Record(name, parts, found, t, x, f, sd, mesh)
+
+
+def check_depth(wanted: Record, finger: Finger) -> None:
+    """Refuse a record that presses a finger as deep as its soft tissue, or deeper."""
+    deep = float(wanted.position.max()) - wanted.lumped.spring.x0
+    if deep >= finger.pulp:
+        msg = (
+            f"{wanted.name}: position: expected a press of less than {finger.pulp:.3g} mm, the "
+            f"tissue under the pad (half of the thickness, {finger.thickness:g} mm), received one "
+            f"that goes {deep:.3g} mm beyond touch; check the size of the finger and the unit"
+        )
+        raise InputError(msg)
 
 
 def unloading(file: str | Path) -> tuple[Array, Array, Array]:

@@ -195,7 +195,8 @@ class Equilibrium:
         self.load, residual = load, inner - force
         load = max(load, asked.small)
         size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
-        size = max(size, asked.small / self.body.scale / float(np.sqrt(travel.sum())))
+        shallow = asked.small / self.body.scale / float(np.sqrt(travel.sum()))
+        size = max(size, asked.shallow, shallow)
         forces = float(np.linalg.norm(residual[free]))
         volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
         apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / travel

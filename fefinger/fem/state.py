@@ -44,3 +44,8 @@ class Asked:
     def small(self) -> float:
         """Force in mN below which errors are relative to one of this size; 0 for a depth."""
         return SMALL_FORCE * self.peak if self.control == "force" else 0.0
+
+    @property
+    def shallow(self) -> float:
+        """Depth in mm below which errors are relative to one of this size; 0 for a force."""
+        return SMALL_FORCE * self.peak if self.control == "depth" else 0.0

@@ -22,6 +22,7 @@ PACES = 16  # more of them, of equal times: tissue relaxes in slow corners and a
 REST = 0.5  # a step of a rest, against the time that it has lasted
 LEAST = 5  # in every piece; 3 miss 4 % of a vibration at 200 Hz
 WRONG = 5e-3  # of the peak that a spring may be wrong by
+ROOT = 1 / 3  # of the force that depth and area begin as: a spring linear in it sees neither
 STILL = 1e-9  # path against the peak that counts as none
 
 
@@ -148,11 +149,14 @@ def _even(motion: Motion, time: Array, refine: int) -> Stride:
 
 
 def _spring(memory: Prony, motion: Motion, time: Array, path: Array) -> Array:
-    """Return force and displacement (n_t, 2) of a spring that stiffens and relaxes, at times."""
+    """Return force and displacement (n_t, 2) of a spring that stiffens and relaxes, at times.
+
+    Under force control: as the displacement of a soft spring, and of one as stiff as a contact.
+    """
     x = np.maximum(path, 0.0) / motion.peak
     if motion.control == "force":
         crept = creep_integral(memory, time, x)
-        return np.column_stack([crept, crept])
+        return np.column_stack([crept, np.maximum(crept, 0.0) ** ROOT])
     return np.column_stack([hereditary_integral(memory, time, x**1.5 + x**3), x])
 
 

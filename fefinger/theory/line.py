@@ -36,8 +36,8 @@ def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
     if not min(m, b) > 0:
         msg = (
             f"stiffness against force: expected a rising line above 0, found m = {m:.3g} 1/mm and "
-            f"b = {b:.3g} N/mm; is the force 0 before touch, and is this a ramp into a finger, "
-            "sampled fast enough?"
+            f"b = {b:.3g} N/mm; is the force 0 before touch, is this a ramp into a finger, sampled "
+            f"fast enough, and is its noise, {record.force_noise:.2g} N, small enough for slopes?"
         )
         raise ValueError(msg)
     rest = k - design @ (m, b)

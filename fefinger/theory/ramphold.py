@@ -21,6 +21,8 @@ STRAY = 6.0  # standard deviations of smoothed noise that are not travel, in 1e5
 LEVELS = 50  # of the upper half of the travel, among which the hold has most samples
 BEGUN = 0.01  # part of the largest force from which a record is taken to begin in contact
 WHOLE = 1e-3  # of a step, by which differences of a rounded signal may be no multiples of it
+OFFSET = 0.1  # part of the largest force by which a force may begin below 0
+STEPPED = 0.5  # part of the samples that are as the one before in a force that is read in steps
 FILTERED = 0.01  # s over which noise that went through a filter is taken to be forgotten
 COLORED = 1.3  # times the noise from sample to sample that it has to be over that to count
 
@@ -66,15 +68,8 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     largest = float(force[:end].max())
     above = np.flatnonzero(smooth(force)[:hold] < 0.02 * largest)
     touch = int(above[-1]) + 1 if above.size else 0
-    for name, count in (("ramp in contact", hold - touch), ("hold", end - hold)):
-        if count < FEWEST:
-            apart = 1e3 * float(np.median(np.diff(time)))
-            msg = (
-                f"{name}: expected at least {FEWEST} samples, found {count}, one every "
-                f"{apart:.3g} ms; the record needs a fast ramp into the finger and then a rest at "
-                "that position, both sampled often enough"
-            )
-            raise ValueError(msg)
+    _check_parts(time[:end], force[:end], touch, hold)
+    _check_range(force[:end])
     force_noise = _held_noise(time[hold:end], force[hold:end])
     if touch == 0 and force[0] > BEGUN * largest + STRAY * force_noise:
         msg = (
@@ -92,6 +87,47 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
         force_noise=force_noise,
         position_noise=noise,
     )
+
+
+def _check_parts(time: Array, force: Array, touch: int, hold: int) -> None:
+    """Refuse a force that begins below 0, and a record with too few samples of ramp or hold."""
+    first = float(np.median(force[:SMOOTHING]))
+    if first < -OFFSET * float(force.max()):
+        msg = f"force: expected it to begin at 0 N, received {first:.3g} N before touch; tare it"
+        raise ValueError(msg)
+    for name, count in (("ramp in contact", hold - touch), ("hold", len(time) - hold)):
+        if count >= FEWEST:
+            continue
+        if count <= 0:
+            msg = (
+                f"{name}: expected a force that rises while the position does, which it does not; "
+                "is it the force of this ramp, and are both columns read at the same times?"
+            )
+        else:
+            msg = (
+                f"{name}: expected at least {FEWEST} samples, found {count}, one every "
+                f"{1e3 * float(np.median(np.diff(time))):.3g} ms; the record needs a fast ramp "
+                "into the finger and then a rest at that position, both sampled often enough"
+            )
+        raise ValueError(msg)
+
+
+def _check_range(force: Array) -> None:
+    """Refuse a force that stays at its largest value and then falls, as no peak of a finger does.
+
+    One that is read in steps may.
+    """
+    largest = float(force.max())
+    at_top = np.diff((force == largest).astype(np.int8), prepend=0)
+    left = np.flatnonzero(at_top < 0)
+    stays = left - np.flatnonzero(at_top > 0)[: len(left)]
+    same = np.diff(force[(force > largest / 2) & (force < largest)]) == 0
+    if stays.max(initial=0) >= FEWEST and same.size and same.mean() < STEPPED:
+        msg = (
+            f"force: expected a peak, received {largest:.4g} N in {stays.max()} samples one after "
+            "another, as of a sensor at the end of its range; record within it"
+        )
+        raise ValueError(msg)
 
 
 def _hold(position: Array, noise: float) -> tuple[int, int, int]:

@@ -11,10 +11,10 @@ from fefinger import library
 from fefinger.__main__ import main
 from fefinger.calibration import jobs, work
 from fefinger.calibration.force import predicted
-from fefinger.calibration.outcome import errors, layer
+from fefinger.calibration.outcome import errors, layer, refuse_gross
 from fefinger.calibration.press import LATER, PART, SPARE
 from fefinger.calibration.record import Calibration
-from fefinger.checks import InputError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
 
@@ -62,6 +62,23 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     assert np.shape(found.correlations) == (10, 10) == (len(found.parameters),) * 2
     with pytest.raises(KeyError, match="'depth': expected one of the parameters t_b, t_m, x0"):
         found["depth"]
+
+
+def test_a_finger_that_does_not_show_its_record_is_no_calibration(tmp_path, solved, linear, write):
+    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
+    found = ff.calibrate(press, finger=ff.Finger.subject("a.h."), mechanics="condensed")
+    refuse_gross(found)
+    gross = replace(found, residuals=found.residuals | {"mse": 1.5}, deepest=2.2)
+    with pytest.raises(ConvergenceError, match=r"misses 150 % .* press less deep than 2\.2 mm"):
+        refuse_gross(gross)
+
+
+def test_a_touch_beside_that_of_the_lumped_law_is_told(tmp_path, solved, law, write, monkeypatch):
+    press = write(tmp_path / "press.csv", record_of(law.at(2.4, 14.0), 0.7, 0.4))
+    for apart, count in ((1.0, 0), (1e-9, 1)):
+        monkeypatch.setattr("fefinger.calibration.outcome.APART", apart)
+        found = ff.calibrate(press, finger=ff.Finger.subject("a.h."), resolution="coarse")
+        assert sum("x0: this finger touches at" in said for said in found.unidentified) == count
 
 
 def test_a_subject_takes_no_check_and_nothing_is_solved(tmp_path, solved, linear, write):

@@ -12,6 +12,7 @@ from fefinger.calibration import inverse, target
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
 from fefinger.checks import InputError
+from fefinger.finger import Finger
 from fefinger.theory import synthetic
 from fefinger.theory.lumped import Spring, force
 from fefinger.theory.relaxation import Prony
@@ -84,7 +85,25 @@ def growing(table):
     return table
 
 
+def changed(table, column, change):
+    table = table.copy()
+    table[:, column] = change(table[:, column])
+    return table
+
+
 BAD = {
+    "a sensor at its end": (
+        lambda t: changed(t, 2, lambda f: np.minimum(f, 0.6 * f.max())),
+        r"expected a peak, received .* N in \d+ samples .*, as of a sensor at the end of its range",
+    ),
+    "not tared": (
+        lambda t: changed(t, 2, lambda f: f - 0.3),
+        r"expected it to begin at 0 N, received -0\.3.* tare it",
+    ),
+    "a force that is late": (
+        lambda t: changed(t, 2, lambda f: np.interp(t[:, 0] - 0.05, t[:, 0], f)),
+        "rises while the position does, which it does not",
+    ),
     "few points": (lambda t: t[:30], "at least 40 rows|duration"),
     "coarse": (
         lambda t: t[::200],
@@ -108,6 +127,20 @@ def test_a_record_that_cannot_be_used_gets_a_sentence(tmp_path, spoil, message, 
     file = write(tmp_path / "bad.csv", spoil(trial()))
     with pytest.raises(InputError, match=message):
         target.record(file, "coarse")
+
+
+def test_a_force_that_is_read_in_steps_is_of_a_sensor_within_its_range(tmp_path, write):
+    """Its peak stays on one step for many samples, and so does all else."""
+    table = changed(trial(), 2, lambda f: np.round(f / 0.3) * 0.3)
+    assert target.record(write(tmp_path / "steps.csv", table), "coarse").force.max() > 1
+
+
+def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
+    found = target.record(write(tmp_path / "press.csv", trial()), "coarse")
+    deep = found.position.max() - found.lumped.spring.x0
+    target.check_depth(found, Finger(width=14, thickness=2.1 * deep))
+    with pytest.raises(InputError, match=r"press of less than .* mm, the tissue under the pad"):
+        target.check_depth(found, Finger(width=14, thickness=1.9 * deep))
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):

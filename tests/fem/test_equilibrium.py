@@ -103,6 +103,18 @@ def passed(material: Law, times: np.ndarray, depth: object, **options: object) -
     return np.array(forces)
 
 
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_a_body_without_memory_that_is_left_again_is_at_rest_at_once(poisson: float):
+    """Nothing is left to which the errors of that last step could be relative."""
+    pressed, states = cube(neo_hookean(Elastic(40.0, poisson))), []
+    history = StressHistory(pressed.body, {1: Series(np.ones(1), np.empty(0))})
+    times, depth = np.arange(9.0), lambda time: 0.1 * min(time, 8.0 - time)
+    follow(pressed.equilibrium, history, Path("depth", times, depth), lambda _, s: states.append(s))
+    assert np.abs(states[-1].values).max() < 1e-7
+    assert states[-1].pressure.max() < 1e-6
+    assert pressed.equilibrium.factors < 10  # 60 and more in the last step, and no equilibrium
+
+
 def ramp(time: float) -> float:
     """Return a depth in mm: 0.4 mm in 40 ms, then a hold."""
     return min(10.0 * time, 0.4)

@@ -7,6 +7,7 @@ from fefinger import scenes
 from fefinger.mechanics._stride import STRIDES, heaviest, memories, stride
 from fefinger.mechanics._timeline import time_grid
 from fefinger.motion import (
+    ForceRampHold,
     ForceSampled,
     Motion,
     Ramp,
@@ -132,6 +133,15 @@ def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
     exact = creep_integral(prony, steps.time, steps.path)
     few = creep_integral(prony, steps.times, steps.value)
     assert steps.bounded(few) == pytest.approx(exact, abs=5e-3 * exact.max())
+
+
+def test_depth_and_area_are_known_from_a_light_touch_on_under_force_control() -> None:
+    """They begin as roots of the force, which a spring that is linear in it does not see."""
+    motion = ForceRampHold(loading_rate=5, force=1, hold=0.05)
+    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    for power in (1, 2 / 3, 1 / 3):
+        exact = np.maximum(steps.path, 0.0) ** power
+        assert steps.bounded(exact[steps.chosen]) == pytest.approx(exact, abs=0.02)
 
 
 def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
