@@ -128,6 +128,7 @@ class Condensed:
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
+        self._advance(0.0, 0.0, False)  # compiles or loads what a step needs: none of them waits
         self.reset()
 
     @property

@@ -91,6 +91,8 @@ def _kept(scene: "Scene", plan: "Plan", response: "Response") -> "Result":
 
 def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
     """Return what the population fires, or one unit of each type asked, under the strain."""
+    from dataclasses import replace
+
     from fefinger import population
     from fefinger.checks import InputError
     from fefinger.neural.afferents import from_strain
@@ -102,7 +104,7 @@ def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
         msg = f"ask.spikes: {response.mechanics!r} gives no strain under the skin to make them from"
         raise InputError(msg)
     sites, reference = response.sites, response.reference
-    return from_strain(
+    trains = from_strain(
         response.time,
         response.strain,
         sites.normals,
@@ -115,6 +117,7 @@ def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
         generator=scene.ask.generator,
         positions=sites.points,
     )
+    return replace(trains, depths=sites.depths)
 
 
 def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "SpikeTrains":

@@ -165,6 +165,9 @@ def fire(
     )
     trains = run(signals.time, signals.drive[:, columns])
     notes = trains.notes + _starts(signals) + _signs(signals)
+    if length is not None and None not in signals.lengths:
+        number("--length", length, above=0.0, unit="mm")
+        notes += ("Not used: --length, because no column is a strain.",)
     if not corners:
         time, drive = _curved(signals)
         smooth = run(time, drive[:, columns], check=False)

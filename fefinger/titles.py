@@ -10,7 +10,9 @@ from fefinger.records import Result
 
 MOST = 3  # differences that a title has room for
 LONG = 24  # letters of a value that it has room for
-SHOWN = ("finger.", "indenter.", "motion.")  # what is asked of them is no matter of a picture
+SHOWN = ("indenter.", "motion.", "finger.")  # what is asked of them is no matter of a picture
+SUBJECT = "finger.subject"
+SIZES = ("finger.width", "finger.thickness", "finger.pad_radius")  # which those of a subject are
 
 
 def titles(
@@ -34,6 +36,9 @@ def titles(
     kinds = {key.removesuffix("kind") for key in varied if key.endswith(".kind")}
     # What is of another kind has other values, and no need to name them.
     varied = [key for key in varied if key.endswith(".kind") or not key.startswith(tuple(kinds))]
+    if SUBJECT in varied:
+        varied = [key for key in varied if key not in SIZES]
+    varied.sort(key=lambda key: (not key.endswith(".kind"), SHOWN.index(key.split(".")[0] + ".")))
     return tuple(
         ", ".join([name, *_told(table, varied)]) for name, table in zip(names, tables, strict=True)
     )

@@ -123,6 +123,12 @@ def test_explain_prints_the_choice_and_the_ladder(capsys):
     assert record["mechanics"] in [rung["mechanics"] for rung in record["rungs"]]
 
 
+@pytest.mark.parametrize(("speed", "warned"), [(60, False), (1e3, True)])
+def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(speed, warned, capsys):
+    assert main(["explain", "flat-press", "--set", f"motion.speed={speed}"]) == 0
+    assert ("Warning: not quasi-static" in capsys.readouterr().err) is warned
+
+
 def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeypatch):
     from fefinger.records import Refusal
 

@@ -201,6 +201,13 @@ def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
         spikes.fire(strain, length=-1.0)
 
 
+def test_a_length_that_no_column_takes_is_checked_and_told(press):
+    signals = spikes.read(press)
+    assert "Not used: --length" in " ".join(spikes.fire(signals, ("SAI",), length=2.0).notes)
+    with pytest.raises(InputError, match="--length: expected"):
+        spikes.fire(signals, ("SAI",), length=-1.0)
+
+
 def test_a_type_given_twice_is_refused(press):
     with pytest.raises(
         InputError, match="--type: expected every type once, received SAI, FAI, SAI"

@@ -4,6 +4,7 @@ import pytest
 
 import fefinger as ff
 from fefinger import plan
+from fefinger.checks import InputError
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.studies import choice, workers
 from fefinger.studies.tasks import Asked
@@ -53,6 +54,21 @@ def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monk
         kept.write_text("{")
     again = choice.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
     assert {task["mechanics"] for task in again.values()} == {"condensed"}
+
+
+def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
+    planned(monkeypatch, {15: ("linear", "coarse"), 30: ("linear", "standard")})
+    known = choice.choose
+
+    def choose(scene, mechanics=None):
+        if scene.indenter.angle == 45:
+            message = "none"
+            raise InputError(message)
+        return known(scene, mechanics)
+
+    monkeypatch.setattr(choice, "choose", choose)
+    said = choice.agreed(tasks(ANGLES))[1]
+    assert said.startswith("The scenes that can be answered are answered by linear")
 
 
 @pytest.mark.parametrize("name", ["hertz", "layered"])

@@ -15,7 +15,7 @@ from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Result
-from fefinger.scene import Flat, Sinusoid, Sphere
+from fefinger.scene import Finger, Flat, Sinusoid, Sphere
 from fefinger.titles import titles
 from fefinger.view import pictures, renderer, stage, window
 from fefinger.view.subject import colors, subject
@@ -178,10 +178,13 @@ def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result)
     assert titles(both[:1], ["runs/a"]) == (name,)
     slow = dataclasses.replace(both[0].scene, motion=Sinusoid(0.3, 5.0, 2))
     other = [both[1], dataclasses.replace(both[0], scene=slow)]
-    assert titles(other)[1] == f"{name}, indenter.angle 30, motion.kind sinusoid"
+    assert titles(other)[1] == f"{name}, motion.kind sinusoid, indenter.angle 30"
     faces = [dataclasses.replace(each, scene=dataclasses.replace(each.scene, indenter=indenter))
              for each, indenter in zip(both, (Sphere(3.0), Flat(10.0)), strict=True)]  # fmt: skip
     assert titles(faces)[0] == f"{name}, indenter.kind sphere"
+    second = dataclasses.replace(faces[1].scene, finger=Finger.subject("p.w."))
+    told = titles([faces[0], dataclasses.replace(faces[1], scene=second)])[1].split(", ")
+    assert told[1:3] == ["indenter.kind flat", "finger.subject p.w."]
     wide = dataclasses.replace(both[0].scene.finger, width=15, thickness=9, pad_radius=12)
     bare = dataclasses.replace(both[1].scene, finger=wide)
     far = titles([both[0], dataclasses.replace(both[1], scene=bare)])

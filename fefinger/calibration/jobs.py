@@ -159,7 +159,7 @@ def summary(found: Calibration) -> str:
     misfits = [[name, f"{value:.4g}"] for name, value in found.residuals.items()]
     misfits += [
         [
-            f"{name}, not fitted",
+            name if "not fitted" in name else f"{name}, not fitted",
             f"mse {100 * errors['mse']:.2g} %, peaks {100 * errors['peak']:.2g} %",
         ]
         for name, errors in found.checks.items()

@@ -1,9 +1,16 @@
 """`fefinger explain`: say which mechanics would answer SCENE."""
 
+import sys
+from typing import TYPE_CHECKING
+
 import click
 
 from fefinger import console
 from fefinger.commands.options import changes_option, json_option
+
+
+if TYPE_CHECKING:
+    from fefinger.scene import Scene
 
 
 @click.command()
@@ -19,10 +26,22 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.finger import own
 
     asked = scenes.load(scene, scenes.settings(changes))
-    for sentence in own(asked.finger):
+    for sentence in (*own(asked.finger), *_too_fast(asked)):
         click.echo(sentence, err=True)
     found = plan.explain(asked)
     if as_json:
         console.print_json(console.plan_record(found))
     else:
         click.echo(console.plan_summary(found))
+
+
+def _too_fast(scene: "Scene") -> tuple[str, ...]:
+    """Return the warnings of an answer to a motion, as far as it prescribes the depth."""
+    from fefinger.mechanics._timeline import time_grid
+    from fefinger.waves import jump, quasistatic
+
+    motion = scene.motion
+    if motion.control != "depth":
+        return jump(motion)
+    time = time_grid(motion, fast=True, most=sys.maxsize)
+    return jump(motion) + quasistatic(scene, time, motion.value(time))

@@ -283,5 +283,8 @@ def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
     try:
         yield new
         new.replace(path)
+    except OSError as error:
+        msg = f"{path}: cannot be written: {error.strerror or error}; choose another file"
+        raise InputError(msg) from None
     finally:
         new.unlink(missing_ok=True)

@@ -174,6 +174,8 @@ class Afferents:
             counts=np.zeros(n, dtype=np.int64),
             clock=np.zeros(1),
         )
+        self.step(np.zeros(self._shape), 1e-3)  # compiles or loads what a step needs: none waits
+        self.reset()
 
     @classmethod
     def of(

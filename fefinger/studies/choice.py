@@ -31,6 +31,9 @@ ROUND = "hertz", "layered"
 """Mechanics to which the pad is alike wherever it is touched: no answer to how that changes."""
 
 
+ALL, SOME = "All scenes are", "The scenes that can be answered are"
+
+
 class Choice(NamedTuple):
     """One mechanics and mesh for all scenes, None where each has its own, and what to say."""
 
@@ -93,17 +96,18 @@ def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
         able = [(scene, plan) for scene, plan in own if plan is not None and not plan.overridden]
         if own and len(able) == len(own):
             mesh = _finest(able)
-            return Choice(name, mesh, _said(_named(name, mesh), used))
+            scenes_ = ALL if len(asked) == len(sample) else SOME
+            return Choice(name, mesh, _said(_named(name, mesh), used, scenes_))
     return Choice(None, None, "")
 
 
-def _said(taken: str, used: Sequence[str]) -> str:
+def _said(taken: str, used: Sequence[str], which: str) -> str:
     if used == [taken]:
         return ""
     cheapest = f"would be {', '.join(used)}, scene by scene (--mechanics {EACH})"
     if len(used) == 1:
         cheapest = f"would be {used[0]}, which does not tell where the pad is touched"
-    return f"All scenes are answered by {taken}; the cheapest that is good enough {cheapest}."
+    return f"{which} answered by {taken}; the cheapest that is good enough {cheapest}."
 
 
 def _said_of_named(taken: str, used: Sequence[str]) -> str:
@@ -111,7 +115,7 @@ def _said_of_named(taken: str, used: Sequence[str]) -> str:
     if not others:
         return ""
     return (
-        f"All scenes are answered by {taken}, the finest that one of them needs; for others "
+        f"{ALL} answered by {taken}, the finest that one of them needs; for others "
         f"{', '.join(others)} would do (--set finger.resolution=NAME takes another mesh)."
     )
 

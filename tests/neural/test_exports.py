@@ -181,6 +181,11 @@ def test_a_folder_that_is_not_there_is_named(tmp_path):
         TRAINS.to_csv(tmp_path / "no" / "spikes.csv")
 
 
+def test_a_file_that_cannot_be_written_gets_a_sentence(tmp_path):
+    with pytest.raises(InputError, match=r"cannot be written: .*; choose another file"):
+        TRAINS.to_csv(tmp_path)
+
+
 @pytest.mark.parametrize(("form", "extra"), [("to_neo", "neo"), ("to_nwb", "nwb")])
 def test_a_missing_extra_is_named(form, extra, monkeypatch, tmp_path):
     def missing(name):
