@@ -48,6 +48,7 @@ def write(result: Result, path: str | PathLike[str]) -> None:
         stages=page.svg(figures.stages(result)),
         notes=[*result.notes, *STANDING, *_chance(result)],
         folder="out",
+        fields=result.fields is not None,
         provenance=list(page.flat(result.provenance)),
         toml=result.scene.to_toml(),
     )

@@ -49,6 +49,7 @@ def test_a_full_report_has_every_section_and_stands_alone(
         "SAI-1: made up.",
         "versions.fefinger",
         "kind = &#34;ramp-hold&#34;",
+        "result.show()",
     ):
         assert text in html
 
@@ -60,6 +61,7 @@ def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None
     html = page(bare, tmp_path)
     assert sections(html) == ["force", "plan", "limits", "files", "provenance"]
     assert "None" not in html
+    assert "result.show()" not in html
 
 
 def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
