@@ -293,3 +293,10 @@ def make_spikes(time: Array, depth: Array, positions: Array) -> SpikeTrains:
         positions=positions,
         notes=("SAI-1: made up.",),
     )
+
+
+@pytest.fixture
+def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
+    """Let `fefinger view` find the synthetic result in every folder."""
+    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    return synthetic

@@ -27,7 +27,6 @@ from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 from fefinger.theory.sphere import Sphere
-from fefinger.waves import jump, quasistatic, wave_speed
 
 
 few = settings(derandomize=True, database=None, deadline=None, max_examples=25)
@@ -223,21 +222,6 @@ def test_a_ball_between_the_vertices_of_the_pad_is_refused_by_depth_and_by_force
         each.respond(ff.Scene(motion=ff.ForceRamp(2.0, 0.05), **ball))
 
 
-def test_what_is_not_quasi_static_is_warned_of():
-    soft = scene(finger=ff.Finger.subject("a.h."))
-    assert wave_speed(soft.finger) == pytest.approx(3390, abs=5)  # mm/s, at 34 kPa
-    slow = ff.run(soft)
-    assert not [note for note in slow.notes if "quasi-static" in note]
-    fast = ff.run(replace(soft, motion=ff.Ramp(1e4, 0.5, corner=0)))
-    (note,) = (note for note in fast.notes if "quasi-static" in note)
-    assert "speed / wave speed = 10 / 3.39 m/s = 3 > 0.22" in note
-    vibrating = replace(soft, motion=ff.Sinusoid(0.05, 200, 3))
-    (note,) = (note for note in ff.run(vibrating).notes if "quasi-static" in note)
-    assert "frequency x thickness / wave speed = 200 Hz x 5 mm / 3.39 m/s = 0.3 > 0.05" in note
-    still = quasistatic(soft, np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.5, 0.5]))
-    assert still == ()  # a jump has no speed
-
-
 def broken(**findings):
     return Trial("hertz", "test", "test", lambda: findings)
 
@@ -405,11 +389,3 @@ def test_what_was_told_is_on_the_page():
     case = suites.cases("extremes", quick=True)[0]
     record = suites.as_json({"extremes": (suites.Outcome(case, 0.0, "", "refused: a sentence"),)})
     assert "refused: a sentence" in validation_report.html(record, {}, {})
-
-
-def test_a_motion_that_starts_in_contact_is_warned_of() -> None:
-    (said,) = jump(ff.Sampled((0.0, 0.1), (0.3, 0.5)))
-    assert "starts at 0.3 mm, which the indenter reaches at once" in said
-    assert (
-        jump(ff.Sampled((0.0, 0.1), (0.0, 0.5))) == jump(ff.Sampled((0.0, 0.1), (-0.2, 0.5))) == ()
-    )

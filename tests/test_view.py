@@ -1,7 +1,6 @@
 """Pictures come out where a renderer exists, and a sentence where none does."""
 
 import dataclasses
-import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import films, quantities, section, stored, view, webview
+from fefinger import quantities, section, stored, view, webview
 from fefinger.__main__ import main
 from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Result
-from fefinger.scene import Finger, Flat, Sinusoid, Sphere
-from fefinger.titles import titles
+from fefinger.scene import Flat
 from fefinger.view import pictures, renderer, stage, window
 from fefinger.view.subject import colors, subject
 
@@ -33,13 +31,6 @@ def no_renderer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(renderer, "PROBE", "import os; os.abort()")
     yield
     view.renderer_lacking.cache_clear()
-
-
-@pytest.fixture
-def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
-    """Let `fefinger view` find the synthetic result in every folder."""
-    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
-    return synthetic
 
 
 def picture(path: Path) -> Any:
@@ -165,30 +156,6 @@ def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(
 def turned(result: Result, angle: float) -> Result:
     scene = dataclasses.replace(result.scene, indenter=Flat(angle))
     return dataclasses.replace(result, scene=scene)
-
-
-def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result) -> None:
-    both = [turned(synthetic, angle) for angle in (30.0, 20.0)]
-    name = synthetic.scene.name
-    assert titles(both, ["runs/a-1.5", "runs/b/result.nc"]) == (
-        f"a-1.5: {name}, indenter.angle 30",
-        f"b: {name}, indenter.angle 20",
-    )
-    assert titles(both) == (f"{name}, indenter.angle 30", f"{name}, indenter.angle 20")
-    assert titles(both[:1], ["runs/a"]) == (name,)
-    slow = dataclasses.replace(both[0].scene, motion=Sinusoid(0.3, 5.0, 2))
-    other = [both[1], dataclasses.replace(both[0], scene=slow)]
-    assert titles(other)[1] == f"{name}, motion.kind sinusoid, indenter.angle 30"
-    faces = [dataclasses.replace(each, scene=dataclasses.replace(each.scene, indenter=indenter))
-             for each, indenter in zip(both, (Sphere(3.0), Flat(10.0)), strict=True)]  # fmt: skip
-    assert titles(faces)[0] == f"{name}, indenter.kind sphere"
-    second = dataclasses.replace(faces[1].scene, finger=Finger.subject("p.w."))
-    told = titles([faces[0], dataclasses.replace(faces[1], scene=second)])[1].split(", ")
-    assert told[1:3] == ["indenter.kind flat", "finger.subject p.w."]
-    wide = dataclasses.replace(both[0].scene.finger, width=15, thickness=9, pad_radius=12)
-    bare = dataclasses.replace(both[1].scene, finger=wide)
-    far = titles([both[0], dataclasses.replace(both[1], scene=bare)])
-    assert all(re.search(r", \d more$", title) for title in far)
 
 
 @needs_renderer
@@ -324,38 +291,6 @@ def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path)
     assert [path.name for path in tmp_path.iterdir()] == ["a.gif"]
 
 
-def test_a_gif_has_no_bands(tmp_path: Path) -> None:
-    """Three maps and their shades: 256 colors have to be mixed."""
-    from matplotlib import colormaps
-
-    value, shade = np.meshgrid(np.linspace(0, 1, 240), np.linspace(0.7, 1.0, 40))
-    maps = [colormaps[name](value)[..., :3] for name in ("viridis", "OrRd", "plasma")]
-    picture = np.concatenate([np.round(255 * shade[..., None] * each) for each in maps])
-    picture = picture.astype(np.uint8)
-    films.write(tmp_path / "a.gif", iter([picture] * 2), 8)
-    with Image.open(tmp_path / "a.gif") as film:
-        back = np.asarray(film.convert("RGB"), float)
-    off = (back - picture).reshape(15, 8, 30, 8, 3).mean(axis=(1, 3))
-    assert np.sqrt(np.mean(off**2)) < 1.0
-
-
-def test_an_mp4_needs_its_extra(
-    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
-    with pytest.raises(InputError, match=r"pip install 'fefinger\[film\]'`, or .*\.gif"):
-        view.movie(synthetic, tmp_path / "a.mp4")
-    with pytest.raises(InputError, match=r"ends in \.gif or \.mp4, received 'a\.avi'"):
-        view.movie(synthetic, tmp_path / "a.avi")
-
-
-def test_an_mp4_plays(tmp_path: Path) -> None:
-    pytest.importorskip("imageio_ffmpeg")
-    shades = (np.full((33, 47, 3), shade, np.uint8) for shade in range(0, 250, 25))
-    films.write(tmp_path / "a.mp4", shades, 8)
-    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
-
-
 @needs_renderer
 def test_without_a_display_the_window_is_refused(
     synthetic: Result, monkeypatch: pytest.MonkeyPatch
@@ -397,48 +332,6 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(
 def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
     assert synthetic.fields is not None
     assert [section.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [0, 0, 1, 2]
-
-
-def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["view", "out", "--field", "list"]) == 0
-    assert [line.split(":")[0] for line in capsys.readouterr().out.splitlines()] == list(
-        quantities.FIELDS
-    )
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--field", "stress"], "--field: expected one of 'compressive strain', 'tensile strain'"),
-        (["--field", "SED"], "Did you mean 'elastic strain energy' or 'relaxed strain energy'?"),
-        (["--field", "Compressive Strain"], "Did you mean 'compressive strain'?"),
-        (["--field", "von_mises"], "Did you mean 'von Mises strain'?"),
-        (["--time", "99"], "--time: expected a time within the run, from 0 to 5 s, received 99 s"),
-        (["--time", "-1"], "--time: expected a finite number in s at least 0, received -1"),
-        (["--time", "nan"], "--time: expected a finite number in s at least 0, received nan"),
-        (["--limits", "3"], "--limits: expected LOW:HIGH, such as 0:30, received '3'"),
-        (["--movie", "a.avi"], "--movie: expected a file that ends in .gif or .mp4"),
-    ],
-)
-def test_the_command_refuses_in_a_sentence(
-    saved: Result, capsys: pytest.CaptureFixture[str], words: list[str], said: str
-) -> None:
-    assert main(["view", "out", *words]) == 2
-    assert said in capsys.readouterr().err
-
-
-def test_the_command_says_which_time_is_shown(
-    saved: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    fields = saved.fields
-    assert fields is not None
-    page = ["--html", str(tmp_path / "a.html")]
-    assert main(["view", "out", "--time", "2.4", *page]) == 0
-    assert capsys.readouterr().err == (
-        f"out: shown at {fields.times[1]:.6g} s, the nearest to 2.4 s of its 3 stored times\n"
-    )
-    assert main(["view", "out", "--time", str(fields.times[1]), *page]) == 0
-    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("draw", [view.screenshot, webview.write])

@@ -1,0 +1,33 @@
+"""Warnings of motions that are too fast for statics, or start in contact."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.waves import jump, quasistatic, wave_speed
+
+
+def test_what_is_not_quasi_static_is_warned_of():
+    ask = ff.Ask(pressure=False, strain=False, fields=False)
+    soft = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.Ramp(60, 0.5), ask=ask)
+    assert wave_speed(soft.finger) == pytest.approx(3390, abs=5)  # mm/s, at 34 kPa
+    slow = ff.run(soft)
+    assert not [note for note in slow.notes if "quasi-static" in note]
+    fast = ff.run(replace(soft, motion=ff.Ramp(1e4, 0.5, corner=0)))
+    (note,) = (note for note in fast.notes if "quasi-static" in note)
+    assert "speed / wave speed = 10 / 3.39 m/s = 3 > 0.22" in note
+    vibrating = replace(soft, motion=ff.Sinusoid(0.05, 200, 3))
+    (note,) = (note for note in ff.run(vibrating).notes if "quasi-static" in note)
+    assert "frequency x thickness / wave speed = 200 Hz x 5 mm / 3.39 m/s = 0.3 > 0.05" in note
+    still = quasistatic(soft, np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.5, 0.5]))
+    assert still == ()  # a jump has no speed
+
+
+def test_a_motion_that_starts_in_contact_is_warned_of() -> None:
+    (said,) = jump(ff.Sampled((0.0, 0.1), (0.3, 0.5)))
+    assert "starts at 0.3 mm, which the indenter reaches at once" in said
+    assert (
+        jump(ff.Sampled((0.0, 0.1), (0.0, 0.5))) == jump(ff.Sampled((0.0, 0.1), (-0.2, 0.5))) == ()
+    )
