@@ -1,9 +1,7 @@
 """pytetwild with a sizing field: conforming tetrahedra around the surfaces of a finger."""
 
 import itertools
-import os
 import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger import beside
 from fefinger.checks import ConvergenceError
 from fefinger.mesh import tetwild
 from fefinger.mesh.surface import Triangles
@@ -75,12 +74,10 @@ def _apart(**given: Any) -> tuple[Array, Index]:
     with TemporaryDirectory(prefix="fefinger-") as name:
         folder = Path(name)
         np.savez(folder / tetwild.GIVEN, **given)
-        command = [sys.executable, "-m", tetwild.__name__, name]
-        where = {"PYTHONPATH": os.pathsep.join(each for each in sys.path if each)}
         run = subprocess.run(
-            command,
+            beside.command("-m", tetwild.__name__, name),
             check=False,
-            env=os.environ | where,
+            env=beside.environment(),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from queue import SimpleQueue
 
+from fefinger import beside
 from fefinger.checks import ConvergenceError, InputError
 from fefinger.cores import cores
 from fefinger.studies.tasks import Answer, Task
@@ -92,13 +93,12 @@ class Worker:
     @staticmethod
     def _started() -> "subprocess.Popen[str]":
         """Start a process that imports what this one does, and that Ctrl-C does not reach."""
-        path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
         return subprocess.Popen(
-            [sys.executable, "-P", "-c", SERVE],
+            beside.command("-c", SERVE),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            env=os.environ | {"PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
+            env=beside.environment() | {"OPENBLAS_NUM_THREADS": "1"},
             start_new_session=True,
         )
 
