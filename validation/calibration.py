@@ -11,6 +11,7 @@ import numpy as np
 from fefinger.validation import (
     calibration_figures,
     calibration_lever_figures,
+    calibration_solid_twin,
     calibration_subjects,
     calibration_twin,
 )
@@ -24,6 +25,7 @@ from fefinger.calibration import inverse, target
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
+from fefinger.calibration.outcome import ONE_G
 from fefinger.calibration.press import Press, press
 from fefinger.calibration.work import Work
 from fefinger.mechanics import solid
@@ -95,6 +97,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     )
     if not quick:
         yield from _other_mesh(SEEDS)
+        yield from _of_solid(SEEDS)
         yield Case(
             "calibration",
             "a.h.: force between exponents, one press of four left out",
@@ -168,6 +171,44 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
             "1",
             "the parameters of the twin",
             reason="two of the standard deviations that the calibration states",
+        )
+
+
+def _of_solid(seeds: int) -> Iterator[Case]:
+    """Yield the twin that relaxes in its elements, which is calibrated through `solid`."""
+    for name in calibration_solid_twin.TISSUE:
+        yield Case(
+            "calibration",
+            f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty",
+            partial(calibration_solid_twin.recovered, name, seeds),
+            seeds,
+            1.0,
+            "seeds",
+            "the parameters of the twin",
+            reason="two standard deviations hold 95 %, so one of ten may be outside",
+        )
+    yield Case(
+        "calibration",
+        f"twin of solid: seeds of {seeds} in which the weights of G are within theirs, the least",
+        partial(calibration_solid_twin.weights, seeds),
+        calibration_solid_twin.WITHIN,
+        2.0,
+        "seeds",
+        "the parameters of the twin",
+        wanted=seeds - 1,
+        shortfall=ONE_G,
+        reason="as found",
+    )
+    for name in calibration_solid_twin.TRUTH:
+        yield Case(
+            "calibration",
+            f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds",
+            partial(calibration_solid_twin.missed, name, seeds),
+            0.0,
+            calibration_solid_twin.OFF,
+            "1",
+            "the parameters of the twin",
+            reason=ONE_G,
         )
 
 

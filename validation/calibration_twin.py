@@ -112,17 +112,19 @@ def calibrated(seed: int, mesh: str = COARSE) -> Calibration:
     frames = one.frames + rng.normal(0.0, ArraySensor().noise, one.frames.shape)
     with TemporaryDirectory() as name:
         data, array = Path(name) / "press.csv", Path(name) / "frames.csv"
-        _write(data, "time,position,force", one.time, position, force)
+        written(data, "time,position,force", one.time, position, force)
         heads = ",".join(f"p{i}" for i in range(1, frames.shape[1] + 1))
         depth = one.frame_depth - SLOW * ArraySensor().delays.mean()
-        _write(array, f"time,position,{heads}", one.frame_time, depth, *frames.T)
+        written(array, f"time,position,{heads}", one.frame_time, depth, *frames.T)
         return calibrate(
             str(data), finger=start(), mechanics="condensed", resolution=COARSE, frames=array
         )
 
 
-def _write(path: Path, head: str, *columns: Array) -> None:
+def written(path: Path, head: str, *columns: Array) -> Path:
+    """Return the file once columns are in it as CSV."""
     np.savetxt(path, np.column_stack(columns), "%.8g", ",", header=head, comments="")
+    return path
 
 
 def deviations(seed: int, mesh: str = COARSE) -> dict[str, float]:

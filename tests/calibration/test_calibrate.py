@@ -100,6 +100,7 @@ def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
     assert found["exponent"].sd < 0.2
     assert any("skin_ratio" in said for said in found.unidentified)
+    assert any("one G relaxes the force" in said for said in found.unidentified)
 
 
 def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
