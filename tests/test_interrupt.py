@@ -43,6 +43,26 @@ def test_an_interruption_ends_with_130_whatever_becomes_of_it(work):
     assert "Traceback" not in done.stderr
 
 
+LOADING = """
+library = {"__name__": "numba.core", "os": os, "signal": signal, "time": time}
+exec('''
+def load():
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(1e-3)
+    print("loaded", flush=True)
+''', library)
+interrupt.GRACE = 15
+"""
+
+
+def test_compiled_code_is_loaded_to_its_end_before_an_interruption():
+    """An exception inside of that ended one of twelve processes by SIGSEGV."""
+    code = f"{SETUP}{LOADING}\ndef work():\n    library['load'](); time.sleep(10)\n"
+    code += "sys.exit(interrupt.interruptible(work))\n"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=8)
+    assert (done.returncode, done.stdout) == (130, "loaded\n")
+
+
 @pytest.mark.parametrize("status", [0, 2])
 def test_work_that_is_not_interrupted_keeps_its_status(status):
     assert run(f"return {status}").returncode == status
