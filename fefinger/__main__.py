@@ -1,58 +1,20 @@
-"""The command line: `fefinger ...` and `python -m fefinger ...`.
+"""The entry point: `fefinger ...` and `python -m fefinger ...`.
 
-Exit status: 0 done, 1 the answer failed its check, 2 unusable input, 130 interrupted. Standard
-output has the answer alone; progress, warnings and errors go to standard error.
+Nothing is imported before signals are blocked: Ctrl-C would end an import with a traceback.
 """
 
 import sys
 
-import click
-
-from fefinger.checks import ConvergenceError, InputError
-from fefinger.commands import COMMANDS
-from fefinger.commands.options import DONE, FAILED, UNUSABLE
-from fefinger.interrupt import INTERRUPTED, MESSAGE, interruptible
-from fefinger.version import VERSION
-from fefinger.writing import FULL, said
+from fefinger.interrupt import interruptible
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status; without arguments, for the process."""
     if arguments is None:
         return interruptible(lambda: main(sys.argv[1:]))
-    try:
-        status = cli.main(args=arguments, prog_name="fefinger", standalone_mode=False)
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
-    except InputError as error:
-        click.echo(f"error: {error}", err=True)
-        return UNUSABLE
-    except ConvergenceError as error:
-        click.echo(f"failed: {error}", err=True)
-        return FAILED
-    except OSError as error:
-        if error.errno not in FULL:
-            raise
-        click.echo(f"error: {said(error, error.filename)}", err=True)
-        return UNUSABLE
-    except (KeyboardInterrupt, click.Abort):
-        click.echo(MESSAGE, err=True)
-        return INTERRUPTED
-    return int(status or DONE)
+    from fefinger.commands.cli import run
 
-
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(VERSION)
-def cli() -> None:
-    """Touch with a finite-element fingertip, and read the spikes of its nerve fibers.
-
-    SCENE is the name of a built-in scene (`fefinger scenes` lists them) or a TOML file.
-    """
-
-
-for command in COMMANDS:
-    cli.add_command(command)
+    return run(arguments)
 
 
 if __name__ == "__main__":

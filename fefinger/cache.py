@@ -7,12 +7,14 @@ removed keeps what is open, and whoever comes later makes it anew.
 import json
 import os
 import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+from fefinger.interrupt import on_end, shielded
+from fefinger.writing import temporary_folder
 
 
 KINDS = ("meshes", "operators", "patches", "presses")
@@ -74,13 +76,10 @@ def touch(place: Path) -> None:
 def appearing(place: Path) -> Iterator[Path]:
     """Yield a folder to fill, which then appears in its place, unless another did before."""
     place.parent.mkdir(parents=True, exist_ok=True)
-    path = Path(tempfile.mkdtemp(dir=place.parent, prefix=BUILDING))
-    try:
+    with temporary_folder(place.parent, BUILDING) as path:
         yield path
-        with suppress(OSError):  # another process was faster
+        with suppress(OSError), shielded():  # another process was faster
             os.rename(path, place)
-    finally:
-        shutil.rmtree(path, ignore_errors=True)
 
 
 @contextmanager
@@ -97,10 +96,13 @@ def alone(place: Path, waiting: Callable[[], object] = lambda: None) -> Iterator
         path.parent.mkdir(parents=True, exist_ok=True)
         while handle is None:
             handle = _locked(path, waiting)
-    try:
+    if handle is None:
         yield
-    finally:
-        if handle is not None:
+        return
+    with on_end(lambda: path.unlink(missing_ok=True)):
+        try:
+            yield
+        finally:
             with suppress(OSError):
                 path.unlink()
             os.close(handle)

@@ -1,7 +1,6 @@
 """What the command line shows: a progress bar on a terminal, plain tables, records for --json."""
 
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -20,18 +19,11 @@ if TYPE_CHECKING:
     from fefinger.study import Study
 
 
-PAUSE = 2.0
-"""Seconds between lines of progress."""
-
-
 @contextmanager
-def progress(pieces: int = 0) -> "Iterator[Progress | None]":
-    """Yield a progress report that draws bars on standard error.
-
-    Where that is no terminal it is None; or for work of many pieces, lines on how many are done.
-    """
+def progress() -> "Iterator[Progress | None]":
+    """Yield a progress report that draws bars on standard error; None where that is no terminal."""
     if not sys.stderr.isatty():
-        yield _lines(pieces) if pieces else None
+        yield None
         return
     from rich.console import Console
     from rich.progress import Progress as Bars
@@ -48,21 +40,10 @@ def progress(pieces: int = 0) -> "Iterator[Progress | None]":
         yield report
 
 
-def _lines(pieces: int) -> "Progress":
-    """Return a progress report in lines, at most one in PAUSE seconds and one at the end."""
-    started = time.monotonic()
-    last = float("-inf")
-
-    def report(stage: str, fraction: float) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if fraction < 1 and now - last < PAUSE:
-            return
-        last = now
-        done = round(fraction * pieces)
-        click.echo(f"{stage}: {done} of {pieces} after {now - started:.0f} s", err=True)
-
-    return report
+def remark(line: str) -> None:
+    """Say on a terminal what is being done; nothing in a pipe."""
+    if sys.stderr.isatty():
+        click.echo(line, err=True)
 
 
 def print_json(record: Any) -> None:

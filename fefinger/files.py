@@ -22,6 +22,7 @@ import numpy as np
 
 from fefinger import records
 from fefinger.checks import InputError
+from fefinger.interrupt import on_end, shielded
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene import Scene
 
@@ -199,12 +200,17 @@ def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
         yield None
         return
     made = [path for path in (Path(folder), *Path(folder).parents) if not path.exists()]
-    try:
-        yield output_folder(folder)
-    except BaseException:  # as KeyboardInterrupt
+
+    def remove_empty() -> None:
         for path in made:
             with suppress(OSError):  # something is in it
                 path.rmdir()
+
+    try:
+        with on_end(remove_empty):
+            yield output_folder(folder)
+    except BaseException:  # as KeyboardInterrupt
+        remove_empty()
         raise
 
 
@@ -218,10 +224,7 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     from fefinger import report, vtkhdf, writing
 
     target = output_folder(folder)
-    with (
-        writing.spoken(target),
-        tempfile.TemporaryDirectory(dir=target, prefix=".saving-") as scratch,
-    ):
+    with writing.spoken(target), writing.kept_apart(target) as scratch:
         new = {name: Path(scratch, name) for name in NAMES}
         new["result.nc"].write_bytes(writing.netcdf(dataset(result)))
         if result.fields is not None:
@@ -229,12 +232,12 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
         if result.spikes is not None:
             result.spikes.to_csv(new["spikes.csv"])
         report.write(result, new["report.html"])
-        for name, path in new.items():
-            if path.exists():
-                os.replace(path, target / name)
-            else:
-                with suppress(FileNotFoundError):
-                    os.unlink(target / name)
+        with shielded():  # a signal leaves all of the result before, or all of this one
+            for name, path in new.items():
+                if path.exists():
+                    os.replace(path, target / name)
+                else:
+                    (target / name).unlink(missing_ok=True)
     return [str(target / name) for name in NAMES if (target / name).exists()]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.writing import moved
 
 
 Picture = NDArray[np.uint8]
@@ -38,13 +39,8 @@ def check(path: str | PathLike[str], option: str) -> None:
 def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:
     """Write pictures (h, w, 3) of one size to `path`, under a temporary name until complete."""
     check(path, "film")
-    final = Path(path)
-    new = final.with_name(f".{final.stem}.new{final.suffix}")
-    try:
-        (_gif if final.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
-        new.replace(final)
-    finally:
-        new.unlink(missing_ok=True)
+    with moved(Path(path)) as new:
+        (_gif if new.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
 
 
 def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:

@@ -1,78 +1,139 @@
-"""Ctrl-C that ends the process with status 130 wherever it comes.
+"""Ctrl-C (SIGINT), SIGTERM and SIGHUP end the command line at once and leave nothing behind.
 
-A KeyboardInterrupt alone is not enough: compiled code turns it into another exception, one that is
-raised in a finalizer is lost, and one inside numba, as it loads or compiles, crashes the process.
+Python raises KeyboardInterrupt wherever the main thread happens to be. Inside numba, VTK, HDF5, a
+callback or a destructor that is a crash, a stray message, or lost. So the command line blocks these
+signals in every thread, and a watcher thread takes them: it ends child processes and removes
+temporary files, which are registered here where they are made, then leaves by `os._exit`. Files
+under final names are whole at any time, because they are moved there when they are complete.
+
+Used as a library, fefinger installs nothing: Python's own KeyboardInterrupt works as always.
 """
 
-import _thread
 import os
 import signal
 import sys
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType
+from typing import Final
 
 
-INTERRUPTED = 130
-MESSAGE = "interrupted; nothing was left half-written"
+INTERRUPTED: Final = 130
+MESSAGE: Final = "interrupted; nothing was left half-written"
 
-GRACE = 3.0
-"""Seconds that an interrupted process has to clean up, before it is ended as it stands."""
+PATIENCE: Final = 5.0
+"""Seconds that the watcher waits for files that are being moved into place."""
 
-FRAGILE = "numba", "llvmlite"
-SOON = 0.02
-"""Seconds after which an interrupt that came in one of these libraries is tried again."""
+NAMES: Final = {"SIGINT": MESSAGE, "SIGTERM": "terminated; nothing was left half-written"}
+"""Signals that end the process, and what it then says; SIGHUP has nobody left to read it."""
+
+_actions: dict[object, Callable[[], object]] = {}
+_advice: list[str] = []
+_lock = threading.RLock()  # re-entrant: files are moved into place inside registered work
 
 
 def interruptible(work: Callable[[], int]) -> int:
-    """Run the `work` of the whole process and return its exit status; ends it after Ctrl-C."""
-    seen = threading.Event()
+    """Run the `work` of the whole process and return its exit status, unless a signal ends it.
 
-    def stop(signum: int, frame: FrameType | None) -> None:
-        if not seen.is_set():
-            seen.set()
-            threading.Thread(target=_end_later, daemon=True).start()
-        if _fragile(frame):
-            threading.Thread(target=_again_soon, daemon=True).start()
-            return
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, stop)
+    The status is then 128 plus the number of the signal: 130 after Ctrl-C, 143 after SIGTERM. On
+    Windows, which cannot block signals, KeyboardInterrupt is left to `work`.
+    """
+    watch(NAMES)
     try:
-        status = work()
-    except BaseException:
-        if not seen.is_set():
-            raise
-        print(MESSAGE, file=sys.stderr)
-        status = INTERRUPTED
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if seen.is_set():
-        sys.stdout.flush()
+        return work()
+    finally:
+        with _lock:  # held for good by a watcher that is ending the process
+            pass
+
+
+def watch(said: dict[str, str] | None = None) -> None:
+    """Block the signals in this thread and those it starts, and start the watcher.
+
+    `said` has a sentence per signal name for standard error; by default nothing is printed.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        return
+    signal.pthread_sigmask(signal.SIG_BLOCK, _signals())
+    watcher = threading.Thread(target=_watch, args=(said or {},), name="signals", daemon=True)
+    watcher.start()
+
+    def forward(number: int, frame: FrameType | None) -> None:
+        if watcher.ident is not None:
+            signal.pthread_kill(watcher.ident, number)
+
+    for number in _signals():
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
+            # Only for threads in which a library let signals through, as multiprocessing does.
+            signal.signal(number, forward)
+
+
+def unblock() -> None:
+    """Let the signals through again, in a child process that inherited their block."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _signals())
+
+
+@contextmanager
+def on_end(action: Callable[[], object]) -> Iterator[None]:
+    """Have `action` called if a signal ends the process during the work inside, the last first.
+
+    It runs in the watcher thread while the work goes on, and its exceptions are ignored.
+    """
+    key = object()
+    with _lock:
+        _actions[key] = action
+    try:
+        yield
+    finally:
+        with _lock:
+            del _actions[key]
+
+
+@contextmanager
+def advice(text: str) -> Iterator[None]:
+    """Say this instead of "nothing was left half-written" if a signal ends the work inside."""
+    _advice.append(text)
+    try:
+        yield
+    finally:
+        _advice.remove(text)
+
+
+def shielded() -> AbstractContextManager[object]:
+    """Return a context that a signal does not end before its few milliseconds are over."""
+    return _lock
+
+
+def _signals() -> set[signal.Signals]:
+    return {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+
+
+def _watch(said: dict[str, str]) -> None:
+    number = signal.sigwait(_signals())
+    _lock.acquire(timeout=PATIENCE)  # and never released: no other thread registers or moves
+    screen = _silence()
+    for action in reversed(tuple(_actions.values())):
+        with suppress(Exception):
+            action()
+    sentence = said.get(signal.Signals(number).name, "")
+    if sentence:
+        if _advice:
+            sentence = f"{sentence.partition(';')[0]}; {_advice[-1]}"
+        # A progress bar has hidden the cursor of a terminal.
+        shown = "\033[?25h\r\033[K" if os.isatty(screen) else ""
+        with suppress(OSError):  # standard error is closed
+            os.write(screen, f"{shown}{sentence}\n".encode())
+    os._exit(128 + number)
+
+
+def _silence() -> int:
+    """Return a copy of standard error, and let what other threads still print go nowhere."""
+    with suppress(OSError, ValueError):
         sys.stderr.flush()
-        os._exit(INTERRUPTED)  # not sys.exit: the interpreter may end by the signal itself
-    return status
-
-
-def _fragile(frame: FrameType | None) -> bool:
-    """Return whether a frame is called by a library that an exception from a signal crashes."""
-    while frame is not None:
-        if str(frame.f_globals.get("__name__")).partition(".")[0] in FRAGILE:
-            return True
-        frame = frame.f_back
-    return False
-
-
-def _again_soon() -> None:
-    time.sleep(SOON)
-    main = threading.main_thread().ident
-    if hasattr(signal, "pthread_kill") and main is not None:
-        signal.pthread_kill(main, signal.SIGINT)  # which also wakes what waits
-    else:
-        _thread.interrupt_main()
-
-
-def _end_later() -> None:
-    time.sleep(GRACE)
-    os.write(2, f"{MESSAGE}\n".encode())
-    os._exit(INTERRUPTED)
+    try:
+        screen = os.dup(2)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    except OSError:
+        return 2
+    return screen

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from fefinger import cache
+from fefinger.writing import moved
 
 
 REPORTED = 0.068
@@ -70,9 +71,8 @@ def seconds(*, now: bool = True) -> float | None:
     measured = measure()
     try:
         kept_path().parent.mkdir(parents=True, exist_ok=True)
-        new = kept_path().with_suffix(".new")
-        new.write_text(json.dumps({"machine": _name(), "seconds": measured}), encoding="utf-8")
-        new.replace(kept_path())
+        with moved(kept_path()) as new:
+            new.write_text(json.dumps({"machine": _name(), "seconds": measured}), encoding="utf-8")
     except OSError as error:  # without a cache another process measures it again
         _unkept.update(seconds=measured, reason=error.strerror or str(error))
     return measured

@@ -3,7 +3,6 @@
 What the scene did not ask for has no section. Pictures are inside the page.
 """
 
-import tempfile
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -17,6 +16,7 @@ from fefinger.pressures import highest
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.waves import quasistatic
+from fefinger.writing import temporary_folder
 
 
 STANDING = (
@@ -257,8 +257,8 @@ def _section(result: Result) -> dict[str, Any]:
 
 def _screenshot(result: Result, field: str) -> bytes:
     """Return the view in space as the bytes of a PNG file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "picture.png")
+    with temporary_folder() as folder:
+        path = folder / "picture.png"
         view.screenshot(result, path, field)
         return path.read_bytes()
 

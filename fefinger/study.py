@@ -10,7 +10,7 @@ each, `tables.py` and `report.py` write the table and the page.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -145,12 +145,10 @@ def study(
         A grid or scenes that cannot be used at all; a single one that cannot is listed.
     """
     from fefinger.checks import InputError, choice, number
-    from fefinger.files import output_folder
+    from fefinger.files import output
     from fefinger.mechanics import names
-    from fefinger.studies.choice import agreed
     from fefinger.studies.grid import EACH, checked
-    from fefinger.studies.tasks import Asked, keep, kept, made
-    from fefinger.text import finite
+    from fefinger.studies.tasks import Asked
 
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
@@ -159,16 +157,39 @@ def study(
     tasks, failed = asked.tasks()
     if not tasks:
         raise InputError(next(iter(failed.values())))
+    with ExitStack() as opened:
+        place = None
+        if folder is not None:
+            opened.enter_context(output(folder))
+            place = opened.enter_context(output(Path(folder, "scenes")))
+        return _answers(asked, tasks, failed, place, progress, count, scheduler)
+
+
+def _answers(
+    asked: "Asked",
+    tasks: "Mapping[int, Task]",
+    failed: Mapping[int, str],
+    place: Path | None,
+    progress: "Progress | None",
+    workers: int | None,
+    scheduler: str | None,
+) -> Study:
+    """Answer what is not kept in `place` already, and keep it there."""
+    from fefinger.checks import InputError
+    from fefinger.studies.choice import agreed
+    from fefinger.studies.grid import EACH
+    from fefinger.studies.tasks import keep, kept, made
+    from fefinger.text import finite
+
     answers: dict[int, Answer] = {}
-    place = None if folder is None else output_folder(output_folder(folder) / "scenes")
     chosen = ""
-    if mechanics != EACH:
+    if asked.mechanics != EACH:
         tasks, chosen = agreed(tasks, asked.over, place)
     if place is not None:
         found = ((i, kept(place, task)) for i, task in tasks.items())
         answers = {i: answer for i, answer in found if answer is not None}
     reused = len(answers)
-    for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), count, scheduler):
+    for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), workers, scheduler):
         answers[i] = {**finite(answer), **made()}
         if place is not None and "rows" in answer:
             with suppress(InputError):  # a disk that is full: the answer goes into the table still

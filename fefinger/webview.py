@@ -20,6 +20,7 @@ from fefinger.profiles import Ellipsoid, Plane
 from fefinger.quantities import Span
 from fefinger.records import Array, Fields, Integers, Result
 from fefinger.titles import titles
+from fefinger.writing import moved
 
 
 FRONT = "other half"
@@ -95,10 +96,8 @@ def write(
         data=page.raw(json.dumps(data).replace("<", "\\u003c")),
         blob=blob.text(),
     )
-    target = Path(path)
-    new = target.with_name(f".{target.name}.new")
-    new.write_text(html, encoding="utf-8")
-    new.replace(target)
+    with moved(Path(path)) as new:
+        new.write_text(html, encoding="utf-8")
 
 
 def _whole(result: Result) -> Result:

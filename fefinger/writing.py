@@ -2,18 +2,25 @@
 
 import errno
 import os
+import secrets
+import shutil
+import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fefinger.checks import InputError
+from fefinger.interrupt import on_end, shielded
 
 
 if TYPE_CHECKING:
     import xarray as xr
+
+SAVING = ".saving-"
+"""Prefix of the folders in which the files of a result are completed."""
 
 FULL = errno.ENOSPC, errno.EDQUOT, errno.EFBIG
 """What the system calls a full disk, a quota that is used up and a file that is too long."""
@@ -45,7 +52,7 @@ def in_place(path: str | PathLike[str]) -> Iterator[Path]:
     InputError
         A file that cannot be written; nothing is left of it.
     """
-    with spoken(path), _moved(Path(path)) as new:
+    with spoken(path), moved(Path(path)) as new:
         yield new
 
 
@@ -62,7 +69,7 @@ def together(folder: str | PathLike[str], texts: Mapping[str, str]) -> Iterator[
     """
     with spoken(folder), ExitStack() as opened:
         for name, text in texts.items():
-            new = opened.enter_context(_moved(Path(folder, name)))
+            new = opened.enter_context(moved(Path(folder, name)))
             new.write_text(text, encoding="utf-8")
         yield
 
@@ -74,13 +81,79 @@ def write(folder: str | PathLike[str], texts: Mapping[str, str]) -> None:
 
 
 @contextmanager
-def _moved(path: Path) -> Iterator[Path]:
-    new = path.with_name(f".{path.name}.{os.getpid()}.new")
-    try:
-        yield new
-        new.replace(path)
-    finally:
-        new.unlink(missing_ok=True)
+def moved(path: Path) -> Iterator[Path]:
+    """Give a temporary name beside `path`, and move the file there once it is written.
+
+    Raises OSError where it cannot be written; `in_place` turns that into a sentence.
+    """
+    new = path.with_name(f".{path.stem}.{os.getpid()}.new{path.suffix}")
+    with on_end(lambda: new.unlink(missing_ok=True)):
+        try:
+            yield new
+            with shielded():
+                new.replace(path)
+        finally:
+            new.unlink(missing_ok=True)
+
+
+@contextmanager
+def temporary_folder(
+    inside: str | PathLike[str] | None = None, prefix: str = "fefinger-"
+) -> Iterator[Path]:
+    """Yield a new folder, by default in the system's place for them, and remove it afterwards.
+
+    It is also removed when a signal ends the process (`interrupt`).
+    """
+    path = Path(inside or tempfile.gettempdir(), f"{prefix}{secrets.token_hex(6)}")
+    with on_end(lambda: remove_folder(path)):
+        path.mkdir(mode=0o700)
+        try:
+            yield path
+        finally:
+            remove_folder(path)
+
+
+@contextmanager
+def kept_apart(target: Path) -> Iterator[Path]:
+    """Yield a hidden folder in `target` to fill before files are moved up; it is then removed.
+
+    Those that killed processes left in `target` are removed too: one is locked as long as the
+    process that fills it lives. (On Windows, which has no such locks, they stay.)
+    """
+    for left in target.glob(f"{SAVING}*"):
+        handle = _lock(left)
+        if handle is not None:
+            remove_folder(left)
+            os.close(handle)
+    with temporary_folder(target, SAVING) as path:
+        handle = _lock(path)
+        try:
+            yield path
+        finally:
+            if handle is not None:
+                os.close(handle)
+
+
+def _lock(folder: Path) -> int | None:
+    """Return the open handle of a folder that is locked by it; None where it cannot be."""
+    handle = None
+    with suppress(OSError, ImportError):
+        import fcntl  # not on Windows
+
+        handle = os.open(folder, os.O_RDONLY)
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return handle
+    if handle is not None:
+        os.close(handle)
+    return None
+
+
+def remove_folder(path: Path) -> None:
+    """Remove a folder and all that is in it, also while another thread still writes there."""
+    for _ in range(10):
+        shutil.rmtree(path, ignore_errors=True)
+        if not path.exists():
+            return
 
 
 def netcdf(labeled: "xr.Dataset") -> bytes:

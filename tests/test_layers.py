@@ -17,7 +17,10 @@ PACKAGES = {"fefinger": ROOT / "fefinger", "fefinger.validation": ROOT / "valida
 
 BELOW = {
     "fefinger.theory": ("fefinger.theory",),
-    "fefinger.neural": ("fefinger.neural", "fefinger.checks", "fefinger.cores", "fefinger.theory"),
+    "fefinger.neural": (
+        *("fefinger.neural", "fefinger.checks", "fefinger.cores", "fefinger.theory"),
+        *("fefinger.interrupt", "fefinger.writing"),
+    ),
     "fefinger.fem": (
         *("fefinger.fem", "fefinger.checks", "fefinger.tolerances", "fefinger.stages"),
         *("fefinger.mesh.record", "fefinger.mesh.topology", "fefinger.units"),

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import beside_calls
 import numpy as np
 import pytest
 
@@ -312,41 +313,19 @@ def test_a_damaged_file_is_answered_again(tmp_path):
     assert same(first.rows, again.rows)
 
 
-def test_a_process_that_dies_costs_one_scene_and_is_replaced(monkeypatch):
-    dies = (
-        "import json, os, sys\n"
-        "for line in sys.stdin:\n"
-        "    if json.loads(line)['dies']: os._exit(3)\n"
-        "    print(json.dumps({'rows': []}), flush=True)"
-    )
-    monkeypatch.setattr(workers, "SERVE", dies)
-    tasks = [{"dies": False}, {"dies": True}, {"dies": False}]
-    found = dict(workers.local(tasks, 1))
+def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch):
+    """A task without a scene is answered by a sentence; one that ends the process costs itself."""
+    monkeypatch.setattr(workers, "answer", beside_calls.end_for_odd)
+    found = dict(workers.local([0, 1, 2], 1))
     assert found[0] == found[2] == {"rows": []}
     assert "ended with status 3" in found[1]["error"]
-
-
-def test_a_process_ends_when_nobody_asks_any_more():
-    worker = workers.Worker()
-    process = worker._process
-    process.stdin.close()
-    assert process.wait(timeout=20) == 0
-    process.stdout.close()
+    assert "take fewer --workers" in found[1]["error"]
 
 
 def test_an_error_of_the_program_is_a_sentence_too():
     found = workers.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
     assert found["error"].startswith("finger: missing")
     assert workers.answer({})["error"] == "unexpected KeyError: 'scene'"
-
-
-def test_a_worker_whose_parent_is_gone_ends_without_a_word():
-    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-    with subprocess.Popen([sys.executable, "-c", workers.SERVE], **pipes) as worker:
-        worker.stdout.close()
-        worker.stdin.write(b"{}\n")
-        worker.stdin.close()
-        assert worker.stderr.read() == b""
 
 
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries

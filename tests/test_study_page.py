@@ -108,21 +108,6 @@ def test_rows_of_other_meshes_are_told():
     assert said.startswith("The rows are answers of linear coarse, linear standard: ")
 
 
-def test_progress_of_many_scenes_is_lines_in_a_pipe(capsys, monkeypatch):
-    now = iter((0.0, 1.0, 1.5, 4.0, 4.5))
-    monkeypatch.setattr(console.time, "monotonic", lambda: next(now))
-    with console.progress(4) as report:
-        for done in range(1, 5):
-            report("scenes", done / 4)
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.splitlines() == [
-        "scenes: 1 of 4 after 1 s",
-        "scenes: 3 of 4 after 4 s",
-        "scenes: 4 of 4 after 4 s",
-    ]
-
-
 def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
     said = "ask: no mechanics can answer\n\n  mechanics  error\n  linear  9 %\n\nName a mechanics."
     about = {"grid": {X: [1.0]}, "mechanics": None}

@@ -22,6 +22,7 @@ from fefinger.validation.provenance import provenance
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.text import SAID, finite
+from fefinger.writing import moved
 
 
 AS_REPORTED = 0.05
@@ -296,9 +297,8 @@ def write(folder: Path) -> None:
 
 
 def _put(target: Path, data: dict[str, Any]) -> None:
-    new = target.with_suffix(".new")
-    new.write_text(json.dumps(finite(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    new.replace(target)
+    with moved(target) as new:
+        new.write_text(json.dumps(finite(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -29,6 +29,7 @@ from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.scene import Flat, Ramp, Scene
+from fefinger.writing import moved
 
 
 Array = NDArray[np.float64]
@@ -252,9 +253,8 @@ def do(run: Run) -> str:
     """Run and keep, and return the label."""
     arrays = measure(run)
     run.path.parent.mkdir(parents=True, exist_ok=True)
-    new = run.path.with_suffix(".new.npz")
-    np.savez_compressed(new, **arrays)
-    new.replace(run.path)
+    with moved(run.path) as new:
+        np.savez_compressed(new, **arrays)
     return run.label
 
 

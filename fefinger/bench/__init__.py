@@ -17,6 +17,7 @@ from typing import Any
 
 from fefinger.checks import choice
 from fefinger.provenance import commit
+from fefinger.writing import moved
 
 
 SUITES = ("fem", "solid", "condensed", "neural")
@@ -64,6 +65,6 @@ def write(suite: str, figures: Iterable[Figure], folder: Path) -> Path:
         **as_json(figures),
     }
     path = folder / f"bench-{suite}.json"
-    new = path.with_name(f".{path.name}.new")
-    new.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    return new.replace(path)
+    with moved(path) as new:
+        new.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    return path

@@ -1,24 +1,17 @@
 """Several calibrations: from what the command line was given to texts and files."""
 
-import os
-import signal
-import threading
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fefinger import beside
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
-from fefinger.checks import InputError
+from fefinger.checks import ConvergenceError, InputError
 from fefinger.finger import Finger
-from fefinger.interrupt import INTERRUPTED
 from fefinger.records import Progress
-
-
-if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
 
 
 @dataclass(frozen=True)
@@ -67,38 +60,15 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
     """
     if workers == 1 or len(todo) == 1:
         return [calibrate(job.source, progress=report, **job.options) for job in todo]
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
-
-    context, count = get_context("spawn"), min(workers, len(todo))
-    line, held = context.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(count, context, initializer=_end_with, initargs=(line,))
-    try:
-        futures = [pool.submit(_one, job) for job in todo]
-        for done, _ in enumerate(as_completed(futures), start=1):
-            if report is not None:
-                report("subjects", done / len(todo))
-        return [future.result() for future in futures]
-    finally:
-        held.close()
-        pool.shutdown(cancel_futures=True)
-        line.close()
-
-
-def _end_with(line: "Connection") -> None:
-    """End this process once the other end of a line is closed, as it is when its parent is gone.
-
-    A pool would wait for what its processes are doing, and leave them behind where it is killed.
-    Ctrl-C is for the parent.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    def listen() -> None:
-        with suppress(EOFError, OSError):
-            line.recv()
-        os._exit(INTERRUPTED)
-
-    threading.Thread(target=listen, daemon=True).start()
+    found: dict[int, Calibration] = {}
+    for number, each in beside.each(_one, todo, workers):
+        if isinstance(each, beside.Died):
+            msg = f"{todo[number].source}: {each}"
+            raise ConvergenceError(msg)
+        found[number] = each
+        if report is not None:
+            report("subjects", len(found) / len(todo))
+    return [found[number] for number in range(len(todo))]
 
 
 def _one(job: Job) -> Calibration:

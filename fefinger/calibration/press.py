@@ -8,8 +8,6 @@ interrupted goes on where it stopped.
 
 import hashlib
 import json
-import os
-import tempfile
 import time
 import zlib
 from contextlib import suppress
@@ -27,6 +25,7 @@ from fefinger.finger import Finger
 from fefinger.records import Response
 from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
 from fefinger.theory.sensor import ArraySensor
+from fefinger.writing import moved
 
 
 Array = NDArray[np.float64]
@@ -218,6 +217,5 @@ def felt(scene: Scene, response: Response) -> Array:
 def _keep(found: Press, place: Path) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     values: dict[str, Any] = dict(vars(found))
-    with tempfile.NamedTemporaryFile(dir=place.parent, suffix=".npz", delete=False) as stream:
-        np.savez_compressed(stream, **values)
-    os.replace(stream.name, place)
+    with moved(place) as new:
+        np.savez_compressed(new, **values)

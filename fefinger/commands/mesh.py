@@ -35,7 +35,7 @@ def mesh(
         output_file(output, "-o", ".vtu")
     if picture is not None:
         output_file(picture, "--picture", ".png")
-    built = ready(finger, half=not whole, progress=lambda line: click.echo(line, err=True))
+    built = ready(finger, half=not whole, progress=console.remark)
     quality.gate(built.quality)
     if output is not None:
         files.write(built, output)

@@ -1,7 +1,7 @@
 """`fefinger study`: answer a grid of scenes side by side."""
 
-import math
 import shlex
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +10,13 @@ import click
 
 from fefinger import console
 from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
+from fefinger.interrupt import advice
 
 
 if TYPE_CHECKING:
     from fefinger.study import Study
+
+GOES_ON = "the same command goes on from the scenes that are finished"
 
 
 @click.command()
@@ -76,23 +79,19 @@ def study(
     over, changed = parse_over(grid), settings(changes)
     for file in tables:
         check(file, "--table")
-    try:
-        with console.progress(math.prod(map(len, over.values()))) as report:
-            found = answer(
-                scene,
-                over,
-                changes=changed,
-                at=at or AT,
-                mechanics=mechanics,
-                folder=output,
-                workers=workers,
-                scheduler=scheduler,
-                progress=report,
-            )
-    except KeyboardInterrupt:
-        if output is not None:
-            click.echo("the same command goes on from the scenes that are finished", err=True)
-        raise
+    kept = advice(GOES_ON) if output is not None else nullcontext()
+    with kept, console.progress() as report:
+        found = answer(
+            scene,
+            over,
+            changes=changed,
+            at=at or AT,
+            mechanics=mechanics,
+            folder=output,
+            workers=workers,
+            scheduler=scheduler,
+            progress=report,
+        )
     asked = {"--over": grid, "--at": at, "--set": changes}
     command = _command(scene, asked, mechanics)
     found = replace(found, about={"command": command, **found.about})

@@ -7,8 +7,6 @@ tags and records recipe, versions, quality and the hash of the .vtu.
 
 import hashlib
 import json
-import os
-import tempfile
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -19,6 +17,7 @@ import numpy as np
 from fefinger.checks import InputError
 from fefinger.mesh.record import FACETS, FingerMesh
 from fefinger.version import VERSION
+from fefinger.writing import moved
 
 
 LAYOUT = 1
@@ -154,14 +153,8 @@ def _checked(path: str | Path) -> Path:
 
 def _replace(path: Path, save: Callable[[str], object]) -> None:
     """Save under a temporary name in the same folder and move into place."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
-    os.close(handle)
-    try:
-        save(name)
-        Path(name).chmod(0o644)
-        os.replace(name, path)
-    finally:
-        Path(name).unlink(missing_ok=True)
+    with moved(path) as new:
+        save(str(new))
 
 
 def _hash(path: Path) -> str:

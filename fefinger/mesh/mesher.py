@@ -4,8 +4,6 @@ import itertools
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -15,6 +13,7 @@ from fefinger import beside
 from fefinger.checks import ConvergenceError
 from fefinger.mesh import tetwild
 from fefinger.mesh.surface import Triangles
+from fefinger.writing import temporary_folder
 
 
 Array = NDArray[np.float64]
@@ -71,22 +70,22 @@ def tetrahedra(
 
 def _apart(**given: Any) -> tuple[Array, Index]:
     """Return the vertices and cells of what is `given` to `tetwild`, run beside this process."""
-    with TemporaryDirectory(prefix="fefinger-") as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         np.savez(folder / tetwild.GIVEN, **given)
-        run = subprocess.run(
-            beside.command("-m", tetwild.__name__, name),
-            check=False,
+        with beside.running(
+            beside.command("-m", tetwild.__name__, str(folder)),
+            cwd=folder,  # fTetWild writes __tracked_surface.stl into its working folder
             env=beside.environment(),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
             errors="replace",
-        )
-        if run.returncode:
-            said = (run.stderr.strip().splitlines() or ["nothing"])[-1]
-            message = f"mesher: it ended with status {run.returncode} and said: {said}"
+        ) as mesher:
+            _, text = mesher.communicate()
+        if mesher.returncode:
+            said = (text.strip().splitlines() or ["nothing"])[-1]
+            message = f"mesher: it ended with status {mesher.returncode} and said: {said}"
             raise ConvergenceError(message)
         with np.load(folder / tetwild.FOUND) as found:
             return found["vertices"], found["cells"]

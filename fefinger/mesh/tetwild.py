@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fefinger.interrupt import unblock
+
 
 GIVEN, FOUND = "given.npz", "found.npz"
 """Files of the folder: the arguments of `pytetwild.tetrahedralize`, and what it returns."""
@@ -26,4 +28,5 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    unblock()
     main(Path(sys.argv[1]))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.checks import InputError
+from fefinger.writing import moved
 
 
 if TYPE_CHECKING:
@@ -279,12 +280,9 @@ def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
     if not path.parent.is_dir():
         msg = f"{path}: expected a folder that exists, {path.parent} does not"
         raise InputError(msg)
-    new = path.with_name(f".{path.name}.new{path.suffix}")
     try:
-        yield new
-        new.replace(path)
+        with moved(path) as new:
+            yield new
     except OSError as error:
         msg = f"{path}: cannot be written: {error.strerror or error}; choose another file"
         raise InputError(msg) from None
-    finally:
-        new.unlink(missing_ok=True)

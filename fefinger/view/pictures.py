@@ -17,6 +17,7 @@ from fefinger.view import bars, renderer
 from fefinger.view.bars import add_bars
 from fefinger.view.stage import Scales, Stage
 from fefinger.view.subject import colors, subject
+from fefinger.writing import moved
 
 
 if TYPE_CHECKING:
@@ -209,13 +210,10 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
 
 def _finish(plotter: Any, path: str | PathLike[str]) -> None:
     """Write the picture as PNG under a temporary name, and move it to `path`."""
-    final = Path(path)
-    new = final.with_name(f".{final.stem}.new.png")
     try:
-        plotter.screenshot(new)
-        new.replace(final)
+        with moved(Path(path)) as new:
+            plotter.screenshot(new)
     finally:
-        new.unlink(missing_ok=True)
         plotter.close()
 
 

@@ -4,8 +4,10 @@ import functools
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from typing import Any
 
+from fefinger import beside
 from fefinger.checks import InputError
 
 
@@ -24,14 +26,11 @@ PATIENCE = 60  # s that the probe may take
 @functools.cache
 def renderer_lacking() -> str:
     """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
-    try:
-        done = subprocess.run(
-            [sys.executable, "-c", PROBE], capture_output=True, timeout=PATIENCE, check=False
-        )
-        if done.returncode == 0:
-            return ""
-    except (OSError, subprocess.TimeoutExpired):
-        pass
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with suppress(OSError, subprocess.TimeoutExpired):
+        with beside.running(beside.command("-c", PROBE), **quiet) as probe:
+            if probe.wait(PATIENCE) == 0:
+                return ""
     return (
         "No renderer for three-dimensional pictures was found; on Debian or Ubuntu install the "
         "system package libegl1 or libosmesa6."

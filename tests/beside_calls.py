@@ -1,0 +1,33 @@
+"""Functions that tests have called in child processes, which import them by this name."""
+
+import os
+import time
+
+
+def square(number: float) -> float:
+    """Return the square."""
+    return number * number
+
+
+def process(_: object) -> int:
+    """Return the process that this runs in."""
+    return os.getpid()
+
+
+def end_for_odd(number: int) -> dict[str, list]:
+    """End the process with status 3 for an odd number."""
+    if number % 2:
+        os._exit(3)
+    return {"rows": []}
+
+
+def fail(number: float) -> float:
+    """Raise an error that names the number."""
+    message = f"number {number}"
+    raise ValueError(message)
+
+
+def print_and_sleep(seconds: float) -> None:
+    """Print where an answer would go, then sleep."""
+    print("a print", flush=True)
+    time.sleep(seconds)
