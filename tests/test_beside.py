@@ -29,7 +29,7 @@ def test_a_process_that_dies_costs_one_item_and_is_replaced():
 
 
 def test_an_exception_is_raised_here_and_ends_the_processes():
-    with pytest.raises(ValueError, match="number [78]"):
+    with pytest.raises(ValueError, match=r"number [78]"):
         list(beside.each(beside_calls.fail, [7.0, 8.0], 2))
 
 
