@@ -15,7 +15,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
-from types import FrameType
 from typing import Final
 
 
@@ -51,21 +50,33 @@ def watch(said: dict[str, str] | None = None) -> None:
     """Block the signals in this thread and those it starts, and start the watcher.
 
     `said` has a sentence per signal name for standard error; by default nothing is printed.
+    Signals that were ignored at the start, as under nohup, are still ignored.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         return
-    signal.pthread_sigmask(signal.SIG_BLOCK, _signals())
-    watcher = threading.Thread(target=_watch, args=(said or {},), name="signals", daemon=True)
-    watcher.start()
+    taken = {number for number in _signals() if signal.getsignal(number) is not signal.SIG_IGN}
+    signal.pthread_sigmask(signal.SIG_BLOCK, taken)
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    # Two ways lead to the watcher. A signal that every thread blocks waits for `sigwait`. One that
+    # lands in a thread of a library that does not block it (OpenBLAS starts its own when numpy is
+    # imported) is written to the pipe by the handler in C: a handler in Python would wait for the
+    # main thread, which may be in compiled code.
+    for number in taken:
+        signal.signal(number, lambda number, frame: None)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
 
-    def forward(number: int, frame: FrameType | None) -> None:
-        if watcher.ident is not None:
-            signal.pthread_kill(watcher.ident, number)
+    def forward() -> None:
+        os.write(writer, bytes([signal.sigwait(taken)]))
 
-    for number in _signals():
-        if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
-            # Only for threads in which a library let signals through, as multiprocessing does.
-            signal.signal(number, forward)
+    def read() -> None:
+        number = 0
+        while number not in taken:  # the handlers of others write their signals too
+            number = os.read(reader, 1)[0]
+        _end(number, said or {})
+
+    for target in (forward, read):
+        threading.Thread(target=target, name="signals", daemon=True).start()
 
 
 def unblock() -> None:
@@ -109,8 +120,8 @@ def _signals() -> set[signal.Signals]:
     return {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
-def _watch(said: dict[str, str]) -> None:
-    number = signal.sigwait(_signals())
+def _end(number: int, said: dict[str, str]) -> None:
+    """End the process: clean up, print the sentence of the signal, and leave with its status."""
     _lock.acquire(timeout=PATIENCE)  # and never released: no other thread registers or moves
     screen = _silence()
     for action in reversed(tuple(_actions.values())):

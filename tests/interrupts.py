@@ -76,11 +76,19 @@ class Outcome:
     wrong: str
 
 
+def stop_ignoring() -> None:
+    """Let child processes take the signals, also where a script runs this one in the background."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def draw(name: str, after: float, number: signal.Signals, made: Path | None = None) -> Outcome:
     """Run a command, send it a signal `after` seconds, and judge what is left.
 
     `made`: a folder in which the files that commands need were made by an earlier run.
     """
+    stop_ignoring()
     command = COMMANDS[name]
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder, "work")

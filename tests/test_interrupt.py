@@ -21,10 +21,20 @@ from fefinger import beside, interrupt, writing
 def press(name="SIGINT"):
     os.kill(os.getpid(), getattr(signal, name))
 
+earlier = threading.Event()  # the thread of a library, started before signals are blocked
+threading.Thread(target=lambda: earlier.wait() and time.sleep(30), daemon=True).start()
+
 class Last:
     def __del__(self):
         press(); time.sleep(30)
 """
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _signals_that_are_not_ignored():
+    interrupts.stop_ignoring()
+
+
 PLACES = {
     "in a loop": "press(); time.sleep(30)",
     "where errors are swallowed": "press()\n    try:\n        time.sleep(30)\n    except: pass",
@@ -36,6 +46,7 @@ PLACES = {
         "    ctypes.CDLL(None).qsort((ctypes.c_int * 2)(), 2, 4, kind(compare))"
     ),
     "in another thread": "threading.Thread(target=press).start(); time.sleep(30)",
+    "in a thread that does not block it": "earlier.set(); press(); ctypes.CDLL(None).sleep(30)",
     "where a library let signals through": (
         "signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT}); press(); time.sleep(30)"
     ),
@@ -52,6 +63,16 @@ def run(work, **options):
 def test_an_interruption_ends_with_130_and_a_sentence_wherever_it_comes(work):
     done = run(work)
     assert (done.returncode, done.stderr) == (130, interrupts.SENTENCES[130])
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
+def test_a_signal_that_was_ignored_before_is_ignored(name):
+    """As under nohup, or in a job that a script runs in the background."""
+    code = f"{SETUP}\nsignal.signal(signal.{name}, signal.SIG_IGN)\n"
+    code += f"def work():\n    press({name!r}); time.sleep(0.2); return 0\n"
+    code += "sys.exit(interrupt.interruptible(work))\n"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
