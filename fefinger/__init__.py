@@ -13,16 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 from fefinger.run import run as run
 from fefinger.study import study as study
-from fefinger.version import VERSION
+from fefinger.support.version import VERSION
 
 
 if TYPE_CHECKING:
     from fefinger.ask import Ask as Ask
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
-    from fefinger.checks import ConvergenceError as ConvergenceError
-    from fefinger.checks import InputError as InputError
-    from fefinger.checks import Stopped as Stopped
     from fefinger.files import load as load
     from fefinger.finger import Finger as Finger
     from fefinger.indenter import Bar as Bar
@@ -56,6 +53,9 @@ if TYPE_CHECKING:
     from fefinger.rolling import Rolling as Rolling
     from fefinger.scene import Scene as Scene
     from fefinger.stiffening import Stiffening as Stiffening
+    from fefinger.support.checks import ConvergenceError as ConvergenceError
+    from fefinger.support.checks import InputError as InputError
+    from fefinger.support.checks import Stopped as Stopped
     from fefinger.theory.relaxation import Prony as Prony
     from fefinger.tissue import Hard as Hard
     from fefinger.tissue import Tissue as Tissue
@@ -66,7 +66,7 @@ _HOMES = {
     "ask": ("Ask",),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
-    "checks": ("ConvergenceError", "InputError", "Stopped"),
+    "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "files": ("load",),
     "finger": ("Finger",),
     "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),

@@ -5,7 +5,7 @@ Nothing is imported before signals are blocked: Ctrl-C would end an import with 
 
 import sys
 
-from fefinger.interrupt import interruptible
+from fefinger.support.interrupt import interruptible
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -4,13 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fefinger.checks import InputError, choice, flag, number, reject_unknown
-from fefinger.frozen import Frozen
 from fefinger.layout import Layout
-from fefinger.lists import choices
 from fefinger.neural.drives import DRIVES
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.generators import GENERATORS
+from fefinger.support.checks import (
+    Frozen,
+    InputError,
+    choice,
+    choices,
+    flag,
+    number,
+    reject_unknown,
+)
 
 
 SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fefinger.studies.grid import remarks
-from fefinger.text import brief, shown, strict_json, table
+from fefinger.support.text import brief, shown, strict_json, table
 
 
 if TYPE_CHECKING:
-    from fefinger.cache import Entry
     from fefinger.mesh.record import FingerMesh
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.records import Plan, Progress, Result
+    from fefinger.records import Plan, Result
     from fefinger.study import Study
+    from fefinger.support.cache import Entry
+    from fefinger.support.progress import Progress
 
 
 @contextmanager
@@ -102,7 +103,7 @@ def plan_record(plan: "Plan") -> dict[str, Any]:
 
 def plan_summary(plan: "Plan") -> str:
     """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
-    from fefinger.text import ladder
+    from fefinger.support.text import ladder
 
     return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 

@@ -8,8 +8,8 @@ between lies between the two. Relaxation lowers neither: both are functions of t
 import numpy as np
 
 from fefinger.finger import Finger
-from fefinger.laws import SHARES
 from fefinger.records import Array, Fields
+from fefinger.support.vocabulary import SHARES
 from fefinger.tissue import Tissue
 
 

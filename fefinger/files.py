@@ -11,9 +11,6 @@ Files are written into a hidden folder beside their final place and moved when a
 import dataclasses
 import json
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,10 +18,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fefinger import records
-from fefinger.checks import InputError
-from fefinger.interrupt import on_end, shielded
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene import Scene
+from fefinger.support.checks import InputError
+from fefinger.support.interrupt import shielded
+from fefinger.support.outputs import output_folder
 
 
 if TYPE_CHECKING:
@@ -151,69 +149,6 @@ RECORDS = {
 }
 
 
-def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
-    """Raise InputError if a file that the user gave as `option` ends otherwise than in `ending`."""
-    if Path(path).suffix.lower() != ending:
-        message = f"{option}: expected a file that ends in {ending}, received {Path(path).name!r}"
-        raise InputError(message)
-
-
-def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Path:
-    """Return the file that the user gave as `option`, its folder created; InputError otherwise."""
-    if ending:
-        check_ending(path, option, ending)
-    if Path(path).is_dir():
-        message = f"{option}: expected a file, received the folder {str(path)!r}; choose another"
-        raise InputError(message)
-    output_folder(Path(path).parent)
-    return Path(path)
-
-
-def output_folder(folder: str | PathLike[str]) -> Path:
-    """Create `folder` if needed and return it; InputError when files cannot be written there."""
-    if not os.fspath(folder).strip():
-        message = "output folder: expected a name, received an empty one; this folder is called ."
-        raise InputError(message)
-    path = Path(folder)
-    advice = "choose another"
-    if path.exists() and not path.is_dir():
-        message = f"output folder: expected a folder, received the file {str(path)!r}; {advice}"
-        raise InputError(message)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path):
-            pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        message = (
-            f"output folder: expected a folder that can be written, received {str(path)!r} "
-            f"({reason}); {advice}"
-        )
-        raise InputError(message) from None
-    return path
-
-
-@contextmanager
-def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
-    """Create a folder as `output_folder` for the work inside; an error leaves no empty one."""
-    if folder is None:
-        yield None
-        return
-    made = [path for path in (Path(folder), *Path(folder).parents) if not path.exists()]
-
-    def remove_empty() -> None:
-        for path in made:
-            with suppress(OSError):  # something is in it
-                path.rmdir()
-
-    try:
-        with on_end(remove_empty):
-            yield output_folder(folder)
-    except BaseException:  # as KeyboardInterrupt
-        remove_empty()
-        raise
-
-
 def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     """Write `result` into `folder` and return the paths written, `result.nc` first.
 
@@ -221,12 +156,13 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     spikes; files of these names from an earlier result are removed. An interruption or an error
     leaves the folder as it was. Raises InputError when the folder cannot be written, or is full.
     """
-    from fefinger import report, vtkhdf, writing
+    from fefinger import report, vtkhdf
+    from fefinger.support import atomic_write
 
     target = output_folder(folder)
-    with writing.spoken(target), writing.kept_apart(target) as scratch:
+    with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
         new = {name: Path(scratch, name) for name in NAMES}
-        new["result.nc"].write_bytes(writing.netcdf(dataset(result)))
+        new["result.nc"].write_bytes(atomic_write.netcdf(dataset(result)))
         if result.fields is not None:
             vtkhdf.write(result.fields, new["result.vtkhdf"])
         if result.spikes is not None:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
-from fefinger.writing import moved
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import InputError
 
 
 Picture = NDArray[np.uint8]

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from fefinger import library
-from fefinger.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, number
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Hard, Tissue
 

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import writing
-from fefinger.checks import ConvergenceError, InputError
-from fefinger.text import strict_json, table
+from fefinger.support import atomic_write
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.text import strict_json, table
 from fefinger.theory import identify, lumped, ramphold
 from fefinger.theory.identify import Identification
 
@@ -281,6 +281,6 @@ def save(found: Fit, folder: Path) -> list[str]:
     columns = np.column_stack([used.time, position, used.force, *models])
     heading = "time_s,position_mm,force_N,joint_N,thesis_N"
     texts = {"fit.json": strict_json(record(found)) + "\n"}
-    with writing.together(folder, texts), writing.in_place(folder / "fit.csv") as rows:
+    with atomic_write.together(folder, texts), atomic_write.in_place(folder / "fit.csv") as rows:
         np.savetxt(rows, columns, "%.9g", ",", header=heading, comments="")
     return [str(folder / name) for name in ("fit.json", "fit.csv")]

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 Numbers = tuple[float, ...]

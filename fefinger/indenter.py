@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from fefinger import profiles
-from fefinger.checks import InputError, number
 from fefinger.heights import read_heights
-from fefinger.lists import numbers
+from fefinger.support.checks import InputError, number, numbers
 
 
 ANGLES = (0.0, 60.0)

@@ -4,10 +4,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from fefinger.checks import InputError, choice, flag, number, reject_unknown
-from fefinger.frozen import Frozen
-from fefinger.lists import numbers
 from fefinger.neural.endorgans import RULES, TYPES
+from fefinger.support.checks import (
+    Frozen,
+    InputError,
+    choice,
+    flag,
+    number,
+    numbers,
+    reject_unknown,
+)
 
 
 LARGEST_RADIUS = 10.0

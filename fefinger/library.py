@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
 
-from fefinger.checks import InputError, choice, reject_unknown
+from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 

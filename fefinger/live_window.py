@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.live import (
     COLORS,
@@ -20,6 +19,7 @@ from fefinger.live import (
     said,
     section_triangles,
 )
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import cache
-from fefinger.writing import moved
+from fefinger.support import cache
+from fefinger.support.atomic_write import moved
 
 
 REPORTED = 0.068

@@ -8,13 +8,13 @@ from pathlib import Path
 
 from fefinger import machine, scenes
 from fefinger import mechanics as ladder
-from fefinger.checks import InputError, choice
 from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.mechanics import _by_force, _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import Scene
-from fefinger.text import beyond, duration, percent, trust
-from fefinger.text import ladder as written
+from fefinger.support.checks import InputError, choice
+from fefinger.support.text import beyond, duration, percent, trust
+from fefinger.support.text import ladder as written
 
 
 LEFT_OUT = (

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger import library
-from fefinger.checks import InputError, choice, number
 from fefinger.layout import Grid, Layout, Line, Places, Scatter
+from fefinger.support.checks import InputError, choice, number
 
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger import energy
-from fefinger.checks import InputError, choice, number
 from fefinger.records import Array, Fields, Result
+from fefinger.support.checks import InputError, choice, number
 
 
 DEFAULT = "compressive strain"

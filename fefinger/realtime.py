@@ -17,7 +17,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError, choice, number
 from fefinger.fem import active, loop
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condense import Operator, OutsideError, faces_down
@@ -35,9 +34,10 @@ from fefinger.motion import Motion
 from fefinger.neural.streaming import Afferents
 from fefinger.records import Response, Sites
 from fefinger.scene import Ask, Finger, Flat, Indenter, Ramp, Scene
-from fefinger.stages import Stages
-from fefinger.tolerances import COMPLEMENTARITY
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.progress import Stages
+from fefinger.support.tolerances import COMPLEMENTARITY
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

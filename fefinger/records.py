@@ -6,7 +6,7 @@ All are frozen: a stage that has not run has no field to read. `files.py` saves 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,13 +204,6 @@ class Response:
     def finite(self) -> bool:
         """Whether its strain is finite, that is logarithmic, and not small strain."""
         return self.mechanics == "solid"
-
-
-class Progress(Protocol):
-    """What long work reports to: a stage by name, and the fraction of it that is done."""
-
-    def __call__(self, stage: str, fraction: float) -> None:
-        """Report that `fraction` (0 to 1) of `stage` is done."""
 
 
 @dataclass(frozen=True)

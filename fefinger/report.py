@@ -15,8 +15,8 @@ from fefinger.neural.trains import FEW
 from fefinger.pressures import highest
 from fefinger.records import Result
 from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
+from fefinger.support.atomic_write import temporary_folder
 from fefinger.waves import quasistatic
-from fefinger.writing import temporary_folder
 
 
 STANDING = (

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
-from fefinger.checks import InputError, number
 from fefinger.fem import active, loop, turning
 from fefinger.fem.body import Reduced
 from fefinger.fem.condense import reduce
@@ -27,7 +26,8 @@ from fefinger.mechanics import _operator, _placing, _press
 from fefinger.realtime import Step
 from fefinger.records import Sites
 from fefinger.scene import Finger, Flat
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.checks import InputError, number
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

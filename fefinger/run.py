@@ -8,8 +8,9 @@ if TYPE_CHECKING:
 
     from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.records import Plan, Progress, Response, Result
+    from fefinger.records import Plan, Response, Result
     from fefinger.scene import Scene
+    from fefinger.support.progress import Progress
 
 
 def run(
@@ -39,11 +40,11 @@ def run(
     from dataclasses import replace
 
     from fefinger import scenes
-    from fefinger.checks import Stopped
     from fefinger.mechanics import get
     from fefinger.plan import choose, settled
     from fefinger.records import Result
-    from fefinger.stages import Stages
+    from fefinger.support.checks import Stopped
+    from fefinger.support.progress import Stages
 
     scene = scenes.given(scene)
     plan = choose(scene, mechanics)
@@ -94,8 +95,8 @@ def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
     from dataclasses import replace
 
     from fefinger import population
-    from fefinger.checks import InputError
     from fefinger.neural.afferents import from_strain
+    from fefinger.support.checks import InputError
 
     if scene.ask.population is not None:
         return population.fire(response, scene.ask)
@@ -163,6 +164,6 @@ def _provenance(scene: "Scene") -> dict[str, Any]:
     """Return what is needed to make the same result again."""
     import hashlib
 
-    from fefinger.provenance import software
+    from fefinger.support.provenance import software
 
     return {**software(), "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest()}

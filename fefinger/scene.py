@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, Self
 
 from fefinger.ask import Ask
-from fefinger.checks import InputError, number
 from fefinger.finger import Finger
 from fefinger.indenter import (
     Bar,
@@ -35,6 +34,7 @@ from fefinger.motion import (
     Trapezoid,
 )
 from fefinger.neural.endorgans import LONGEST_RUN
+from fefinger.support.checks import InputError, number
 from fefinger.tables import parse, parts, read, tables
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Hard, Tissue

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.checks import InputError
 from fefinger.indenter import direction
 from fefinger.pressures import cuts, net
 from fefinger.scene import Flat, Indenter
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, number
-from fefinger.columns import read_columns
-from fefinger.lists import numbers
+from fefinger.support.checks import InputError, number, numbers
+from fefinger.support.csv_columns import read_columns
 from fefinger.trajectory import Trajectory, Wave
 
 

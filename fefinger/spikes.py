@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError, choice, nearest, number, repeated
-from fefinger.writing import spoken
+from fefinger.support.atomic_write import spoken
+from fefinger.support.checks import InputError, choice, nearest, number, repeated
 
 
 if TYPE_CHECKING:

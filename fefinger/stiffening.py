@@ -12,10 +12,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import ConvergenceError, InputError, number
 from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Indenter
+from fefinger.support.checks import ConvergenceError, InputError, number
 from fefinger.theory.lumped import LARGEST
 from fefinger.theory.relaxation import Prony, exprel
 

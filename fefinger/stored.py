@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from fefinger import quantities, section
-from fefinger.checks import InputError, number
 from fefinger.records import Result
+from fefinger.support.checks import InputError, number
 
 
 def check(name: str, results: Sequence[Result], time: float | None) -> None:

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fefinger.records import Progress
     from fefinger.scene import Scene
     from fefinger.studies.tasks import Answer, Asked, Task
+    from fefinger.support.progress import Progress
 
 AT = ("1N", "1mm")
 """Force and depth that are told of by default, besides the peak and the end."""
@@ -84,10 +84,10 @@ class Study:
         """
         import json
 
-        from fefinger import writing
-        from fefinger.files import output_folder
         from fefinger.studies import tables
         from fefinger.studies.report import html
+        from fefinger.support import atomic_write
+        from fefinger.support.outputs import output_folder
 
         place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
@@ -95,7 +95,7 @@ class Study:
             "study.json": json.dumps(record, indent=1, allow_nan=False) + "\n",
             "report.html": page,
         }
-        with writing.together(place, texts):
+        with atomic_write.together(place, texts):
             aside = tables.set_aside(self, place)
             tables.write(self, place / "table.csv")
         return [*(str(place / name) for name in tables.NAMES), *aside]
@@ -144,11 +144,11 @@ def study(
     InputError
         A grid or scenes that cannot be used at all; a single one that cannot is listed.
     """
-    from fefinger.checks import InputError, choice, number
-    from fefinger.files import output
     from fefinger.mechanics import names
     from fefinger.studies.grid import EACH, checked
     from fefinger.studies.tasks import Asked
+    from fefinger.support.checks import InputError, choice, number
+    from fefinger.support.outputs import output
 
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
@@ -175,11 +175,11 @@ def _answers(
     scheduler: str | None,
 ) -> Study:
     """Answer what is not kept in `place` already, and keep it there."""
-    from fefinger.checks import InputError
     from fefinger.studies.choice import agreed
     from fefinger.studies.grid import EACH
     from fefinger.studies.tasks import keep, kept, made
-    from fefinger.text import finite
+    from fefinger.support.checks import InputError
+    from fefinger.support.text import finite
 
     answers: dict[int, Answer] = {}
     chosen = ""

@@ -8,11 +8,11 @@ from typing import Any, cast
 
 from fefinger import library
 from fefinger.ask import Ask
-from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.finger import Finger
 from fefinger.indenter import INDENTERS, Flat, Indenter, Relief
 from fefinger.layout import LAYOUTS, Layout, Scatter
 from fefinger.motion import MOTIONS, Motion, SampledMotion
+from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Hard, Tissue
 

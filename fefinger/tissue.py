@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from fefinger.checks import InputError, choice, number
-from fefinger.laws import EXPONENTIAL, SHARES
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fefinger import page, writing
-from fefinger.text import shown
+from fefinger import page
+from fefinger.support import atomic_write
+from fefinger.support.text import shown
 
 
 VERDICTS = ("pass", "documented", "short", "fail")
@@ -58,7 +59,7 @@ def save(
         ),
         f"{name}.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
     }
-    writing.write(folder, texts)
+    atomic_write.write(folder, texts)
 
 
 def html(

@@ -19,8 +19,8 @@ from fefinger.neural.trains import FEW
 from fefinger.profiles import Ellipsoid, Plane
 from fefinger.quantities import Span
 from fefinger.records import Array, Fields, Integers, Result
+from fefinger.support.atomic_write import moved
 from fefinger.titles import titles
-from fefinger.writing import moved
 
 
 FRONT = "other half"

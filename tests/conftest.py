@@ -24,7 +24,7 @@ from fefinger.records import (
     Sites,
 )
 from fefinger.scene import Ask, Finger, Flat, RampHold, Scene
-from fefinger.text import trust
+from fefinger.support.text import trust
 
 
 Array = NDArray[np.float64]

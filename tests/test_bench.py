@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from fefinger.validation import fem_hertz
 
-from fefinger import bench, provenance
+from fefinger import bench
 from fefinger.__main__ import main
 from fefinger.bench import _solvers, fem, neural
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.support import provenance
 
 
 def test_a_figure_has_a_ratio_only_where_there_is_a_baseline():

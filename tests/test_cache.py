@@ -14,7 +14,6 @@ import pytest
 from scipy import sparse
 
 import fefinger as ff
-from fefinger import cache
 from fefinger.__main__ import main
 from fefinger.fem.body import Reduced
 from fefinger.fem.condense import Compliance
@@ -22,6 +21,7 @@ from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.mechanics import _kept, _operator
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe
+from fefinger.support import cache
 
 
 DAY = 24 * 3600.0

@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError, choice, flag, nearest, number, reject_unknown
-from fefinger.lists import choices, numbers
+from fefinger.support.checks import (
+    InputError,
+    choice,
+    choices,
+    flag,
+    nearest,
+    number,
+    numbers,
+    reject_unknown,
+)
 
 
 @pytest.mark.parametrize("value", [2, 2.5, np.float32(2.5), np.int64(2), np.array(2.5)])

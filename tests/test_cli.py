@@ -18,7 +18,7 @@ from fefinger.files import load
 from fefinger.finger import own
 from fefinger.mechanics import linear
 from fefinger.scene import Ask, Scene
-from fefinger.text import trust
+from fefinger.support.text import trust
 
 
 QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from fefinger.__main__ import main
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 TOML = '[finger]\nsubject = "a.h."\n[motion]\nkind = "ramp-hold"\nspeed = 60\ndepth = 1\nhold = 1\n'

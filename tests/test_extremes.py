@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 import fefinger as ff
 from fefinger import validation_report
-from fefinger.checks import InputError
 from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.support.checks import InputError
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral

@@ -11,10 +11,10 @@ import pytest
 import xarray as xr
 
 from fefinger import files, report
-from fefinger.checks import InputError
 from fefinger.files import LAYOUT, RECORDS, load, save
 from fefinger.records import Result
 from fefinger.scene import Finger, Hard, Prony, Sampled, Tissue
+from fefinger.support.checks import InputError
 
 
 @pytest.fixture

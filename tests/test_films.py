@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from fefinger import films, view
-from fefinger.checks import InputError
 from fefinger.records import Result
+from fefinger.support.checks import InputError
 
 
 def test_a_gif_has_no_bands(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from fefinger import fitting, library
 from fefinger.__main__ import main
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory import identify, synthetic
 from fefinger.theory.lumped import Spring
 

@@ -8,11 +8,11 @@ import pytest
 
 import fefinger as ff
 from fefinger import section
-from fefinger.checks import InputError
 from fefinger.indenter import Indenter
 from fefinger.mechanics import _evidence, hertz, layered, linear, lumped
 from fefinger.records import Result
 from fefinger.report import _touch
+from fefinger.support.checks import InputError
 
 
 LINE = tuple(np.linspace(-6, 6, 25).tolist())

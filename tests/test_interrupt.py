@@ -158,7 +158,7 @@ CALIBRATE = """
 import sys
 from fefinger.calibration import jobs
 from fefinger.finger import Finger
-from fefinger.interrupt import interruptible
+from fefinger.support.interrupt import interruptible
 
 def work():
     options = {"finger": Finger.subject("a.h.")}

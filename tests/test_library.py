@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fefinger import library
-from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.neural.endorgans import TYPES
+from fefinger.support.checks import InputError
 
 
 def columns(rows):

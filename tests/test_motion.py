@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.motion import (
     ForceRamp,
     ForceRampHold,
@@ -18,6 +17,7 @@ from fefinger.motion import (
     Sinusoid,
     Trapezoid,
 )
+from fefinger.support.checks import InputError
 
 
 SINE = {"amplitude": 0.4, "frequency": 4, "cycles": 5}

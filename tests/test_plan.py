@@ -12,10 +12,11 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, data, machine, mechanics, plan, scenes, text
-from fefinger.checks import InputError
+from fefinger import console, machine, mechanics, plan, scenes
 from fefinger.mechanics import get
 from fefinger.records import Refusal, Rung, Settings
+from fefinger.support import package_data, text
+from fefinger.support.checks import InputError
 
 
 def rung(name, *, seconds, error, refusals=()):
@@ -119,7 +120,7 @@ def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that
 
 @pytest.mark.parametrize("name", ["hertz", "condensed coarse", "solid standard", "solid fine"])
 def test_spikes_are_trusted_as_far_as_they_were_right_in_the_base_scenes(name):
-    report = json.loads(data.report("tradeoff.json"))["scenes"].values()
+    report = json.loads(package_data.report("tradeoff.json"))["scenes"].values()
     known = [row["candidates"].get(name.replace("fine", "standard")) for row in report]
     count, first = (max(r["spikes"][k] for r in known if r) for k in ("count", "first_ms"))
     mechanics_, _, mesh = name.partition(" ")

@@ -7,13 +7,13 @@ import pytest
 
 import fefinger as ff
 from fefinger import library, population, report, scenes
-from fefinger.checks import InputError
 from fefinger.indenter import STANDARD, direction
 from fefinger.mechanics import get
 from fefinger.mechanics._skin import meshed, spherical
 from fefinger.mechanics._touch import folded, unfolded
 from fefinger.neural.endorgans import TYPES
 from fefinger.run import fire
+from fefinger.support.checks import InputError
 
 
 AXIS = direction(STANDARD)

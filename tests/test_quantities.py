@@ -9,11 +9,11 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from fefinger import quantities
-from fefinger.checks import InputError
 from fefinger.fem import laws, point
 from fefinger.fem.forms import Elastic
 from fefinger.records import Fields, Result
 from fefinger.scene import Finger, Tissue
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

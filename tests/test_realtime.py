@@ -11,7 +11,6 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import tensors
 from fefinger.indenter import direction
@@ -20,6 +19,7 @@ from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.profiles import Ellipsoid
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.fem import active
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.march import Relaxation
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
 from fefinger.rolling import Rolling
+from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")

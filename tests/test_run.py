@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import ConvergenceError, Stopped
 from fefinger.mechanics import hertz
+from fefinger.support.checks import ConvergenceError, Stopped
 
 
 SCENE = ff.Scene(

@@ -8,11 +8,11 @@ from datetime import date
 import pytest
 
 from fefinger import scenes
-from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
 from fefinger.scene import Ask, Scatter, Scene
+from fefinger.support.checks import InputError
 from fefinger.tissue import Tissue
 
 

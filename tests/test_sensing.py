@@ -7,7 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger import sensing
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.sensor import ArraySensor, blurred, centroid
 

@@ -8,10 +8,10 @@ import pytest
 
 from fefinger import spikes
 from fefinger.__main__ import main
-from fefinger.checks import InputError
 from fefinger.neural.afferents import simulate
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.checks import InputError
 
 
 TIME = np.append(np.linspace(0, 0.1, 501), np.linspace(0.1, 0.5, 9)[1:])

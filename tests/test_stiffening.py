@@ -8,10 +8,10 @@ import pytest
 from scipy import optimize
 
 import fefinger as ff
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.library import pawluk_bulk
 from fefinger.realtime import Condensed
 from fefinger.stiffening import Stiffening
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")

@@ -13,13 +13,13 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.checks import InputError
-from fefinger.cores import cores
 from fefinger.run import run
 from fefinger.studies import tasks, workers
 from fefinger.studies.columns import column
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
+from fefinger.support.checks import InputError
+from fefinger.support.processes import cores
 from fefinger.theory.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.sensor import ArraySensor

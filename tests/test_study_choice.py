@@ -4,10 +4,10 @@ import pytest
 
 import fefinger as ff
 from fefinger import plan
-from fefinger.checks import InputError
 from fefinger.records import Plan, Refusal, Rung, Settings
 from fefinger.studies import choice, workers
 from fefinger.studies.tasks import Asked
+from fefinger.support.checks import InputError
 
 
 LEAN = {"ask.spikes": [], "ask.strain": False, "ask.pressure": False}

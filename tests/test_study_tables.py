@@ -12,8 +12,8 @@ import xarray as xr
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.checks import InputError
 from fefinger.studies import tables
+from fefinger.support.checks import InputError
 
 
 LEAN = {
@@ -176,7 +176,7 @@ def test_a_level_that_comes_twice_is_refused():
 
 
 def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
-    from fefinger import provenance
+    from fefinger.support import provenance
 
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
     monkeypatch.setattr(provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "p.py"))

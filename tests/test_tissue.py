@@ -6,9 +6,9 @@ import pytest
 import tomli_w
 
 from fefinger import scenes
-from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.scene import Scene
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 

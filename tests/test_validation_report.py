@@ -10,7 +10,7 @@ from fefinger.validation import suites
 from fefinger.validation.case import Case, Outcome
 
 from fefinger import console, figures, validation_report
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 def case(name: str, verdict: str, **changes: Any) -> dict[str, Any]:

@@ -11,10 +11,10 @@ from PIL import Image
 
 from fefinger import quantities, section, stored, view, webview
 from fefinger.__main__ import main
-from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
 from fefinger.records import Result
 from fefinger.scene import Flat
+from fefinger.support.checks import InputError
 from fefinger.view import pictures, renderer, stage, window
 from fefinger.view.subject import colors, subject
 

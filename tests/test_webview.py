@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from fefinger import pieces, quantities, section, webview
-from fefinger.checks import InputError
 from fefinger.records import Result
 from fefinger.scene import Flat, Grating, Sphere
+from fefinger.support.checks import InputError
 
 
 def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import fitting, library, validation_report, writing
+from fefinger import fitting, library, validation_report
 from fefinger.__main__ import main
-from fefinger.checks import InputError
+from fefinger.support import atomic_write
+from fefinger.support.checks import InputError
 from fefinger.theory.lumped import Spring
 from fefinger.theory.synthetic import ramp_and_hold
 
@@ -130,7 +131,7 @@ def test_a_netcdf_without_room_leaves_nothing(study, tmp_path):
 
 def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch, study, tmp_path):
     def write(path, text):
-        raise InputError(writing.said(OSError(errno.ENOSPC, "No space left on device"), path))
+        raise InputError(atomic_write.said(OSError(errno.ENOSPC, "No space left on device"), path))
 
     monkeypatch.setattr("fefinger.studies.tasks.write", write)
     found = study(folder=tmp_path)
@@ -141,9 +142,9 @@ def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch
 def test_texts_appear_together_or_not_at_all(tmp_path):
     (tmp_path / "a.json").write_text("before")
     with full(), pytest.raises(InputError, match=FULL):
-        writing.write(tmp_path, {"a.json": "now", "b.toml": "x" * 2 * ROOM})
+        atomic_write.write(tmp_path, {"a.json": "now", "b.toml": "x" * 2 * ROOM})
     assert [path.read_text() for path in tmp_path.iterdir()] == ["before"]
-    writing.write(tmp_path, {"a.json": "now", "b.toml": "y"})
+    atomic_write.write(tmp_path, {"a.json": "now", "b.toml": "y"})
     assert sorted(path.read_text() for path in tmp_path.iterdir()) == ["now", "y"]
 
 
@@ -156,10 +157,10 @@ def test_a_page_of_validation_without_room_leaves_nothing(tmp_path):
 
 def test_the_sentence_advises_on_what_is_wrong():
     forbidden = OSError(errno.EACCES, "Permission denied")
-    assert writing.said(forbidden, "out") == (
+    assert atomic_write.said(forbidden, "out") == (
         "cannot write 'out': Permission denied; choose another folder"
     )
-    assert "free some space" in writing.said(OSError(errno.ENOSPC, "No space left on device"))
+    assert "free some space" in atomic_write.said(OSError(errno.ENOSPC, "No space left on device"))
 
 
 def test_a_full_disk_elsewhere_is_a_sentence_too(monkeypatch, capsys):

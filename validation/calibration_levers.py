@@ -22,8 +22,8 @@ from fefinger.calibration.press import Press, press
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, aligned
 from fefinger.calibration.work import Work
-from fefinger.checks import ConvergenceError
 from fefinger.scene import Finger, Prony
+from fefinger.support.checks import ConvergenceError
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.sensor import ArraySensor, blurred
 from fefinger.tissue import Hard

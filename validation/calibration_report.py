@@ -5,8 +5,8 @@ from functools import cache
 from typing import Any
 
 from fefinger.calibration.record import Calibration
-from fefinger.data import report
 from fefinger.library import CALIBRATED
+from fefinger.support.package_data import report
 
 
 LEVERS = "calibration_levers.json"

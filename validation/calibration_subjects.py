@@ -23,8 +23,8 @@ from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, layer, line
 from fefinger.calibration.press import press
 from fefinger.calibration.target import Bulk
-from fefinger.data import report
 from fefinger.scene import Finger
+from fefinger.support.package_data import report
 
 
 PRINTED = {"mse": 0.07, "peak": 0.18}

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.mechanics import hertz, layered, linear, solid
 from fefinger.records import Response
 from fefinger.scene import Ask, Finger, Flat, Indenter, Prony, Ramp, Scene, Sphere
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 Array = NDArray[np.float64]

@@ -12,7 +12,6 @@ from fefinger.validation.half_space import Quarter
 from numpy.typing import NDArray
 
 from fefinger import scenes
-from fefinger.checks import ConvergenceError
 from fefinger.fem import active
 from fefinger.library import pawluk_relaxation
 from fefinger.mechanics import condensed, linear
@@ -21,12 +20,13 @@ from fefinger.motion import ForceTrapezoid, Motion, RampHold, RampSinusoid, Trap
 from fefinger.realtime import Condensed
 from fefinger.records import Response
 from fefinger.scene import Ask, Finger, Flat, Indenter, Scene, Sphere
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.indentation import paraboloid
 from fefinger.theory.layer import Sheet
 from fefinger.theory.relaxation import Prony
 from fefinger.theory.ting import press_by_depth, radius_nodes
-from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

@@ -16,12 +16,12 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 
 from fefinger import scenes
-from fefinger.checks import InputError
-from fefinger.data import report as reported
 from fefinger.mechanics import linear
 from fefinger.mechanics._evidence import LINEAR_REPORT
 from fefinger.mechanics._timeline import moving
 from fefinger.records import Response
+from fefinger.support.checks import InputError
+from fefinger.support.package_data import report as reported
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")

@@ -18,11 +18,11 @@ from fefinger.validation.evidence import PRESSES, costs
 from fefinger.validation.provenance import provenance
 
 from fefinger import scenes
-from fefinger.checks import InputError
-from fefinger.data import report as reported
 from fefinger.mechanics import condensed
 from fefinger.mechanics._evidence import CONDENSED_REPORT, linear
 from fefinger.records import Response
+from fefinger.support.checks import InputError
+from fefinger.support.package_data import report as reported
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")

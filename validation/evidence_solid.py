@@ -25,10 +25,10 @@ from fefinger.validation.chain import (
 from fefinger.validation.evidence import ORDER
 from fefinger.validation.provenance import provenance
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.mechanics import solid
 from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT
 from fefinger.records import Response
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 RESOLUTION = "standard"

@@ -12,7 +12,7 @@ from fefinger.pressures import net, pressed
 from fefinger.profiles import frame
 from fefinger.records import Pad, Response
 from fefinger.scene import Flat, Indenter, Scene
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

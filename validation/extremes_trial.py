@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import Literal
 
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 Findings = Mapping[str, tuple[float, float]]

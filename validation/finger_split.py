@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
 
-from fefinger.checks import InputError
-from fefinger.data import report
 from fefinger.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.mechanics._evidence import SOLID_REPORT
+from fefinger.support.checks import InputError
+from fefinger.support.package_data import report
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 from fefinger import machine
-from fefinger.provenance import commit
+from fefinger.support.provenance import commit
 
 
 def provenance(command: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from fefinger.validation.case import Case, Outcome, Told
 
-from fefinger.checks import choice
+from fefinger.support.checks import choice
 
 
 ABOUT = {

@@ -21,8 +21,8 @@ from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.text import SAID, finite
-from fefinger.writing import moved
+from fefinger.support.atomic_write import moved
+from fefinger.support.text import SAID, finite
 
 
 AS_REPORTED = 0.05

@@ -13,10 +13,10 @@ from fefinger.validation.evidence import ORDER
 from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.pressures import peaks
 from fefinger.records import Response
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

@@ -22,14 +22,15 @@ import numpy as np
 from fefinger.validation import tradeoff_scenes as scenes
 from numpy.typing import NDArray
 
-from fefinger import cache, pressures
-from fefinger.checks import ConvergenceError, InputError
+from fefinger import pressures
 from fefinger.mechanics import get
 from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.scene import Flat, Ramp, Scene
-from fefinger.writing import moved
+from fefinger.support import cache
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 Array = NDArray[np.float64]

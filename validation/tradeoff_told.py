@@ -7,7 +7,7 @@ from fefinger.validation.tradeoff_held_out import ENOUGH
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.scene import Ask, Finger, Flat, Ramp, Scene
-from fefinger.text import SAID, percent
+from fefinger.support.text import SAID, percent
 
 
 DEPTH = 1.0

@@ -15,9 +15,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fefinger.checks import choice
-from fefinger.provenance import commit
-from fefinger.writing import moved
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import choice
+from fefinger.support.provenance import commit
 
 
 SUITES = ("fem", "solid", "condensed", "neural")

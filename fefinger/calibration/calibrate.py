@@ -23,9 +23,9 @@ from fefinger.calibration.press import PART
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.calibration.work import Work
-from fefinger.checks import InputError, choice
 from fefinger.finger import RESOLUTIONS, Finger
-from fefinger.records import Progress
+from fefinger.support.checks import InputError, choice
+from fefinger.support.progress import Progress
 
 
 Array = NDArray[np.float64]

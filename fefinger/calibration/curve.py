@@ -16,7 +16,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.calibration.press import Press
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import exprel
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError
+from fefinger.support.checks import ConvergenceError
 
 
 Array = NDArray[np.float64]

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fefinger import beside
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.finger import Finger
-from fefinger.records import Progress
+from fefinger.support import processes
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
     if workers == 1 or len(todo) == 1:
         return [calibrate(job.source, progress=report, **job.options) for job in todo]
     found: dict[int, Calibration] = {}
-    for number, each in beside.each(_one, todo, workers):
-        if isinstance(each, beside.Died):
+    for number, each in processes.each(_one, todo, workers):
+        if isinstance(each, processes.Died):
             msg = f"{todo[number].source}: {each}"
             raise ConvergenceError(msg)
         found[number] = each
@@ -81,16 +81,16 @@ def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
 
     An error leaves no empty one.
     """
-    from fefinger import files
+    from fefinger.support import outputs
 
     with ExitStack() as opened:
-        whole = opened.enter_context(files.output(output))
+        whole = opened.enter_context(outputs.output(output))
         if whole is None or len(todo) == 1:
             yield [] if whole is None else [whole]
             return
         names = [job.source.strip(".").replace(".", "") for job in todo]
         for name in names:
-            opened.enter_context(files.output(whole / name))
+            opened.enter_context(outputs.output(whole / name))
         yield [whole / name for name in names]
 
 
@@ -105,7 +105,7 @@ def save(found: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
 
 def summary(found: Calibration) -> str:
     """Return a calibration as text: parameters, misfits, what was not found, stages."""
-    from fefinger.text import table
+    from fefinger.support.text import table
 
     rows = [
         [

@@ -28,9 +28,9 @@ from fefinger.calibration.record import (
     tissue,
 )
 from fefinger.calibration.target import Bulk, Record
-from fefinger.checks import ConvergenceError
 from fefinger.finger import Finger
 from fefinger.motion import RampSinusoid
+from fefinger.support.checks import ConvergenceError
 from fefinger.theory import doubt
 from fefinger.theory.lumped import contact_force
 from fefinger.tissue import Tissue

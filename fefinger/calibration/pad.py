@@ -16,7 +16,7 @@ from fefinger import library
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
 from fefinger.calibration.target import Frames, aligned
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
 from fefinger.theory.sensor import ArraySensor, blurred

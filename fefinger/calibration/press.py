@@ -19,13 +19,13 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import cache
-from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.finger import Finger
 from fefinger.records import Response
 from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
+from fefinger.support import cache
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.sensor import ArraySensor
-from fefinger.writing import moved
 
 
 Array = NDArray[np.float64]

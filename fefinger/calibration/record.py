@@ -8,11 +8,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger import writing
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
 from fefinger.calibration.inverse import Solution
-from fefinger.checks import InputError
+from fefinger.support import atomic_write
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 from fefinger.tissue import Tissue
 
@@ -129,7 +129,7 @@ class Calibration:
         texts = {FILE: json.dumps(self.record(), indent=1) + "\n"}
         if self.mechanics == "solid":
             texts[TISSUE_FILE] = tomli_w.dumps(self.tissue_set())
-        writing.write(folder, texts)
+        atomic_write.write(folder, texts)
         return [str(Path(folder) / name) for name in texts]
 
     @classmethod

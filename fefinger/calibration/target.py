@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from fefinger import fitting, library
-from fefinger.checks import InputError, choice
 from fefinger.finger import Finger
+from fefinger.support.checks import InputError, choice
 from fefinger.theory.identify import Identification, joint
 from fefinger.theory.lumped import Spring, constant_velocity, force
 from fefinger.theory.ramphold import RampHold, averages, deviation_of, split

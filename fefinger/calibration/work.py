@@ -10,7 +10,7 @@ from fefinger.calibration.outcome import layer
 from fefinger.calibration.press import LATER, SPARE, Press, press, shapable, small
 from fefinger.calibration.record import Stage
 from fefinger.finger import Finger
-from fefinger.records import Progress
+from fefinger.support.progress import Progress
 
 
 HALVINGS = 6

@@ -16,7 +16,7 @@ def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
     Runs all suites, or the SUITES named, each against a baseline in the same run.
     """
     from fefinger import bench as benchmarks
-    from fefinger.files import output_folder
+    from fefinger.support.outputs import output_folder
 
     folder = None if output is None else output_folder(output)
     with console.progress() as report:

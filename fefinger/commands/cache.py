@@ -19,8 +19,8 @@ def cache(days: float | None, as_json: bool) -> None:
     of operators and 2 GB of patches the least recently used go by themselves. All is made anew
     when it is needed; `--prune 0` removes everything.
     """
-    from fefinger import cache as kept
-    from fefinger.checks import number
+    from fefinger.support import cache as kept
+    from fefinger.support.checks import number
 
     removed: tuple[kept.Entry, ...] = ()
     if days is not None:

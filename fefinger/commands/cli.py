@@ -6,12 +6,12 @@ output has the answer alone; progress, warnings and errors go to standard error.
 
 import click
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.commands import COMMANDS
 from fefinger.commands.options import DONE, FAILED, UNUSABLE
-from fefinger.interrupt import INTERRUPTED, MESSAGE
-from fefinger.version import VERSION
-from fefinger.writing import FULL, said
+from fefinger.support.atomic_write import FULL, said
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.interrupt import INTERRUPTED, MESSAGE
+from fefinger.support.version import VERSION
 
 
 def run(arguments: list[str]) -> int:

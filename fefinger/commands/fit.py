@@ -16,8 +16,8 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
 
     DATA.csv has the columns time (s), position (mm) and force (N).
     """
-    from fefinger import files as outputs
     from fefinger import fitting
+    from fefinger.support import outputs
 
     with outputs.output(output) as folder:
         found = fitting.fit(data, terms=terms)

@@ -26,9 +26,9 @@ def mesh(
     Takes the ready mesh of the finger of SCENE if there is one.
     """
     from fefinger import scenes
-    from fefinger.files import output_file
     from fefinger.mesh import files, quality
     from fefinger.mesh.ready import ready
+    from fefinger.support.outputs import output_file
 
     finger = scenes.load(scene, scenes.settings(changes)).finger
     if output is not None:

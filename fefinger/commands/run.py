@@ -5,8 +5,8 @@ import time
 import click
 
 from fefinger import console
-from fefinger.checks import InputError, Stopped
 from fefinger.commands.options import changes_option, json_option, output_option
+from fefinger.support.checks import InputError, Stopped
 
 
 @click.command()
@@ -19,12 +19,13 @@ def run(
     scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
 ) -> None:
     """Answer SCENE: force, pressure, strain and spikes."""
-    from fefinger import files, scenes
+    from fefinger import scenes
     from fefinger.run import run as answer
+    from fefinger.support import outputs
     from fefinger.waves import quasistatic
 
     asked = scenes.load(scene, scenes.settings(changes))
-    with files.output(output):
+    with outputs.output(output):
         with console.progress() as report:
             try:
                 result = answer(asked, mechanics=mechanics, progress=report)

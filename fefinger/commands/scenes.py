@@ -4,7 +4,7 @@ import click
 
 from fefinger import console
 from fefinger.commands.options import json_option
-from fefinger.text import table
+from fefinger.support.text import table
 
 
 @click.command()

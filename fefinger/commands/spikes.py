@@ -31,8 +31,8 @@ def spikes(
     Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
     stretch of the skin for SAII and FAI.
     """
-    from fefinger import files as outputs
     from fefinger import spikes as series
+    from fefinger.support import outputs
 
     signals = series.read(source)
     with outputs.output(output) as folder:

@@ -10,7 +10,7 @@ import click
 
 from fefinger import console
 from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
-from fefinger.interrupt import advice
+from fefinger.support.interrupt import advice
 
 
 if TYPE_CHECKING:

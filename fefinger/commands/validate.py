@@ -6,8 +6,8 @@ from typing import Any
 import click
 
 from fefinger import console
-from fefinger.checks import InputError
 from fefinger.commands.options import DONE, FAILED, json_option, output_option, silent
+from fefinger.support.checks import InputError
 
 
 @click.command()
@@ -30,14 +30,14 @@ def validate(
     Runs the SUITES named, or all but the long ones (--all: those too; --quick: all, in seconds).
     If DIR has an index.html, of all that was validated there, it is brought up to date.
     """
-    from fefinger import files
+    from fefinger.support import outputs
     from fefinger.validation import suites as known
 
     if not name.strip() or Path(name).name != name:
         message = f"--name: expected a name of files, as validation, received {name!r}"
         raise InputError(message)
     written: list[str] = []
-    with files.output(output) as folder:
+    with outputs.output(output) as folder:
         for suite in known.left_out(suites, quick=quick, every=every):
             said = f"{suite} is left out, because it takes {known.LONG[suite]}"
             click.echo(f"{said}: name it, or give --all.", err=True)

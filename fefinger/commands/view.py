@@ -29,7 +29,8 @@ def view(
     """
     from fefinger import films, quantities, stored, webview
     from fefinger import view as pictures
-    from fefinger.files import check_ending, load, output_file
+    from fefinger.files import load
+    from fefinger.support.outputs import check_ending, output_file
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem.spaces import Array
+from fefinger.support.checks import ConvergenceError
 
 
 class Anderson:

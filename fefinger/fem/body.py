@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.checks import InputError
 from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.mesh.record import FingerMesh, volumes
+from fefinger.support.checks import InputError
 
 
 FLAT = 1e-6  # volume over the cube of the longest edge from a corner, of a cell without volume

@@ -19,7 +19,6 @@ from scipy import sparse
 from scipy.linalg.lapack import dpotri
 from scipy.spatial import cKDTree
 
-from fefinger.checks import InputError
 from fefinger.fem import multifrontal
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact import Patch
@@ -27,7 +26,8 @@ from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.solvers import compressible
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
-from fefinger.tolerances import REDUCED_COMPRESSIBILITY
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
 
 BLOCK = 96  # columns swept through the fronts at once

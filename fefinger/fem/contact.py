@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem.obstacle import Rigid
 from fefinger.fem.spaces import Array, Integers, Space, Trace, trace
-from fefinger.tolerances import COMPLEMENTARITY
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import COMPLEMENTARITY
 
 
 PATIENCE = 12  # block exchanges without progress before single ones take over

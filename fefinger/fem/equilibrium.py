@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.anderson import Anderson
 from fefinger.fem.factored import Factored
 from fefinger.fem.finite import Continuum
@@ -25,7 +24,8 @@ from fefinger.fem.sliding import Facing, Sliding
 from fefinger.fem.solve import System, rough
 from fefinger.fem.spaces import Array
 from fefinger.fem.state import Asked, State
-from fefinger.tolerances import EQUILIBRIUM
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.tolerances import EQUILIBRIUM
 
 
 ITERATIONS = 120

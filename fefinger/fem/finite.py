@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from skfem import Basis, ElementTetP1
 
-from fefinger.checks import InputError
 from fefinger.fem import assembly, kernels
 from fefinger.fem.laws import Law
 from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.support.checks import InputError
 
 
 Places = tuple[Array, Integers, Array, Array, Array, Array, Array]

@@ -11,9 +11,9 @@ modulus at small strain for every share and exponent b.
 
 from dataclasses import dataclass
 
-from fefinger.checks import InputError, number
 from fefinger.fem.forms import Elastic
-from fefinger.laws import SHARES
+from fefinger.support.checks import InputError, number
+from fefinger.support.vocabulary import SHARES
 
 
 @dataclass(frozen=True)

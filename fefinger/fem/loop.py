@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import active as contact
 from fefinger.fem.active import (
     BEYOND,
@@ -25,7 +24,8 @@ from fefinger.fem.active import (
 )
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
-from fefinger.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
 
 
 class Memory(NamedTuple):

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.spaces import Array
 from fefinger.fem.threads import one_thread
-from fefinger.tolerances import FORCE_MATCH, SMALL_FORCE
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
 
 CORRECTIONS = 60

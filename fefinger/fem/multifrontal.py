@@ -17,9 +17,9 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.blas import dsyrk, dtrsm
 
-from fefinger.checks import InputError
 from fefinger.fem.spaces import Array, Integers
-from fefinger.tolerances import SINGULAR_PIVOT
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import SINGULAR_PIVOT
 
 
 Floats = NDArray[np.floating]

@@ -12,13 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem.equilibrium import Equilibrium, Exhausted
 from fefinger.fem.finite import Continuum, Memory
 from fefinger.fem.march import Relaxation
 from fefinger.fem.spaces import Array, Integers
 from fefinger.fem.state import Asked, State
 from fefinger.fem.threads import one_thread
+from fefinger.support.checks import ConvergenceError
 
 
 SPLITS, PARTS = 3, 4

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.checks import InputError
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.tolerances import INSIDE, SHARED
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import INSIDE, SHARED
 
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg.lapack import ssytrf, ssytrf_lwork, ssytri
 
-from fefinger.checks import InputError
 from fefinger.fem.multifrontal import SINGULAR, Dissection, Front, add_lower, gather
 from fefinger.fem.spaces import Array, Integers
+from fefinger.support.checks import InputError
 
 
 Floats = NDArray[np.float32]

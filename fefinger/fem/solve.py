@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.checks import ConvergenceError, InputError, choice
 from fefinger.fem import multifrontal, single
 from fefinger.fem.solvers import SOLVERS, Equations, Solver, choose, compressible
 from fefinger.fem.spaces import Array, Integers, Space
 from fefinger.fem.threads import one_thread
-from fefinger.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
+from fefinger.support.checks import ConvergenceError, InputError, choice
+from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 
 
 REFINEMENTS = 8

@@ -29,12 +29,12 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fefinger.checks import InputError
 from fefinger.fem import multifrontal, single
 from fefinger.fem.iterative import iterative
 from fefinger.fem.multifrontal import SINGULAR, Dissection
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.tolerances import FACTOR_COMPRESSIBILITY, SINGULAR_PIVOT
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, SINGULAR_PIVOT
 
 
 ROOM = 0.5  # part of the free memory that a factor may take

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from fefinger.fem.finite import Memory
 from fefinger.fem.spaces import Array
-from fefinger.tolerances import SMALL_FORCE
+from fefinger.support.tolerances import SMALL_FORCE
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ and `respond(scene, progress)`; see `Mechanics`.
 from importlib import import_module
 from typing import Protocol, cast
 
-from fefinger.checks import choice
-from fefinger.records import Progress, Refusal, Response
+from fefinger.records import Refusal, Response
 from fefinger.scene import Scene
+from fefinger.support.checks import choice
+from fefinger.support.progress import Progress
 
 
 LADDER = ("lumped", "hertz", "layered", "condensed", "linear", "solid")

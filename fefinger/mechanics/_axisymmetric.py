@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.indenter import STANDARD, direction
 from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, check_reached, organs, sites
-from fefinger.records import Pad, Progress, Reference, Response, Sites
+from fefinger.records import Pad, Reference, Response, Sites
 from fefinger.scene import Flat, Scene
-from fefinger.stages import Stages
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.checks import InputError
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 if TYPE_CHECKING:

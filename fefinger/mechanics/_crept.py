@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fefinger import library
-from fefinger.data import report
 from fefinger.scene import Finger, Flat, Scene
+from fefinger.support.package_data import report
 
 
 REPORT = "lumped-force.json"

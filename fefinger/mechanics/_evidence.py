@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
-from fefinger.data import report
 from fefinger.finger import RESOLUTIONS
 from fefinger.machine import slowness
 from fefinger.mechanics import _crept
@@ -28,7 +26,9 @@ from fefinger.scene import (
     Scene,
     Sphere,
 )
-from fefinger.text import percent
+from fefinger.support.checks import InputError
+from fefinger.support.package_data import report
+from fefinger.support.text import percent
 
 
 LINEAR_RADIUS = 2.0

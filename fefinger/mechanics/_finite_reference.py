@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem.body import Body
 from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.finite import Continuum
@@ -16,6 +15,7 @@ from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._touch import REFERENCE_DEPTH, sites
 from fefinger.records import Reference
 from fefinger.scene import Scene
+from fefinger.support.checks import ConvergenceError
 
 
 STEPS = 2

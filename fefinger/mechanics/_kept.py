@@ -9,9 +9,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger import cache
-from fefinger.checks import InputError
 from fefinger.scene import Finger
+from fefinger.support import cache
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """What is said where an object misses the vertices of the pad: none, or too few, are under it."""
 
-from fefinger.checks import InputError
 from fefinger.scene import Scene
+from fefinger.support.checks import InputError
 
 
 NOTHING_UNDER = (

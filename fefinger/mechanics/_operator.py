@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fefinger import cache
-from fefinger.checks import InputError
 from fefinger.fem import condense as reduction
 from fefinger.fem import loop
 from fefinger.fem.body import Reduced, prescribed, solid
@@ -29,6 +27,8 @@ from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 from fefinger.scene import Finger
+from fefinger.support import cache
+from fefinger.support.checks import InputError
 
 
 STRAIN = "recovered"

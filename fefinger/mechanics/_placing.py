@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.fem.body import Solid
 from fefinger.fem.contact import foremost, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
 from fefinger.indenter import STANDARD, direction
 from fefinger.scene import Flat, Grating, Indenter, Relief
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

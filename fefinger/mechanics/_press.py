@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.area import Surface as Touched
 from fefinger.fem.body import Body, Reduced, Solid, body, reduce
 from fefinger.fem.contact import Complementarity, Seen, patch
@@ -38,10 +37,11 @@ from fefinger.mechanics._touch import (
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.neural.populations import Surface
-from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
+from fefinger.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene import Finger, Indenter, Scene
-from fefinger.stages import Stages
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

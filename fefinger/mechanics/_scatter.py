@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.data import report
+from fefinger.support.package_data import report
 
 
 REPORT = "mesh-scatter.json"

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError, InputError, Stopped
 from fefinger.fem.area import Surface
 from fefinger.fem.body import Body
 from fefinger.fem.contact import Candidates
@@ -30,10 +29,11 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
-from fefinger.records import Fields, Pad, Progress, Reference, Response, Sites
+from fefinger.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene import Finger, Scene
-from fefinger.stages import Stages
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.checks import ConvergenceError, InputError, Stopped
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 from fefinger.theory.stack import Stack
 from fefinger.theory.table import LEVELS, Table, tabulate_to
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.motion import Motion
+from fefinger.support.checks import InputError
 
 
 MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are resolved

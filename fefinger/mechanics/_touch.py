@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.indenter import STANDARD, direction
 from fefinger.library import receptors
 from fefinger.records import Sites
 from fefinger.scene import Flat, Grating, Indenter, Relief, Scene
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.data import report
 from fefinger.mechanics import _crept
 from fefinger.mechanics._scatter import DRAWN, scatter
 from fefinger.scene import Finger, Flat, Indenter, Ramp, Scene, Sphere
-from fefinger.text import percent
+from fefinger.support.package_data import report
+from fefinger.support.text import percent
 
 
 Array = NDArray[np.float64]

@@ -15,10 +15,11 @@ from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
-from fefinger.records import Progress, Refusal, Response
+from fefinger.records import Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
-from fefinger.text import beyond
-from fefinger.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.progress import Progress
+from fefinger.support.text import beyond
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 name = "hertz"

@@ -8,9 +8,10 @@ from fefinger.mechanics import _cut, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart, hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.mechanics._touch import meshed_at
-from fefinger.records import Progress, Refusal, Response
+from fefinger.records import Refusal, Response
 from fefinger.scene import Ellipsoid, Finger, Flat, Hard, Scene, Sphere
-from fefinger.text import beyond
+from fefinger.support.progress import Progress
+from fefinger.support.text import beyond
 
 
 name = "linear"

@@ -10,10 +10,10 @@ from fefinger.mechanics._identified import Law, law
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.mechanics._touch import check_reached
-from fefinger.records import Progress, Refusal, Response
+from fefinger.records import Refusal, Response
 from fefinger.scene import Scene
-from fefinger.stages import Stages
-from fefinger.text import beyond
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.text import beyond
 from fefinger.theory import lumped as theory
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.mesh import improve, topology
 from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
@@ -17,6 +16,7 @@ from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.record import BONE, FingerMesh, volumes
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 Array = NDArray[np.float64]

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.checks import InputError
 from fefinger.mesh.record import FACETS, FingerMesh
-from fefinger.version import VERSION
-from fefinger.writing import moved
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import InputError
+from fefinger.support.version import VERSION
 
 
 LAYOUT = 1

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import beside
-from fefinger.checks import ConvergenceError
 from fefinger.mesh import tetwild
 from fefinger.mesh.surface import Triangles
-from fefinger.writing import temporary_folder
+from fefinger.support import processes
+from fefinger.support.atomic_write import temporary_folder
+from fefinger.support.checks import ConvergenceError
 
 
 Array = NDArray[np.float64]
@@ -72,10 +72,10 @@ def _apart(**given: Any) -> tuple[Array, Index]:
     """Return the vertices and cells of what is `given` to `tetwild`, run beside this process."""
     with temporary_folder() as folder:
         np.savez(folder / tetwild.GIVEN, **given)
-        with beside.running(
-            beside.command("-m", tetwild.__name__, str(folder)),
+        with processes.running(
+            processes.command("-m", tetwild.__name__, str(folder)),
             cwd=folder,  # fTetWild writes __tracked_surface.stl into its working folder
-            env=beside.environment(),
+            env=processes.environment(),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

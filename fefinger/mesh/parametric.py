@@ -4,13 +4,13 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
-from fefinger.checks import InputError
 from fefinger.mesh import shapes, surface
 from fefinger.mesh.plate import ALONG, PLATE, fitted_radii
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shapes import SAMPLES, Nail, Shape, rounding, smooth
 from fefinger.mesh.shell import Array, Shell, Table, offset
 from fefinger.mesh.surface import Triangles
+from fefinger.support.checks import InputError
 
 
 TIP_HEIGHT = 0.65

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import ConvergenceError
 from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.record import BONE, REGIONS, FingerMesh, edges, volumes
 from fefinger.mesh.topology import parts
+from fefinger.support.checks import ConvergenceError
 
 
 Array = NDArray[np.float64]

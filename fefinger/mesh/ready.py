@@ -8,12 +8,12 @@ from importlib.resources import files as package_files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger import cache
-from fefinger.checks import InputError
 from fefinger.mesh import files
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
+from fefinger.support import cache
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

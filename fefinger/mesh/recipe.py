@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fefinger.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, number
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fefinger.checks import InputError
 from fefinger.mesh import shapes, surface
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
@@ -22,6 +21,7 @@ from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Array
 from fefinger.mesh.surface import Triangles
 from fefinger.mesh.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
+from fefinger.support.checks import InputError
 
 
 MIRROR = np.array([1.0, -1.0, 1.0])

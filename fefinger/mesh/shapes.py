@@ -11,12 +11,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.finger import BONE
 from fefinger.mesh.plate import PLATE
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Array, Shell
 from fefinger.mesh.surface import Triangles
+from fefinger.support.checks import InputError
 
 
 FINE = 0.2

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.mesh import orientation
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
 from fefinger.mesh.record import FingerMesh
+from fefinger.support.checks import InputError
 
 
 DOUBLED = ("n_cells", "nail_area")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fefinger.interrupt import unblock
+from fefinger.support.interrupt import unblock
 
 
 GIVEN, FOUND = "given.npz", "found.npz"

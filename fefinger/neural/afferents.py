@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
 from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.membranes import LARGEST_STEP, Membrane
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
+from fefinger.support.checks import InputError, choice, number
 
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, number
 from fefinger.neural.endorgans import PoleZero, respond_modes
+from fefinger.support.checks import InputError, number
 
 
 @dataclass(frozen=True)

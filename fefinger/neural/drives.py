@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 _APART = 1e-6

@@ -16,8 +16,8 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError
-from fefinger.writing import moved
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

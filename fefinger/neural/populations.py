@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
 from fefinger.neural.endorgans import TYPES
+from fefinger.support.checks import InputError, choice, number
 
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, number
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.checks import InputError, number
 
 
 Array = NDArray[np.float64]

@@ -11,13 +11,13 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
 from fefinger.neural.afferents import reference_lengths
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.signals import known_types
+from fefinger.support.checks import InputError, choice, number
 
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, names
 from fefinger.neural import exports
+from fefinger.support.checks import InputError, names
 
 
 if TYPE_CHECKING:

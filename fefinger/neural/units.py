@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, reject_unknown
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
@@ -35,6 +34,7 @@ from fefinger.neural.signals import (
 )
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
+from fefinger.support.checks import InputError, choice, reject_unknown
 
 
 Array = NDArray[np.float64]

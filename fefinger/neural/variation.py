@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.checks import InputError, number
+from fefinger.support.checks import InputError, number
 
 
 Array = NDArray[np.float64]

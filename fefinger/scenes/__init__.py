@@ -8,8 +8,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger.checks import InputError, nearest
-from fefinger.text import plain
+from fefinger.support.checks import InputError, nearest
+from fefinger.support.text import plain
 
 
 if TYPE_CHECKING:

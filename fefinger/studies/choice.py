@@ -6,12 +6,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from fefinger.checks import InputError
 from fefinger.finger import AUTO, RESOLUTIONS
 from fefinger.mechanics import names
 from fefinger.plan import choose
 from fefinger.studies.grid import EACH
 from fefinger.studies.tasks import key, write
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from fefinger.checks import InputError, number
-from fefinger.text import plain
+from fefinger.support.checks import InputError, number
+from fefinger.support.text import plain
 
 
 EACH = "each"

@@ -18,10 +18,10 @@ from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
 from fefinger.studies.times import Moment, at, moments
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.moments import Moments
 from fefinger.theory.moments import moments as shape_of
 from fefinger.theory.sensor import ArraySensor, isobar
-from fefinger.units import NEWTON_PER_MILLINEWTON
 
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from fefinger.studies import figures
 from fefinger.studies.columns import ERRORS, MEASURES
 from fefinger.studies.grid import remarks
 from fefinger.studies.slope import POINTS, WINDOW
-from fefinger.text import brief, percent
+from fefinger.support.text import brief, percent
 
 
 if TYPE_CHECKING:

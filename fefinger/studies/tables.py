@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.checks import InputError
 from fefinger.studies.columns import MEASURES, split
-from fefinger.writing import in_place, netcdf
+from fefinger.support.atomic_write import in_place, netcdf
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger.checks import InputError
 from fefinger.studies.columns import column
 from fefinger.studies.grid import EACH, parse_at, product
-from fefinger.version import VERSION
-from fefinger.writing import in_place
+from fefinger.support.atomic_write import in_place
+from fefinger.support.checks import InputError
+from fefinger.support.version import VERSION
 
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def kept(folder: Path, task: Task) -> Answer | None:
 
 def made() -> dict[str, str]:
     """Return when and by which commit answers are made, which is kept with them."""
-    from fefinger.provenance import software
+    from fefinger.support.provenance import software
 
     now = software()
     return {"date": now["date"], "commit": now["commit"]}
@@ -138,7 +138,7 @@ def made() -> dict[str, str]:
 
 def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
     """Return what made the answers of a study, the last of them now: program, dates and seeds."""
-    from fefinger.provenance import software
+    from fefinger.support.provenance import software
 
     told: dict[str, Any] = software()
     dates = sorted(answer["date"] for answer in answers)

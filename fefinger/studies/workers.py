@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from fefinger import beside
-from fefinger.checks import ConvergenceError, InputError
-from fefinger.cores import cores
 from fefinger.studies.tasks import Answer, Task
+from fefinger.support import processes
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.processes import cores
 
 
 def answer(task: Task) -> Answer:
@@ -32,8 +32,8 @@ def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[i
     They come from processes of this machine, by default one per core; one that dies costs the scene
     it was on.
     """
-    for number, found in beside.each(answer, tasks, workers or cores()):
-        yield number, {"error": str(found)} if isinstance(found, beside.Died) else found
+    for number, found in processes.each(answer, tasks, workers or cores()):
+        yield number, {"error": str(found)} if isinstance(found, processes.Died) else found
 
 
 def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]:

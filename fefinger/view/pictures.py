@@ -12,12 +12,12 @@ from fefinger import figures, films, medial, quantities, section, stored
 from fefinger.marks import highest_rate
 from fefinger.quantities import round_up
 from fefinger.records import Array, Fields, Integers, Result
+from fefinger.support.atomic_write import moved
 from fefinger.titles import titles
 from fefinger.view import bars, renderer
 from fefinger.view.bars import add_bars
 from fefinger.view.stage import Scales, Stage
 from fefinger.view.subject import colors, subject
-from fefinger.writing import moved
 
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-from fefinger import beside
-from fefinger.checks import InputError
+from fefinger.support import processes
+from fefinger.support.checks import InputError
 
 
 PROBE = """
@@ -28,7 +28,7 @@ def renderer_lacking() -> str:
     """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with suppress(OSError, subprocess.TimeoutExpired):
-        with beside.running(beside.command("-c", PROBE), **quiet) as probe:
+        with processes.running(processes.command("-c", PROBE), **quiet) as probe:
             if probe.wait(PATIENCE) == 0:
                 return ""
     return (

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger import figures, pieces, quantities, section
-from fefinger.checks import choice
 from fefinger.marks import Marks
 from fefinger.neural.trains import FEW
 from fefinger.profiles import Ellipsoid, Plane
+from fefinger.support.checks import choice
 from fefinger.view.subject import SOFT, Subject
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from fefinger import figures, quantities, section, stored
-from fefinger.checks import InputError
 from fefinger.records import Array, Result
+from fefinger.support.checks import InputError
 from fefinger.view import bars, pictures, renderer
 from fefinger.view.stage import Stage
 

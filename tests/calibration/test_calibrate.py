@@ -14,7 +14,7 @@ from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, layer, refuse_gross
 from fefinger.calibration.press import LATER, PART, SPARE
 from fefinger.calibration.record import Calibration
-from fefinger.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.calibration.curve import curve, family
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 @pytest.mark.parametrize("count", [24, 400])

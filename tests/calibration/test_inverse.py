@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.calibration import inverse, record
-from fefinger.checks import ConvergenceError
+from fefinger.support.checks import ConvergenceError
 
 
 def unknown(name, **options):

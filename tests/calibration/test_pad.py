@@ -8,8 +8,8 @@ import pytest
 import fefinger as ff
 from fefinger.calibration import pad, target
 from fefinger.calibration.press import felt, pressed
-from fefinger.checks import InputError
 from fefinger.mechanics import hertz
+from fefinger.support.checks import InputError
 from fefinger.theory.sensor import ArraySensor
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import cache
 from fefinger.calibration import press as presses
 from fefinger.calibration.press import press
-from fefinger.checks import InputError, Stopped
 from fefinger.mechanics import hertz
+from fefinger.support import cache
+from fefinger.support.checks import InputError, Stopped
 
 
 def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):

@@ -7,12 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fefinger import data, library
+from fefinger import library
 from fefinger.calibration import inverse, target
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
-from fefinger.checks import InputError
 from fefinger.finger import Finger
+from fefinger.support import package_data
+from fefinger.support.checks import InputError
 from fefinger.theory import synthetic
 from fefinger.theory.lumped import Spring, force
 from fefinger.theory.relaxation import Prony
@@ -205,7 +206,7 @@ def test_what_is_missed_is_taken_apart_into_independent_errors():
 
 
 def test_what_a_mesh_makes_is_that_of_its_report():
-    rows = json.loads(data.report("mesh-curves.json"))["rows"]
+    rows = json.loads(package_data.report("mesh-curves.json"))["rows"]
     for mesh, row in rows.items():
         assert target.MESH[mesh] >= row["rms"]
         assert row["length_mm"] / 3 < target.LENGTH < 3 * row["length_mm"]

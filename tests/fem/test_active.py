@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem import active, loop
 from fefinger.fem.contact import Complementarity
 from fefinger.fem.march import Prescribed, Relaxation, march
-from fefinger.tolerances import COMPLEMENTARITY
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import COMPLEMENTARITY
 
 
 WEIGHTS, RATES = np.array([0.3, 0.4, 0.2, 0.1]), np.array([200.0, 10.0, 0.6])

@@ -5,7 +5,6 @@ import pytest
 from scipy import sparse
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.fem import condense
 from fefinger.fem.body import Body, body, prescribed, reduce, solid
 from fefinger.fem.contact import patch
@@ -14,6 +13,7 @@ from fefinger.fem.grids import box
 from fefinger.fem.probe import strain_at
 from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
+from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")

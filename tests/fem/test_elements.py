@@ -5,12 +5,12 @@ import pytest
 from fefinger.validation import fem_elements
 from skfem import MeshTet
 
-from fefinger.checks import InputError
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.probe import inside, locate, strain_at, strain_at_vertices, tensors
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
-from fefinger.tolerances import INSIDE
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import INSIDE
 
 
 RATIOS = [0.0, 0.3, 0.49, 0.5]

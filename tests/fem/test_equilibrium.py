@@ -7,7 +7,6 @@ import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
 from scipy import sparse
 
-from fefinger.checks import ConvergenceError
 from fefinger.fem import equilibrium
 from fefinger.fem.anderson import Anderson
 from fefinger.fem.equilibrium import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
@@ -16,8 +15,9 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
 from fefinger.fem.state import Asked, State
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import EQUILIBRIUM
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.tolerances import EQUILIBRIUM
 
 
 RATIOS = (0.0, 0.3, 0.49, 0.5)

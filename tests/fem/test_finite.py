@@ -5,12 +5,12 @@ import pytest
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementTetP2
 
-from fefinger.checks import InputError
 from fefinger.fem.finite import Continuum, Memory, continuum
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box, quarter
 from fefinger.fem.laws import Law, demiray, law, mooney_rivlin, neo_hookean, veronda_westmann
 from fefinger.fem.spaces import Space
+from fefinger.support.checks import InputError
 
 
 SOFT = Elastic(30.0, 0.49)

@@ -5,12 +5,12 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import multifrontal, solve
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
 from fefinger.fem.solvers import compressible
 from fefinger.fem.spaces import Space
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 def clamped(space: Space) -> np.ndarray:

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem import iterative, multifrontal, solve, solvers
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
 from fefinger.fem.solvers import SOLVERS
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.tolerances import LINEAR_RESIDUAL
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.tolerances import LINEAR_RESIDUAL
 
 
 @pytest.fixture(params=SOLVERS)

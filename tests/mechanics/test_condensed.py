@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.mechanics import _evidence, _kept, _operator, condensed, linear
 from fefinger.mechanics._notes import RIGID_BONE
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
+from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")

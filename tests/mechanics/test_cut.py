@@ -3,9 +3,9 @@
 import pytest
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.mechanics import _cut, linear, solid
 from fefinger.mechanics._cut import FAR, NEAR
+from fefinger.support.checks import InputError
 
 
 def pressed(subject: str, depth: float, angle: float = 0.0) -> ff.Scene:

@@ -14,7 +14,7 @@ from fefinger.mechanics import _evidence, _solid_cost, condensed, linear, solid
 from fefinger.mechanics._timeline import moving, time_grid
 from fefinger.mesh.build import SETTINGS
 from fefinger.scene import Ramp, Scene
-from fefinger.text import percent
+from fefinger.support.text import percent
 from fefinger.tissue import Tissue
 
 

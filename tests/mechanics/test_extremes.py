@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
@@ -18,6 +17,7 @@ from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")

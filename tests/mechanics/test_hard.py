@@ -8,7 +8,6 @@ import pytest
 
 from fefinger import scenes
 from fefinger.ask import SOLVERS
-from fefinger.checks import InputError
 from fefinger.fem import solvers
 from fefinger.fem.finite import continuum
 from fefinger.fem.forms import Elastic
@@ -21,6 +20,7 @@ from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.run import run
 from fefinger.scene import Finger, Flat, Hard, Prony, Ramp, Scene
+from fefinger.support.checks import InputError
 
 
 BONE, NAIL = Hard(17e6), Hard(2e6)

@@ -7,10 +7,10 @@ import pytest
 
 import fefinger as ff
 from fefinger import scenes
-from fefinger.checks import InputError
 from fefinger.mechanics import _axisymmetric, hertz, linear
 from fefinger.mechanics._axisymmetric import Touch, turned
 from fefinger.records import Sites
+from fefinger.support.checks import InputError
 from fefinger.theory import ting
 from fefinger.theory.hertz import Hertz
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral

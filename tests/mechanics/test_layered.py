@@ -8,9 +8,9 @@ from fefinger.validation import evidence_layered
 
 import fefinger as ff
 from fefinger import machine, mechanics, scenes
-from fefinger.checks import InputError
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
+from fefinger.support.checks import InputError
 from fefinger.theory.indentation import paraboloid
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
@@ -16,6 +15,7 @@ from fefinger.mesh.ready import ready
 from fefinger.motion import Motion
 from fefinger.records import Response
 from fefinger.run import fire
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

@@ -11,7 +11,6 @@ from fefinger.validation.cube import cube
 import fefinger as ff
 from fefinger import scenes
 from fefinger.__main__ import main
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.forms import Elastic
 from fefinger.fem.laws import neo_hookean
@@ -22,6 +21,7 @@ from fefinger.motion import Motion
 from fefinger.neural.afferents import displacements
 from fefinger.records import Response
 from fefinger.scene import Scene
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 PRONY = {"c": [0.4, 0.6], "v": [50.0]}

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.mesh import improve
 from fefinger.mesh.build import SETTINGS, build, sizes, touched
 from fefinger.mesh.mesher import Settings, tetrahedra
@@ -14,6 +13,7 @@ from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.record import FACETS, FingerMesh, faces, volumes
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 ROUGH = Settings(pad=1.0, deep=0.8, far=1.0, largest=4.0, envelope=6e-3, facet=1.2)

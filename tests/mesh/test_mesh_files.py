@@ -10,12 +10,12 @@ from threading import Event
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.finger import Finger
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
+from fefinger.support.checks import InputError
 
 
 @pytest.fixture(scope="module")

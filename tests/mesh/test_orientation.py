@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fefinger.checks import InputError
 from fefinger.mesh import surface
 from fefinger.mesh.orientation import SLENDER, UNSURE, check, lie
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
+from fefinger.support.checks import InputError
 
 
 trimesh = pytest.importorskip("trimesh")

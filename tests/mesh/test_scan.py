@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.mesh import surface
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.plate import PLATE_NORMAL
@@ -13,6 +12,7 @@ from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Shell
+from fefinger.support.checks import InputError
 
 
 trimesh = pytest.importorskip("trimesh")

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from fefinger.checks import InputError
 from fefinger.mesh import surface
 from fefinger.mesh.parametric import parametric, patch_points, radii
 from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shapes import Shape
+from fefinger.support.checks import InputError
 
 
 SUBJECTS = {"d.p.": (12, 9.5, 15), "d.s.": (14, 11.5, 12), "a.h.": (14, 10, 14)}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.checks import InputError
 from fefinger.mesh.surface_file import crossings, read_surface
+from fefinger.support.checks import InputError
 
 
 trimesh = pytest.importorskip("trimesh")

@@ -6,11 +6,11 @@ import sys
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.afferents import from_strain, simulate
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.signals import count_changes
+from fefinger.support.checks import InputError
 
 
 FLAT = np.diag([0.04, 0.05, -0.1])

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from fefinger.checks import InputError
 from fefinger.neural.chains import (
     Chain,
     Resonant,
@@ -15,6 +14,7 @@ from fefinger.neural.chains import (
     under_force,
 )
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
+from fefinger.support.checks import InputError
 
 
 SLOW = slow_chain(2.0, SpringDamper(0.3, 0.05), 0.7)

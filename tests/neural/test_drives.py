@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES, POISSON
 from fefinger.neural.endorgans import TYPES
+from fefinger.support.checks import InputError
 
 
 UP = np.array([[0.0, 0.0, 1.0]])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero, chord_steps, rectify
 from fefinger.neural.signals import dense_times
+from fefinger.support.checks import InputError
 
 
 KINDS = pytest.mark.parametrize("kind", TYPES)

@@ -8,9 +8,9 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural import exports
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.checks import InputError
 
 
 RNG = np.random.default_rng(8)

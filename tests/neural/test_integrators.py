@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.membranes import METHODS, HodgkinHuxley
+from fefinger.support.checks import InputError
 
 
 STANDARD, SLOWED, WARM = HodgkinHuxley(1.0), HodgkinHuxley(6.0), HodgkinHuxley(1.0, 16.3)

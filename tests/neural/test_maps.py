@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural import rate_profile, receptive_fields
 from fefinger.neural.populations import Surface
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.checks import InputError
 
 
 X = np.linspace(-5, 5, 101)

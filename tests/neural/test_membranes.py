@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.support.checks import InputError
 
 
 STANDARD, SLOWED = HodgkinHuxley(rate_divisor=1.0), HodgkinHuxley(rate_divisor=6.0)

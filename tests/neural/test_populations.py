@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.populations import Surface, grid, lifted, line, populate, scatter, squares
+from fefinger.support.checks import InputError
 
 
 DEPTHS = {"SAI": 0.8, "SAII": 1.25, "FAI": 0.5, "FAII": 2.5}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.preliminary import Derivative, derivative, features, spring
+from fefinger.support.checks import InputError
 
 
 def test_three_springs_share_by_their_compliances():

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fefinger.checks import InputError
 from fefinger.neural.afferents import simulate
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
+from fefinger.support.checks import InputError
 
 
 MEMBRANES = pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural import (
     interval_variation,
     intervals,
@@ -17,6 +16,7 @@ from fefinger.neural import (
     victor_purpura,
 )
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.checks import InputError
 
 
 RNG = np.random.default_rng(4)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural.trains import COLUMNS, SpikeTrains
+from fefinger.support.checks import InputError
 
 
 def trains(*times):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.checks import InputError
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
@@ -16,6 +15,7 @@ from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
 from fefinger.neural.units import RULES, simulate_units
 from fefinger.neural.variation import Variation
+from fefinger.support.checks import InputError
 
 
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)

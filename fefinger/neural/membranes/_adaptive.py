@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from fefinger.checks import ConvergenceError, InputError
 from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, slope
 from fefinger.neural.membranes.firing import Run
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 _RTOL, _ATOL = 1e-10, 1e-12

@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import number
 from fefinger.neural.membranes.firing import (
     Firing,
     Run,
@@ -16,6 +15,7 @@ from fefinger.neural.membranes.firing import (
     signals,
     trimmed,
 )
+from fefinger.support.checks import number
 
 
 BLOCK_AFTER = 0.010

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, number
-from fefinger.cores import cores
+from fefinger.support.checks import InputError, number
+from fefinger.support.processes import cores
 
 
 LARGEST_STEP = 5e-5

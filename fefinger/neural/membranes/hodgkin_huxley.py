@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import InputError, choice, number
 from fefinger.neural.membranes.firing import (
     LARGEST_STEP,
     Firing,
@@ -17,6 +16,7 @@ from fefinger.neural.membranes.firing import (
     signals,
     trimmed,
 )
+from fefinger.support.checks import InputError, choice, number
 
 
 BLOCK_MV, BLOCK_CURRENT, BLOCK_AFTER = 6.5, 50.0, 0.010

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.checks import number
 from fefinger.neural.membranes.firing import Firing, Run, in_blocks, largest_step, signals, trimmed
+from fefinger.support.checks import number
 
 
 _WIDTH = 64

@@ -3,7 +3,7 @@
 import difflib
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 
@@ -110,3 +110,56 @@ def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) 
             listed = ", ".join(known)
             message = f"{key}: unknown key{where}.{nearest(key, known)} Known keys: {listed}"
             raise InputError(message)
+
+
+def numbers(
+    name: str, values: Any, *, count: int | None = None, **limits: Any
+) -> tuple[float, ...]:
+    """Return `values` as a tuple of `count` floats inside the limits that `checks.number` takes."""
+    wanted = "a list of numbers" if count is None else f"a list of {count} numbers"
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        msg = f"{name}: expected {wanted}, received {values!r}"
+        raise InputError(msg)
+    result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(values))
+    if count is not None and len(result) != count:
+        msg = f"{name}: expected {wanted}, received {len(result)}: {list(result)}"
+        raise InputError(msg)
+    return result
+
+
+def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
+    """Return `values` as a tuple of different strings, all of them among `options`."""
+    known = list(options)
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        msg = f"{name}: expected a list out of {', '.join(known)}, received {values!r}"
+        raise InputError(msg)
+    result = tuple(choice(f"{name}[{i}]", value, known) for i, value in enumerate(values))
+    if len(set(result)) != len(result):
+        msg = f"{name}: expected every name once, received {list(result)}"
+        raise InputError(msg)
+    return result
+
+
+class Frozen(Mapping[str, Any]):
+    """A mapping that cannot be changed, equal to a dict of the same items.
+
+    Unlike a MappingProxyType it can be pickled, as scenes are on their way to other processes, and
+    follows no dict that someone else still holds.
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, Any]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)

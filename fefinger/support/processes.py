@@ -18,13 +18,13 @@ from contextlib import ExitStack, contextmanager, suppress
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
-from fefinger import interrupt
+from fefinger.support import interrupt
 
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
-SERVE = "from fefinger.beside import serve; serve()"
+SERVE = "from fefinger.support.processes import serve; serve()"
 
 GRACE = 2.0
 """Seconds that a child process has to end its own children and to remove its temporary files."""
@@ -188,3 +188,8 @@ def each(
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in team:
             worker.end()
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

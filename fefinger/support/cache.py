@@ -13,8 +13,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from fefinger.interrupt import on_end, shielded
-from fefinger.writing import temporary_folder
+from fefinger.support.atomic_write import temporary_folder
+from fefinger.support.interrupt import on_end, shielded
 
 
 KINDS = ("meshes", "operators", "patches", "presses")

@@ -4,8 +4,14 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
-from fefinger.records import Progress
+
+class Progress(Protocol):
+    """What long work reports to: a stage by name, and the fraction of it that is done."""
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        """Report that `fraction` (0 to 1) of `stage` is done."""
 
 
 class Stages:

@@ -4,7 +4,7 @@ import csv
 import re
 from pathlib import Path
 
-from fefinger.checks import InputError
+from fefinger.support.checks import InputError
 
 
 UNITS = {"time": "s", "depth": "mm", "force": "N"}

@@ -36,7 +36,7 @@ def software() -> dict[str, Any]:
     from datetime import UTC, datetime
     from importlib.metadata import version
 
-    from fefinger.version import VERSION
+    from fefinger.support.version import VERSION
 
     return {
         "fefinger": VERSION,

@@ -12,8 +12,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fefinger.checks import InputError
-from fefinger.interrupt import on_end, shielded
+from fefinger.support.checks import InputError
+from fefinger.support.interrupt import on_end, shielded
 
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""What every room uses: checks, names, text, files, processes and progress."""

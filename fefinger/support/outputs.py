@@ -1,0 +1,74 @@
+"""Files and folders that answers are written to, checked before work starts."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from os import PathLike
+from pathlib import Path
+
+from fefinger.support.checks import InputError
+from fefinger.support.interrupt import on_end
+
+
+def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
+    """Raise InputError if a file that the user gave as `option` ends otherwise than in `ending`."""
+    if Path(path).suffix.lower() != ending:
+        message = f"{option}: expected a file that ends in {ending}, received {Path(path).name!r}"
+        raise InputError(message)
+
+
+def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Path:
+    """Return the file that the user gave as `option`, its folder created; InputError otherwise."""
+    if ending:
+        check_ending(path, option, ending)
+    if Path(path).is_dir():
+        message = f"{option}: expected a file, received the folder {str(path)!r}; choose another"
+        raise InputError(message)
+    output_folder(Path(path).parent)
+    return Path(path)
+
+
+def output_folder(folder: str | PathLike[str]) -> Path:
+    """Create `folder` if needed and return it; InputError when files cannot be written there."""
+    if not os.fspath(folder).strip():
+        message = "output folder: expected a name, received an empty one; this folder is called ."
+        raise InputError(message)
+    path = Path(folder)
+    advice = "choose another"
+    if path.exists() and not path.is_dir():
+        message = f"output folder: expected a folder, received the file {str(path)!r}; {advice}"
+        raise InputError(message)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        message = (
+            f"output folder: expected a folder that can be written, received {str(path)!r} "
+            f"({reason}); {advice}"
+        )
+        raise InputError(message) from None
+    return path
+
+
+@contextmanager
+def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
+    """Create a folder as `output_folder` for the work inside; an error leaves no empty one."""
+    if folder is None:
+        yield None
+        return
+    made = [path for path in (Path(folder), *Path(folder).parents) if not path.exists()]
+
+    def remove_empty() -> None:
+        for path in made:
+            with suppress(OSError):  # something is in it
+                path.rmdir()
+
+    try:
+        with on_end(remove_empty):
+            yield output_folder(folder)
+    except BaseException:  # as KeyboardInterrupt
+        remove_empty()
+        raise
