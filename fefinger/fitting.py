@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from fefinger.support import atomic_write
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.text import strict_json, table
-from fefinger.theory import identify, lumped, ramphold
-from fefinger.theory.identify import Identification
+from fefinger.theory.lumped import identify, ramp_hold
+from fefinger.theory.lumped import spring as lumped
+from fefinger.theory.lumped.identify import Identification
 
 
 Array = NDArray[np.float64]
@@ -83,7 +84,7 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
 
 
 def read(
-    file: str | Path, *, fewest: int = 2 * ramphold.FEWEST, of: str = "a ramp and hold"
+    file: str | Path, *, fewest: int = 2 * ramp_hold.FEWEST, of: str = "a ramp and hold"
 ) -> tuple[Array, Array, Array]:
     """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked.
 
@@ -272,8 +273,8 @@ def save(found: Fit, folder: Path) -> list[str]:
     The table has the record up to the end of the hold, with the smoothed position by which both
     models move, and their forces. InputError where there is no room for both.
     """
-    used = ramphold.split(found.time, found.position, found.force)
-    position = ramphold.smooth_position(used)
+    used = ramp_hold.split(found.time, found.position, found.force)
+    position = ramp_hold.smooth_position(used)
     models = [
         lumped.force(way.spring, way.prony, used.time, position)
         for way in (found.joint, found.thesis)

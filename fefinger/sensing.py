@@ -12,7 +12,7 @@ from fefinger.support.checks import InputError
 
 if TYPE_CHECKING:
     from fefinger.records import Array, Pad, Result
-    from fefinger.theory.sensor import ArraySensor, Reading
+    from fefinger.theory.array.sensor import ArraySensor, Reading
 
 
 def read(
@@ -28,7 +28,7 @@ def read(
     InputError
         Without a plate or a pressure, or on a pad too coarse for the elements.
     """
-    from fefinger.theory.sensor import ArraySensor
+    from fefinger.theory.array.sensor import ArraySensor
 
     pad, pressure = result.pad, result.pressure
     if pad is None or pressure is None:

@@ -16,7 +16,7 @@ from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Indenter
 from fefinger.support.checks import ConvergenceError, InputError, number
-from fefinger.theory.lumped import LARGEST
+from fefinger.theory.lumped.spring import LARGEST
 from fefinger.theory.relaxation import Prony, exprel
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from fefinger.validation import chain, finger_causes, finger_split
 
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.lumped import Spring
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.lumped.spring import Spring
 
 
 def test_the_first_model_of_the_chain_is_hertz_of_the_relaxed_tissue() -> None:

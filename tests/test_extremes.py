@@ -23,10 +23,10 @@ from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
+from fefinger.theory.contact.sphere import Sphere
 from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
-from fefinger.theory.sphere import Sphere
 
 
 few = settings(derandomize=True, database=None, deadline=None, max_examples=25)

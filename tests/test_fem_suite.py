@@ -17,7 +17,7 @@ from fefinger.validation.peers import PEERS
 
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.grids import box
-from fefinger.theory.punch import Cone, FlatPunch
+from fefinger.theory.contact.punch import Cone, FlatPunch
 
 
 @pytest.fixture(scope="module")

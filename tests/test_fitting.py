@@ -10,8 +10,8 @@ import pytest
 from fefinger import fitting, library
 from fefinger.__main__ import main
 from fefinger.support.checks import ConvergenceError, InputError
-from fefinger.theory import identify, synthetic
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped import identify, synthetic
+from fefinger.theory.lumped.spring import Spring
 
 
 ROW = library.pawluk_bulk()["a.h."]

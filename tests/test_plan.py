@@ -342,7 +342,7 @@ def test_a_scene_without_spikes_loads_no_membrane():
     asks = RUN.replace("strain=False", "strain=True")
     assert "strain=True" in asks
     modules = loaded(asks.replace("ff.run(scene)", "ff.run(scene, mechanics='hertz')"))
-    assert "fefinger.theory.ting" in modules
+    assert "fefinger.theory.contact.ting" in modules
     assert not [name for name in modules if name.startswith("fefinger.neural.membranes")]
 
 

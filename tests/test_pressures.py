@@ -6,7 +6,7 @@ from scipy.spatial import Delaunay
 
 from fefinger import pressures, sensing
 from fefinger.records import Pad
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
 
 
 def disk(seed: int, n: int = 900) -> Pad:

@@ -7,7 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger import mechanics, scenes, sensing
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
 
 
 NAMES = {name.split("-")[0]: name for name in scenes.names() if name[1:2].isdigit()}

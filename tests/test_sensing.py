@@ -8,8 +8,8 @@ import pytest
 import fefinger as ff
 from fefinger import sensing
 from fefinger.support.checks import InputError
+from fefinger.theory.array.sensor import ArraySensor, blurred, centroid
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.sensor import ArraySensor, blurred, centroid
 
 
 ASK = ff.Ask(strain=False, fields=False)

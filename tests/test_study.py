@@ -20,9 +20,9 @@ from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
-from fefinger.theory.elliptic import Elliptic
+from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.sensor import ArraySensor
 
 
 QUICK = {"ask.spikes": [], "motion.hold": 0.05, "motion.speed": 10}

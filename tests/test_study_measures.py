@@ -15,7 +15,7 @@ from fefinger.studies import report
 from fefinger.studies.columns import ERRORS, bounds, split, words
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows
-from fefinger.theory.elliptic import Elliptic
+from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 
 

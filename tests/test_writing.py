@@ -13,8 +13,8 @@ from fefinger import fitting, library, validation_report
 from fefinger.__main__ import main
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
-from fefinger.theory.lumped import Spring
-from fefinger.theory.synthetic import ramp_and_hold
+from fefinger.theory.lumped.spring import Spring
+from fefinger.theory.lumped.synthetic import ramp_and_hold
 
 
 resource = pytest.importorskip("resource", reason="limits the size of files")

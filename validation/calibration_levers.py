@@ -24,8 +24,8 @@ from fefinger.calibration.target import Bulk, Frames, aligned
 from fefinger.calibration.work import Work
 from fefinger.scene import Finger, Prony
 from fefinger.support.checks import ConvergenceError
+from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.sensor import ArraySensor, blurred
 from fefinger.tissue import Hard
 
 

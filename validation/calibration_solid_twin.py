@@ -19,7 +19,7 @@ from fefinger.calibration.press import PLATE
 from fefinger.calibration.record import Calibration
 from fefinger.mechanics import solid
 from fefinger.scene import Ask, Finger, RampHold, Scene
-from fefinger.theory.synthetic import FORCE_NOISE, POSITION_NOISE
+from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 
 
 Array = NDArray[np.float64]

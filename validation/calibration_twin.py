@@ -20,8 +20,8 @@ from fefinger.motion import Ramp, RampSinusoid
 from fefinger.realtime import Condensed
 from fefinger.scene import Finger, Prony
 from fefinger.stiffening import Stiffening
-from fefinger.theory.sensor import ArraySensor
-from fefinger.theory.synthetic import FORCE_NOISE, POSITION_NOISE
+from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 
 
 Array = NDArray[np.float64]

@@ -22,11 +22,11 @@ from fefinger.records import Response
 from fefinger.scene import Ask, Finger, Flat, Indenter, Scene, Sphere
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import paraboloid
-from fefinger.theory.layer import Sheet
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import paraboloid
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.ting import press_by_depth, radius_nodes
 
 
 Array = NDArray[np.float64]

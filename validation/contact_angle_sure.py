@@ -20,7 +20,7 @@ from fefinger.validation.contact_angle_rows import (
 from fefinger import page
 from fefinger.studies import figures
 from fefinger.studies.report import part
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
 
 
 def sure(rows: Rows) -> Iterator[dict[str, Any]]:

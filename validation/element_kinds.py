@@ -26,8 +26,8 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.probe import strain_at, tensors
 from fefinger.fem.spaces import Space
 from fefinger.fem.threads import one_thread
-from fefinger.theory.below import below
-from fefinger.theory.stack import Stack
+from fefinger.theory.contact.stack import Stack
+from fefinger.theory.contact.subsurface import below
 
 
 Array = NDArray[np.float64]

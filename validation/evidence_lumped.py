@@ -24,7 +24,7 @@ from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT, read
 from fefinger.mechanics._tradeoff import REPORT as TRADEOFF
 from fefinger.mechanics._tradeoff import rules
 from fefinger.scene import Ask, Finger, Flat, Ramp, Scene
-from fefinger.theory.lumped import Spring, contact_force
+from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 
 

@@ -11,15 +11,16 @@ from fefinger.validation.extremes_scenes import answered as answered_scene
 from fefinger.validation.extremes_trial import ANSWERED, REFUSED, THEORY, Findings, Kind, Trial
 
 from fefinger.scene import Prony, Sinusoid
-from fefinger.theory import lumped, ting
-from fefinger.theory.elliptic import Elliptic
+from fefinger.theory.contact import ting
+from fefinger.theory.contact.elliptic import Elliptic
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import Contact, paraboloid
+from fefinger.theory.contact.sphere import Sphere
+from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.impedance import impedance
-from fefinger.theory.indentation import Contact, paraboloid
+from fefinger.theory.lumped import spring as lumped
+from fefinger.theory.lumped.impedance import impedance
 from fefinger.theory.relaxation import hereditary_integral
-from fefinger.theory.sphere import Sphere
-from fefinger.theory.stack import Layer, Stack
 
 
 EXACT = 1e-13

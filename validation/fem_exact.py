@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from fefinger.fem.forms import Elastic
 from fefinger.fem.grids import quarter
 from fefinger.fem.spaces import Space
-from fefinger.theory import indentation
-from fefinger.theory.elliptic import Elliptic
-from fefinger.theory.layer import Sheet
-from fefinger.theory.punch import Cone, FlatPunch
-from fefinger.theory.sphere import Sphere
-from fefinger.theory.stack import Base, Layer, Stack
+from fefinger.theory.contact import indentation
+from fefinger.theory.contact.elliptic import Elliptic
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.punch import Cone, FlatPunch
+from fefinger.theory.contact.sphere import Sphere
+from fefinger.theory.contact.stack import Base, Layer, Stack
 
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from fefinger.fem.forms import Elastic
 from fefinger.fem.grids import Size, quarter
 from fefinger.fem.spaces import Space
-from fefinger.theory.hertz import Hertz
+from fefinger.theory.contact.hertz import Hertz
 
 
 Array = NDArray[np.float64]

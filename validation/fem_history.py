@@ -17,10 +17,10 @@ from fefinger.fem.forms import Elastic
 from fefinger.fem.grids import quarter
 from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.library import pawluk_relaxation
-from fefinger.theory import indentation
-from fefinger.theory.layer import Sheet
+from fefinger.theory.contact import indentation
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.ting import ContactHistory, press_by_depth, press_by_force
 
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from fefinger.fem.probe import strain_at, tensors
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Space
-from fefinger.theory.loads import point_displacement
+from fefinger.theory.contact.loads import point_displacement
 
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from fefinger.fem.grids import box
 from fefinger.fem.march import Prescribed, Relaxation
 from fefinger.fem.solve import factor
 from fefinger.fem.spaces import Space
-from fefinger.theory.loads import point_displacement
+from fefinger.theory.contact.loads import point_displacement
 from fefinger.theory.relaxation import Prony
 
 

@@ -9,11 +9,11 @@ from fefinger.validation.thesis_lumped import DIGITS
 from fefinger.validation.thesis_pressure import PROFILES, SENSOR, pad
 from numpy.typing import NDArray
 
-from fefinger.theory.curvature import series_modulus
+from fefinger.theory.array.sensor import ArraySensor, blurred, isobar
+from fefinger.theory.array.sensor_fit import fit_fingerpad
+from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
-from fefinger.theory.sensor import ArraySensor, blurred, isobar
-from fefinger.theory.sensor_fit import fit_fingerpad
 
 
 Array = NDArray[np.float64]

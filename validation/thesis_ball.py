@@ -9,11 +9,11 @@ from fefinger.validation.thesis_lumped import DIGITS
 from fefinger.validation.thesis_pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import NDArray
 
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import Contact, paraboloid_at
-from fefinger.theory.layer import Faced, Sheet
-from fefinger.theory.sensor import ArraySensor, blurred
-from fefinger.theory.sensor_fit import fit_ball
+from fefinger.theory.array.sensor import ArraySensor, blurred
+from fefinger.theory.array.sensor_fit import fit_ball
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import Contact, paraboloid_at
+from fefinger.theory.contact.layer import Faced, Sheet
 
 
 Array = NDArray[np.float64]

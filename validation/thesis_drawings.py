@@ -18,8 +18,8 @@ from fefinger.validation.thesis_sensor import ball_pressure, felt
 from numpy.typing import NDArray
 
 from fefinger.figures import INK, STEEL, figure, style
-from fefinger.theory.curvature import at_depth, goodwin, goodwin_radius
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.contact.curvature import at_depth, goodwin, goodwin_radius
 
 
 Array = NDArray[np.float64]

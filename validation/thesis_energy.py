@@ -13,8 +13,8 @@ from fefinger.validation.thesis_lumped import (
     vibrated,
 )
 
-from fefinger.theory.ergonomics import tap
-from fefinger.theory.impedance import decibel, impedance, phase, relaxation_spectrum
+from fefinger.theory.lumped.ergonomics import tap
+from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -8,8 +8,8 @@ from fefinger.validation.thesis_lumped import OFFSETS, finger, sinusoid, vibrate
 from numpy.typing import NDArray
 
 from fefinger.figures import INK, STEEL, figure, style
-from fefinger.theory.impedance import decibel, impedance, phase, relaxation_spectrum
-from fefinger.theory.lumped import constant_velocity
+from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum
+from fefinger.theory.lumped.spring import constant_velocity
 
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def _velocities() -> Any:
 
 
 def _relaxation() -> Any:
-    from fefinger.theory.synthetic import ramp_and_hold
+    from fefinger.theory.lumped.synthetic import ramp_and_hold
 
     spring, prony = finger("p.w.")
     trial = ramp_and_hold(spring, prony, peak_force=2.5, seed=3)

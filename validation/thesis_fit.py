@@ -6,8 +6,8 @@ from functools import cache, partial
 from fefinger.validation.case import Case
 from fefinger.validation.thesis_lumped import DIGITS, finger
 
-from fefinger.theory.identify import Identification, joint, thesis
-from fefinger.theory.synthetic import ramp_and_hold
+from fefinger.theory.lumped.identify import Identification, joint, thesis
+from fefinger.theory.lumped.synthetic import ramp_and_hold
 
 
 BIASED = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}

@@ -9,9 +9,9 @@ from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
 from fefinger.library import pawluk_bulk
-from fefinger.theory.ergonomics import Vibration, vibration
-from fefinger.theory.impedance import relaxation_spectrum
-from fefinger.theory.lumped import Spring, constant_velocity, force
+from fefinger.theory.lumped.ergonomics import Vibration, vibration
+from fefinger.theory.lumped.impedance import relaxation_spectrum
+from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
 

@@ -10,7 +10,7 @@ from fefinger.validation.thesis_lumped import DIGITS, digits
 from numpy.typing import NDArray
 
 from fefinger.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
-from fefinger.theory.curvature import (
+from fefinger.theory.contact.curvature import (
     Contact,
     at_depth,
     goodwin,
@@ -19,8 +19,8 @@ from fefinger.theory.curvature import (
     series_modulus,
     torsional_friction,
 )
+from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad, Reading
-from fefinger.theory.hertz import Hertz
 from fefinger.theory.relaxation import hereditary_integral
 
 

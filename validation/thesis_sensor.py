@@ -9,8 +9,8 @@ from fefinger.validation.thesis_lumped import DIGITS
 from fefinger.validation.thesis_pressure import BALL_DEPTH, BALLS, ball
 from numpy.typing import NDArray
 
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.theory.array.sensor import ArraySensor, blurred
+from fefinger.theory.contact.hertz import Hertz
 
 
 Array = NDArray[np.float64]

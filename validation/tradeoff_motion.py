@@ -16,7 +16,7 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene import Scene
-from fefinger.theory.ting import press_by_depth, radius_nodes
+from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ from fefinger import library
 from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.target import Bulk, Record
+from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.ting import press_by_depth, radius_nodes
 
 
 Array = NDArray[np.float64]

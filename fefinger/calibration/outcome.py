@@ -31,8 +31,8 @@ from fefinger.calibration.target import Bulk, Record
 from fefinger.finger import Finger
 from fefinger.motion import RampSinusoid
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory import doubt
-from fefinger.theory.lumped import contact_force
+from fefinger.theory.lumped import confidence
+from fefinger.theory.lumped.spring import contact_force
 from fefinger.tissue import Tissue
 
 
@@ -235,7 +235,7 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
         )
     if isinstance(wanted, Record):
         lumped = wanted.lumped
-        said += doubt.bias(wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty)
+        said += confidence.bias(wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty)
         said += _other_touch(found.solution.values[TOUCH], lumped.spring.x0)
     if RADIUS not in found.solution.values:
         said.append("pad_radius: there are no frames, so it is kept")

@@ -17,10 +17,10 @@ from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
 from fefinger.calibration.target import Frames, aligned
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.theory.array.sensor import ArraySensor, blurred
+from fefinger.theory.array.sensor_fit import fit_fingerpad
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
-from fefinger.theory.sensor import ArraySensor, blurred
-from fefinger.theory.sensor_fit import fit_fingerpad
 
 
 Array = NDArray[np.float64]

@@ -25,7 +25,7 @@ from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]

@@ -12,11 +12,11 @@ from scipy.linalg import solve_triangular
 from fefinger import fitting, library
 from fefinger.finger import Finger
 from fefinger.support.checks import InputError, choice
-from fefinger.theory.identify import Identification, joint
-from fefinger.theory.lumped import Spring, constant_velocity, force
-from fefinger.theory.ramphold import RampHold, averages, deviation_of, split
+from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.lumped.identify import Identification, joint
+from fefinger.theory.lumped.ramp_hold import RampHold, averages, deviation_of, split
+from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.sensor import ArraySensor
 
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
-    from fefinger.theory.ting import ContactHistory
+    from fefinger.theory.contact.ting import ContactHistory
 
 Array = NDArray[np.float64]
 
@@ -157,7 +157,7 @@ def _check_width(scene: Scene, contact: Contact, deepest: float, radius: float) 
 
 def _march(scene: Scene, contact: Contact) -> "ContactHistory":
     """Follow the motion of the scene, by depth or by force."""
-    from fefinger.theory.ting import press_by_depth, press_by_force, radius_nodes
+    from fefinger.theory.contact.ting import press_by_depth, press_by_force, radius_nodes
 
     prony = scene.finger.prony
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)

@@ -15,7 +15,7 @@ from fefinger.mechanics import _crept, _evidence, _tradeoff
 from fefinger.mechanics._crept import REPORT
 from fefinger.scene import Finger, Flat, Scene
 from fefinger.support.text import percent
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.support.checks import InputError
-from fefinger.theory.stack import Stack
-from fefinger.theory.table import LEVELS, Table, tabulate_to
+from fefinger.theory.contact.contact_table import LEVELS, Table, tabulate_to
+from fefinger.theory.contact.stack import Stack
 
 
 Array = NDArray[np.float64]

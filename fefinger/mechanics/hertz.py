@@ -97,7 +97,7 @@ class HalfSpace:
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
         """Return e_r, e_t, e_z, e_rz (n, m, 4) of Huber's field at r, z (m,) mm, z > 0."""
-        from fefinger.theory.hertz import Hertz
+        from fefinger.theory.contact.hertz import Hertz
 
         strain = np.zeros((len(depth), len(r), 4))
         for row, reached in zip(strain, depth, strict=True):
@@ -122,7 +122,7 @@ def tissue(finger: Finger) -> tuple[float, float]:
 
 def half_space(scene: Scene) -> HalfSpace:
     """Return the half-space that stands for the finger under the object of the scene."""
-    from fefinger.theory.curvature import equivalent_radius, relative_radius
+    from fefinger.theory.contact.curvature import equivalent_radius, relative_radius
 
     pad, indenter = scene.finger.pad_radius, scene.indenter
     if isinstance(indenter, Ellipsoid):

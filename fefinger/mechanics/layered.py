@@ -18,7 +18,7 @@ from fefinger.scene import Ellipsoid, Finger, Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.contact.stack import Layer, Stack
 
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from fefinger.records import Refusal, Response
 from fefinger.scene import Scene
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import beyond
-from fefinger.theory import lumped as theory
+from fefinger.theory.lumped import spring as theory
 
 
 name = "lumped"

@@ -168,7 +168,7 @@ def isobars(rows: Rows, x: str, readings: str) -> Any:
 
     Colors are the same in all panels. A cross marks first touch.
     """
-    from fefinger.theory.sensor import ArraySensor
+    from fefinger.theory.array.sensor import ArraySensor
 
     across = min(len(rows), 5)
     count = -(-len(rows) // across)

@@ -10,7 +10,7 @@ from fefinger.records import Array, Result
 from fefinger.scene import Flat, Sphere
 from fefinger.studies.times import SAME, until
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.elliptic import LONGEST, Elliptic
+from fefinger.theory.contact.elliptic import LONGEST, Elliptic
 from fefinger.theory.relaxation import hereditary_integral
 
 

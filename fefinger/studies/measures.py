@@ -19,9 +19,9 @@ from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
 from fefinger.studies.times import Moment, at, moments
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.moments import Moments
-from fefinger.theory.moments import moments as shape_of
-from fefinger.theory.sensor import ArraySensor, isobar
+from fefinger.theory.array.sensor import ArraySensor, isobar
+from fefinger.theory.contact.pressure_moments import Moments
+from fefinger.theory.contact.pressure_moments import moments as shape_of
 
 
 if TYPE_CHECKING:

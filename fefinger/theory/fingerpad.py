@@ -12,12 +12,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.curvature import relative_radius
-from fefinger.theory.elastic import Array
-from fefinger.theory.lumped import LARGEST
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.curvature import relative_radius
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.ting import ContactHistory, press_by_depth, radius_nodes
+from fefinger.theory.lumped.spring import LARGEST
 from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
-from fefinger.theory.ting import ContactHistory, press_by_depth, radius_nodes
 
 
 Reading = Literal["relaxed", "instantaneous"]

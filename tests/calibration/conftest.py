@@ -8,7 +8,7 @@ import pytest
 from fefinger.calibration import pad, work
 from fefinger.calibration.curve import family
 from fefinger.calibration.press import Press
-from fefinger.theory.sensor import ArraySensor, blurred
+from fefinger.theory.array.sensor import ArraySensor, blurred
 
 
 def made(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):

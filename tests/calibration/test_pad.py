@@ -10,7 +10,7 @@ from fefinger.calibration import pad, target
 from fefinger.calibration.press import felt, pressed
 from fefinger.mechanics import hertz
 from fefinger.support.checks import InputError
-from fefinger.theory.sensor import ArraySensor
+from fefinger.theory.array.sensor import ArraySensor
 
 
 def test_the_thesis_finds_its_own_half_space(formula):

@@ -14,10 +14,10 @@ from fefinger.calibration.outcome import line
 from fefinger.finger import Finger
 from fefinger.support import package_data
 from fefinger.support.checks import InputError
-from fefinger.theory import synthetic
-from fefinger.theory.lumped import Spring, force
+from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.lumped import synthetic
+from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.sensor import ArraySensor
 
 
 ROW = library.pawluk_bulk()["a.h."]

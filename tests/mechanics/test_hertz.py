@@ -11,10 +11,10 @@ from fefinger.mechanics import _axisymmetric, hertz, linear
 from fefinger.mechanics._axisymmetric import Touch, turned
 from fefinger.records import Sites
 from fefinger.support.checks import InputError
-from fefinger.theory import ting
-from fefinger.theory.hertz import Hertz
+from fefinger.theory.contact import ting
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
-from fefinger.theory.ting import radius_nodes
 
 
 FINGER = ff.Finger.subject("a.h.")

@@ -11,7 +11,7 @@ from fefinger import machine, mechanics, scenes
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
 from fefinger.support.checks import InputError
-from fefinger.theory.indentation import paraboloid
+from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
@@ -174,8 +174,8 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
     """A second answer on the same finger, at another speed and depth, solves nothing again."""
     layered.respond(scene())
     with monkeypatch.context() as patch:
-        patch.setattr("fefinger.theory.table.below", None)
-        patch.setattr("fefinger.theory.table.Table", None)
+        patch.setattr("fefinger.theory.contact.contact_table.below", None)
+        patch.setattr("fefinger.theory.contact.contact_table.Table", None)
         again = layered.respond(scene(motion=ff.RampHold(40, 0.49, hold=0.5)))
     want = elastic(again, again.depth)
     assert again.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())

@@ -14,7 +14,7 @@ from fefinger import library, mechanics, report, scenes
 from fefinger.console import run_record, run_summary
 from fefinger.files import load
 from fefinger.mechanics import _evidence, lumped
-from fefinger.theory import lumped as law
+from fefinger.theory.lumped import spring as law
 
 
 FORCE_ONLY = ff.Ask(pressure=False, strain=False, fields=False)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.theory import elastic, loads
-from fefinger.theory.circle import NEAR, circle_stress
+from fefinger.theory.contact import elastic, loads
+from fefinger.theory.contact.circle import NEAR, circle_stress
 
 
 POISSON = pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fefinger.theory.curvature import (
+from fefinger.theory.contact.curvature import (
     at_depth,
     at_force,
     equivalent_radius,
@@ -17,7 +17,7 @@ from fefinger.theory.curvature import (
     series_modulus,
     torsional_friction,
 )
-from fefinger.theory.hertz import Hertz
+from fefinger.theory.contact.hertz import Hertz
 
 
 SPHERES = np.array([0.0, 80.6, 172.0, 340.0, 694.0]) * 1e-3  # 1/mm

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fefinger import library
-from fefinger.theory import ergonomics, lumped
-from fefinger.theory.ergonomics import dissipation, tap, vibration
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped import ergonomics
+from fefinger.theory.lumped import spring as lumped
+from fefinger.theory.lumped.ergonomics import dissipation, tap, vibration
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 

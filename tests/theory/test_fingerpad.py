@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 
 from fefinger import library
+from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.hertz import Hertz
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from fefinger.theory.hertz import Hertz
+from fefinger.theory.contact.hertz import Hertz
 
 
 POISSON = pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45, 0.5])

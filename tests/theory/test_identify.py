@@ -5,8 +5,9 @@ import pytest
 from scipy import optimize
 
 from fefinger import library
-from fefinger.theory import doubt, identify, lumped, ramphold, synthetic
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped import confidence, identify, ramp_hold, synthetic
+from fefinger.theory.lumped import spring as lumped
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -96,7 +97,7 @@ def test_the_same_seed_makes_the_same_trial_with_the_stated_noise():
     assert np.std(first.force - exact.force) == pytest.approx(3e-3, rel=0.02)
     assert np.std(first.position - exact.position) == pytest.approx(3e-3, rel=0.02)
     assert exact.force.max() == pytest.approx(2.5, rel=0.02)
-    record = ramphold.split(first.time, first.position, first.force)
+    record = ramp_hold.split(first.time, first.position, first.force)
     assert record.force_noise == pytest.approx(3e-3, rel=0.05)
     assert record.position_noise == pytest.approx(3e-3, rel=0.05)
 
@@ -169,7 +170,7 @@ def test_an_indenter_that_goes_too_far_and_comes_back_still_holds(rate: float) -
     after = np.maximum(time - 0.04, 0.0)
     ring = 0.03 * np.exp(-after / 0.01) * np.sin(after / 0.005)
     data = moved(time, 0.2 + 1.85 * np.clip(time / 0.04, 0.0, 1.0) + ring)
-    record = ramphold.split(*data)
+    record = ramp_hold.split(*data)
     assert 5.8 < record.hold_seconds < 5.96
     assert record.beyond < record.hold
     assert near(identify.joint(*data))
@@ -194,7 +195,7 @@ def test_a_force_that_is_not_tared_is_told():
 
 def test_what_the_data_say_nothing_of_is_unknown_and_the_rest_is_not():
     design = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]])
-    found = doubt.covariance(design, np.array([0.1, -0.1, 0.0]))
+    found = confidence.covariance(design, np.array([0.1, -0.1, 0.0]))
     assert found[0, 0] == pytest.approx(0.02 / 3)
     assert found[1, 1] == np.inf
 
@@ -264,19 +265,19 @@ def test_a_hold_that_is_too_short_gets_a_warning():
 def test_the_derivative_is_exact_for_polynomials_on_unequal_points(degree):
     x = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 30)) / 10
     exact = degree * x ** max(degree - 1, 0)
-    np.testing.assert_allclose(ramphold.derivative(x, x**degree), exact[2:-2], atol=1e-10)
+    np.testing.assert_allclose(ramp_hold.derivative(x, x**degree), exact[2:-2], atol=1e-10)
 
 
 def test_smoothing_keeps_straight_lines_and_reduces_noise_by_three():
     line = np.linspace(0, 1, 200)
-    np.testing.assert_allclose(ramphold.smooth(line)[4:-4], line[4:-4], rtol=1e-12)
+    np.testing.assert_allclose(ramp_hold.smooth(line)[4:-4], line[4:-4], rtol=1e-12)
     noise = np.random.default_rng(0).normal(size=20_000)
-    assert ramphold.smooth(noise).std() == pytest.approx(1 / 3, rel=0.05)
+    assert ramp_hold.smooth(noise).std() == pytest.approx(1 / 3, rel=0.05)
 
 
 def test_accounted_variance_is_one_minus_the_mse_of_the_thesis():
     measured, model = np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 1.0, 2.0, 2.0])
-    assert ramphold.accounted(measured, model) == pytest.approx(1 - 1 / 5)
+    assert ramp_hold.accounted(measured, model) == pytest.approx(1 - 1 / 5)
 
 
 def still(time, position, force):

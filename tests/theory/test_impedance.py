@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger import library
-from fefinger.theory import impedance
-from fefinger.theory.lumped import Spring
+from fefinger.theory.lumped import impedance
+from fefinger.theory.lumped.spring import Spring
 
 
 SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in library.pawluk_bulk().items()}

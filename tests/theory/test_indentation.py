@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at
-from fefinger.theory.layer import Sheet
-from fefinger.theory.loads import circle_displacement
-from fefinger.theory.punch import FlatPunch
-from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import flat_punch, paraboloid, paraboloid_at
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.loads import circle_displacement
+from fefinger.theory.contact.punch import FlatPunch
+from fefinger.theory.contact.stack import Layer, Stack
 
 
 HALF_SPACE = Stack((Layer(math.inf, 34.0, 0.45),))
@@ -155,7 +155,7 @@ def test_what_is_out_of_range_is_refused():
 
 def test_the_kernel_is_integrated_to_rounding():
     """The slope of the finger's kernel against adaptive quadrature."""
-    from fefinger.theory.indentation import spectrum
+    from fefinger.theory.contact.indentation import spectrum
 
     xi, weight = spectrum(FINGER, 12.0)
     for y in (0.0, 3.0, 12.0):

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from fefinger.theory import layer
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import flat_punch, paraboloid, paraboloid_at, spectrum
-from fefinger.theory.layer import Faced, Sheet, Thin
+from fefinger.theory.contact import layer
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import flat_punch, paraboloid, paraboloid_at, spectrum
+from fefinger.theory.contact.layer import Faced, Sheet, Thin
 
 
 INCOMPRESSIBLE = Sheet(1.0, modulus=30.0, poisson=0.5)

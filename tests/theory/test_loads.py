@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.theory import elastic, loads
+from fefinger.theory.contact import elastic, loads
 
 
 POISSON = pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.theory.moments import moments
+from fefinger.theory.contact.pressure_moments import moments
 
 
 def grid(count=81, reach=3.0):

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
 
-from fefinger.theory.punch import Cone, Cylinder, FlatPunch
+from fefinger.theory.contact.punch import Cone, Cylinder, FlatPunch
 
 
 STIFF = 34.0 / (1 - 0.45**2)

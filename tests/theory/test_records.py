@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from fefinger import library
-from fefinger.theory import identify, ramphold, synthetic
-from fefinger.theory.lumped import Spring
-from fefinger.theory.sensor import two_pole
+from fefinger.theory.array.sensor import two_pole
+from fefinger.theory.lumped import identify, ramp_hold, synthetic
+from fefinger.theory.lumped.spring import Spring
 
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ def test_a_force_in_steps_has_the_noise_of_its_rounding(step: float, noise: floa
     time, position, force = trial()
     exact = trial(seed=None)[2]
     rounded = np.round((exact + noise * (force - exact)) / step) * step
-    record = ramphold.split(time, position, rounded)
+    record = ramp_hold.split(time, position, rounded)
     assert record.force_noise >= 0.99 * step / np.sqrt(12)
     found = identify.joint(time, position, rounded)
     assert max(map(abs, scores(found).values())) < 3.5
@@ -91,7 +91,7 @@ def test_a_position_in_steps_is_no_position_without_noise(step: float) -> None:
 
 
 def test_an_even_ramp_without_noise_is_not_taken_for_a_rounded_one() -> None:
-    record = ramphold.split(*trial(seed=None))
+    record = ramp_hold.split(*trial(seed=None))
     assert max(record.force_noise, record.position_noise) < 1e-5
 
 
@@ -101,7 +101,7 @@ def test_noise_that_went_through_a_filter_counts_as_a_whole(cutoff: float) -> No
     time, position, force = trial()
     exact = trial(seed=None)[2]
     noise = two_pole(time, force - exact, cutoff)
-    record = ramphold.split(time, position, exact + noise)
+    record = ramp_hold.split(time, position, exact + noise)
     assert record.force_noise == pytest.approx(np.std(noise), rel=0.1)
     found = identify.joint(time, position, exact + noise)
     assert max(map(abs, scores(found).values())) < 3.5
@@ -161,7 +161,7 @@ def test_a_record_without_a_line_is_fitted_from_a_typical_finger(
     data = trial()
     usual = identify.joint(*data)
 
-    def none(record: ramphold.RampHold) -> None:
+    def none(record: ramp_hold.RampHold) -> None:
         raise ValueError
 
     monkeypatch.setattr(identify, "stiffness_line", none)
@@ -172,7 +172,7 @@ def test_a_record_without_a_line_is_fitted_from_a_typical_finger(
 def test_a_ramp_without_a_rest_gets_a_sentence() -> None:
     time = np.linspace(0.0, 2.0, 50)
     with pytest.raises(ValueError, match="hold: expected a rest of at least"):
-        ramphold.split(time, time, np.maximum(time - 0.5, 0.0))
+        ramp_hold.split(time, time, np.maximum(time - 0.5, 0.0))
 
 
 def test_an_indenter_that_goes_far_beyond_its_hold_gets_a_sentence() -> None:

@@ -5,30 +5,25 @@ import math
 import numpy as np
 import pytest
 
-from fefinger.theory import (
+from fefinger.theory import fingerpad, relaxation
+from fefinger.theory.array import sensor, sensor_fit
+from fefinger.theory.contact import (
     curvature,
     elliptic,
-    ergonomics,
-    fingerpad,
     hertz,
-    identify,
-    impedance,
     indentation,
     layer,
     loads,
-    lumped,
     punch,
-    relaxation,
-    sensor,
-    sensor_fit,
     sphere,
-    synthetic,
     ting,
 )
-from fefinger.theory.layer import Sheet
-from fefinger.theory.lumped import Spring
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.lumped import ergonomics, identify, impedance, synthetic
+from fefinger.theory.lumped import spring as lumped
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
-from fefinger.theory.stack import Layer, Stack
 
 
 NAN, INF = math.nan, math.inf

@@ -6,10 +6,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.signal import butter, lfilter
 
 from fefinger import library
-from fefinger.theory.curvature import at_depth, series_modulus
-from fefinger.theory.fingerpad import Fingerpad
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.sensor import (
+from fefinger.theory.array.sensor import (
     ArraySensor,
     blurred,
     centroid,
@@ -18,7 +15,10 @@ from fefinger.theory.sensor import (
     sharpen,
     two_pole,
 )
-from fefinger.theory.sensor_fit import BlurredCap, fit_ball, fit_fingerpad
+from fefinger.theory.array.sensor_fit import BlurredCap, fit_ball, fit_fingerpad
+from fefinger.theory.contact.curvature import at_depth, series_modulus
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.fingerpad import Fingerpad
 
 
 SENSOR = ArraySensor()

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.sphere import Sphere
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.sphere import Sphere
 
 
 SIZES = pytest.mark.parametrize("ratio", [0.02, 0.3, 0.6, 0.9])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from fefinger.theory import elastic
-from fefinger.theory.below import below
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import flat_punch, paraboloid
-from fefinger.theory.layer import Sheet
-from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import flat_punch, paraboloid
+from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.contact.subsurface import below
 
 
 XI = np.geomspace(1e-3, 60.0, 40)

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from fefinger.theory.below import below
-from fefinger.theory.hertz import Hertz
-from fefinger.theory.indentation import paraboloid, paraboloid_at
-from fefinger.theory.stack import Layer, Stack
-from fefinger.theory.table import STEP, tabulate, tabulate_to
+from fefinger.theory.contact.contact_table import STEP, tabulate, tabulate_to
+from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.indentation import paraboloid, paraboloid_at
+from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.contact.subsurface import below
 
 
 FINGER = Stack((Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48)))

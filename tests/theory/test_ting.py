@@ -11,13 +11,13 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk, j0, j1
 from threadpoolctl import threadpool_limits
 
-from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
-from fefinger.theory.ting import (
+from fefinger.theory.contact.ting import (
     press_by_depth,
     press_by_force,
     radius_nodes,
     spring_weights,
 )
+from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 
 MEANS_3_1 = Prony(c=(0.31, 0.45, 0.14, 0.09), v=(212, 10.0, 0.64))

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory import elastic
-from fefinger.theory.lumped import Spring
+from fefinger.theory.contact import elastic
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 

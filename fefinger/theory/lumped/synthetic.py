@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.theory import elastic
-from fefinger.theory.lumped import Spring, constant_velocity, force
+from fefinger.theory.contact import elastic
+from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
 

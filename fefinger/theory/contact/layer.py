@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
-from fefinger.theory.stack import Base
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.stack import Base
 
 
 DIMITRIADIS_RANGE = 0.2

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1, elliprj
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 
 
 NEAR = 0.2

@@ -12,8 +12,8 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, creep_integral, exprel
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 
 
 QUADRATURE = 80

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import elliprd, elliprf
 
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact.elastic import Array
 
 
 NEWTON = 200

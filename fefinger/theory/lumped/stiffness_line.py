@@ -6,9 +6,8 @@ Of the ramp alone, taken for instantaneous (Pawluk 1997, section 2.4.1, Eq. 2.1 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.theory.doubt import covariance as covariance_of
-from fefinger.theory.lumped import Spring
-from fefinger.theory.ramphold import (
+from fefinger.theory.lumped.confidence import covariance as covariance_of
+from fefinger.theory.lumped.ramp_hold import (
     RAMP_POINTS,
     SMOOTHING,
     RampHold,
@@ -16,6 +15,7 @@ from fefinger.theory.ramphold import (
     derivative,
     smooth,
 )
+from fefinger.theory.lumped.spring import Spring
 
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory.lumped import Spring, force
+from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony, exprel
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 
 
 def _below(owner: str, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import j0, j1
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
-from fefinger.theory.indentation import Contact
-from fefinger.theory.quadrature import panels, panels_up_to
-from fefinger.theory.stack import Layer, Stack
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.indentation import Contact
+from fefinger.theory.contact.quadrature import panels, panels_up_to
+from fefinger.theory.contact.stack import Layer, Stack
 
 
 SHALLOWEST = 0.02

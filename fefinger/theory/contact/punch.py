@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 
 
 STEEPEST = 45.0

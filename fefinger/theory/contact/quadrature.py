@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from fefinger.theory.elastic import Array
+from fefinger.theory.contact.elastic import Array
 
 
 PHASE = 14.0

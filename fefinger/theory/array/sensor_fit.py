@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.curvature import series_modulus
-from fefinger.theory.elastic import Array
-from fefinger.theory.sensor import blurred
+from fefinger.theory.array.sensor import blurred
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.curvature import series_modulus
+from fefinger.theory.contact.elastic import Array
 
 
 SENSOR_MODULUS = 1000.0

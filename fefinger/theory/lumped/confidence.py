@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.theory.ramphold import RampHold
+from fefinger.theory.lumped.ramp_hold import RampHold
 from fefinger.theory.relaxation import Prony
 
 

@@ -17,9 +17,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
-from fefinger.theory.quadrature import panels
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.quadrature import panels
 
 
 Base = Literal["bonded", "sliding"]

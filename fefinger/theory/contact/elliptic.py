@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ellipkm1, elliprd
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
-from fefinger.theory.ellipsoidal import deeper, potentials
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.ellipsoidal import deeper, potentials
 
 
 LONGEST = 1e6

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory import elastic
-from fefinger.theory.lumped import Spring, contact_force
+from fefinger.theory.contact import elastic
+from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 
 

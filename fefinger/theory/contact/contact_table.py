@@ -15,11 +15,11 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from fefinger.theory import elastic
-from fefinger.theory.below import below
-from fefinger.theory.elastic import Array
-from fefinger.theory.indentation import Contact, over_edge, paraboloid
-from fefinger.theory.stack import Stack
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.indentation import Contact, over_edge, paraboloid
+from fefinger.theory.contact.stack import Stack
+from fefinger.theory.contact.subsurface import below
 
 
 LEVELS = 48

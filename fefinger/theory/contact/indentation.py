@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import j0
 
-from fefinger.theory import elastic
-from fefinger.theory.elastic import Array
-from fefinger.theory.quadrature import even_basis, even_rule, panels
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.quadrature import even_basis, even_rule, panels
 
 
 DECAY = 20.0

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory import doubt
-from fefinger.theory.doubt import covariance as covariance_of
-from fefinger.theory.doubt import deviations
-from fefinger.theory.line import stiffness_line, touch
-from fefinger.theory.lumped import Spring, force
-from fefinger.theory.ramphold import (
+from fefinger.theory.lumped import confidence as doubt
+from fefinger.theory.lumped.confidence import covariance as covariance_of
+from fefinger.theory.lumped.confidence import deviations
+from fefinger.theory.lumped.ramp_hold import (
     RampHold,
     accounted,
     averages,
@@ -25,6 +23,8 @@ from fefinger.theory.ramphold import (
     smooth,
     split,
 )
+from fefinger.theory.lumped.spring import Spring, force
+from fefinger.theory.lumped.stiffness_line import stiffness_line, touch
 from fefinger.theory.relaxation import Prony
 
 

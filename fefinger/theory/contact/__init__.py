@@ -1,0 +1,1 @@
+"""Closed forms and exact layers of contact mechanics."""

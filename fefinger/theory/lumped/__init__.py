@@ -1,0 +1,1 @@
+"""The lumped finger of the source document: a nonlinear spring that relaxes."""
