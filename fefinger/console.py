@@ -12,7 +12,7 @@ from fefinger.support.text import brief, shown, strict_json, table
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.record import FingerMesh
+    from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Result
     from fefinger.study import Study

@@ -170,7 +170,7 @@ class Finger:
 
         Width and thickness are those of the surface; `overrides` replace any field.
         """
-        from fefinger.mesh.surface_file import read_surface
+        from fefinger.geometry.surface_file import read_surface
 
         found = read_surface(file, field="finger.surface")
         size = {"width": found.width, "thickness": found.thickness}

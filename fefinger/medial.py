@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, quantities, section
+from fefinger import figures, indenter_pose, quantities
+from fefinger.geometry import section
 from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
 
@@ -71,7 +72,7 @@ def medial(result: Result, field: str, frame: int) -> Medial:
         values=values,
         outlines=cut.outlines(),
         span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
-        indenter=section.pose(result, depth).outline(30.0),
+        indenter=indenter_pose.pose(result, depth).outline(30.0),
         organs=_organs(result, rest, moved),
         field=field,
         title=f"t = {time:.4g} s, depth {depth:.3g} mm",

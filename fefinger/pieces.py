@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import section
+from fefinger.geometry import section
 from fefinger.records import Array, Fields, Integers
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, figures_units, page, quantities, section, view
+from fefinger import figures, figures_units, indenter_pose, page, quantities, view
 from fefinger.neural.trains import FEW
 from fefinger.pressures import highest
 from fefinger.records import Result
@@ -265,7 +265,7 @@ def _screenshot(result: Result, field: str) -> bytes:
 
 def _caption(result: Result, field: str) -> str:
     assert result.fields is not None
-    frame = section.nearest_frame(result.fields, section.peak_time(result))
+    frame = indenter_pose.nearest_frame(result.fields, indenter_pose.peak_time(result))
     where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
     return f"{field.capitalize()} {where}, {_time(result.fields.times[frame])}."
 

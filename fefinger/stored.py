@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from fefinger import quantities, section
+from fefinger import indenter_pose, quantities
 from fefinger.records import Result
 from fefinger.support.checks import InputError, number
 
@@ -30,7 +30,7 @@ def told(results: Sequence[Result], names: Sequence[str], time: float) -> list[s
     sentences = []
     for result, name in zip(results, names, strict=True):
         fields = quantities.fields_of(result)
-        shown = float(fields.times[section.nearest_frame(fields, time)])
+        shown = float(fields.times[indenter_pose.nearest_frame(fields, time)])
         if abs(shown - time) > 1e-6 * float(fields.times[-1]):
             which = "last" if time > fields.times[-1] else f"nearest to {time:.6g} s"
             of = f"the {which} of its {len(fields.times)} stored times"

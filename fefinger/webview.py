@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, marks, page, pieces, quantities, section, stored
+from fefinger import figures, indenter_pose, marks, page, pieces, quantities, stored
+from fefinger.geometry import section
+from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.trains import FEW
-from fefinger.profiles import Ellipsoid, Plane
 from fefinger.quantities import Span
 from fefinger.records import Array, Fields, Integers, Result
 from fefinger.support.atomic_write import moved
@@ -79,7 +80,7 @@ def write(
     bars = {name: _bar(spans[name], name) for name in quantities.FIELDS}
     data = {
         "field": field,
-        "time": section.peak_time(shown[0]) if time is None else time,
+        "time": indenter_pose.peak_time(shown[0]) if time is None else time,
         "scenes": [_scene(result, head, blob) for result, head in zip(wholes, heads, strict=True)],
         "fields": bars,
         "pressure": _bar(spans[PRESSED], "pressure"),
@@ -102,7 +103,7 @@ def write(
 
 def _whole(result: Result) -> Result:
     """Return the result with fields on the whole finger."""
-    fields = section.whole(quantities.fields_of(result))
+    fields = indenter_pose.whole(quantities.fields_of(result))
     return replace(result, response=replace(result.response, fields=fields))
 
 
@@ -234,7 +235,7 @@ def _organs(shown: marks.Marks | None, fields: Fields, blob: Blob) -> dict[str, 
 
 def _indenter(result: Result, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
-    pose = section.pose(result, 0.0)
+    pose = indenter_pose.pose(result, 0.0)
     count = 2 if isinstance(pose.profile, Plane) else GRID
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)

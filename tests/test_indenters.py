@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import section
+from fefinger import indenter_pose
 from fefinger.indenter import Indenter
 from fefinger.mechanics import _evidence, hertz, layered, linear, lumped
 from fefinger.records import Result
@@ -200,7 +200,7 @@ def test_an_object_reaches_its_depth_and_is_described(
     result = dataclasses.replace(
         synthetic, scene=dataclasses.replace(synthetic.scene, indenter=indenter)
     )
-    pose = section.pose(result, 1.5)
+    pose = indenter_pose.pose(result, 1.5)
     outline = pose.outline(5.0)
     assert len(outline) > 100
     assert np.isfinite(outline).all()

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fefinger import marks, section
+from fefinger import indenter_pose, marks
 from fefinger.records import Result, Sites
 
 
@@ -42,7 +42,7 @@ def test_of_a_population_those_near_the_cut_are_marked(crowd: Result) -> None:
 
 
 def test_a_unit_is_marked_on_the_skin_above_its_end_organs(crowd: Result) -> None:
-    both = section.whole(crowd.fields)
+    both = indenter_pose.whole(crowd.fields)
     whole = dataclasses.replace(crowd, response=dataclasses.replace(crowd.response, fields=both))
     found = marks.on_skin(whole)
     assert found is not None

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import pieces, section
+from fefinger import indenter_pose, pieces
 from fefinger.records import Fields, Result
 
 
@@ -22,7 +22,7 @@ def half(synthetic: Result) -> Fields:
 @pytest.fixture
 def shifted(half: Fields) -> Fields:
     """Return a whole finger whose mesh has no points in the medial plane."""
-    both = section.whole(half)
+    both = indenter_pose.whole(half)
     return dataclasses.replace(both, points=both.points + np.array([0.0, 0.137, 0.0]))
 
 
@@ -74,7 +74,7 @@ def test_the_pad_is_the_skin_that_is_ever_touched(half: Fields) -> None:
 
 
 def test_the_entire_finger_encloses_all_of_it(half: Fields) -> None:
-    both = section.whole(half)
+    both = indenter_pose.whole(half)
     (skin,) = pieces.entire(both)
     expected = 2 * (cells_volume(half, 1) + cells_volume(half, 2))
     assert volume(skin.at(both.points), skin.triangles) == pytest.approx(expected)

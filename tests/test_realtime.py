@@ -13,10 +13,10 @@ from numba.core.runtime import _nrt_python, rtsys
 import fefinger as ff
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import tensors
+from fefinger.geometry.profiles import Ellipsoid
 from fefinger.indenter import direction
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.profiles import Ellipsoid
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
 from fefinger.support.checks import InputError

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import quantities, section
-from fefinger.profiles import Ellipsoid as Ball
+from fefinger import indenter_pose, quantities
+from fefinger.geometry import section
+from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.records import Result
 from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
 
@@ -15,10 +16,10 @@ from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
 def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) -> None:
     half = synthetic.fields
     assert half is not None
-    both = section.whole(half)
+    both = indenter_pose.whole(half)
     on_plane = int((half.points[:, 1] == 0).sum())
     assert len(both.points) == 2 * len(half.points) - on_plane
-    assert section.whole(both) is both
+    assert indenter_pose.whole(both) is both
     # The made-up displacement is a closed form, so the mirrored strain has one too.
     u = both.displacement[1]
     gradient = -2 * u[:, :, None] * both.points[:, None, :] / 25
@@ -37,7 +38,7 @@ def test_a_cut_has_the_area_of_the_section_and_keeps_linear_fields(
     face = fields.cells[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
     medial = face[(fields.points[face][:, :, 1] == 0).all(axis=1)]
     if mirrored:
-        fields = section.whole(fields)
+        fields = indenter_pose.whole(fields)
     cut = section.cut(fields.points, fields.cells, fields.region)
     places = cut.at(fields.points)
     assert np.abs(places[:, 1]).max() < 1e-3
@@ -60,7 +61,7 @@ def test_an_indenter_reaches_its_depth_and_no_farther(
 ) -> None:
     scene = dataclasses.replace(synthetic.scene, indenter=indenter)
     result = dataclasses.replace(synthetic, scene=scene)
-    first, pressed = section.pose(result, 0.0), section.pose(result, 1.5)
+    first, pressed = indenter_pose.pose(result, 0.0), indenter_pose.pose(result, 1.5)
     assert pressed.origin - first.origin == pytest.approx(1.5 * first.axis)
     outline = first.outline(20.0)
     ahead = outline @ first.axis[[0, 2]]
@@ -73,7 +74,7 @@ def test_an_indenter_reaches_its_depth_and_no_farther(
 
 def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic: Result) -> None:
     scene = dataclasses.replace(synthetic.scene, indenter=Sphere(5.0, at=(-3.0, 2.0)))
-    pose = section.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    pose = indenter_pose.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
     outline = pose.outline(20.0)
     center = pose.origin - 5.0 * pose.axis
     radius = np.linalg.norm(outline - center[[0, 2]], axis=1)
@@ -83,7 +84,7 @@ def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic: Resu
 
 
 def test_a_ball_has_no_place_beside_it() -> None:
-    ball = section.Pose(np.zeros(3), np.array([0.0, 0.0, 1.0]), Ball((2.0, 2.0, 2.0)))
+    ball = indenter_pose.Pose(np.zeros(3), np.array([0.0, 0.0, 1.0]), Ball((2.0, 2.0, 2.0)))
     places = ball.places(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]))
     np.testing.assert_allclose(places[:2, 2], [0.0, np.sqrt(3) - 2])
     assert np.isinf(places[2]).all()

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import quantities, section, stored, view, webview
+from fefinger import indenter_pose, quantities, stored, view, webview
 from fefinger.__main__ import main
-from fefinger.mesh.record import FingerMesh
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.records import Result
 from fefinger.scene import Flat
 from fefinger.support.checks import InputError
@@ -77,7 +77,7 @@ def test_without_a_renderer_the_command_ends_with_the_sentence(
 
 def straddling(result: Result) -> Result:
     """Return the result on a whole finger whose cells the medial plane passes through."""
-    fields = section.whole(result.response.fields)
+    fields = indenter_pose.whole(result.response.fields)
     fields = dataclasses.replace(fields, points=fields.points - np.array([0.0, 0.4, 0.0]))
     return dataclasses.replace(result, response=dataclasses.replace(result.response, fields=fields))
 
@@ -206,7 +206,7 @@ def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
     fields = synthetic.fields
     assert fields is not None
     depths = np.interp(fields.times, synthetic.time, synthetic.depth)
-    axis = section.pose(synthetic, 0.0).axis
+    axis = indenter_pose.pose(synthetic, 0.0).axis
     seen = []
     for number, depth in zip((1, 2, 3), depths, strict=True):
         controls.step(number)
@@ -331,7 +331,12 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(
 
 def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
     assert synthetic.fields is not None
-    assert [section.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [0, 0, 1, 2]
+    assert [indenter_pose.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [
+        0,
+        0,
+        1,
+        2,
+    ]
 
 
 @pytest.mark.parametrize("draw", [view.screenshot, webview.write])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fefinger import pieces, quantities, section, webview
+from fefinger import indenter_pose, pieces, quantities, webview
 from fefinger.records import Result
 from fefinger.scene import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
@@ -108,7 +108,7 @@ def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_p
     assert record["rate"] >= rates.max()
     assert record["time"] == 2.5
     front = read(blob, shown["indenter"]["points"]).reshape(-1, 3)
-    pose = section.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    pose = indenter_pose.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
     assert np.ptp(front @ pose.axis) == pytest.approx(0.8, rel=0.05)
 
 

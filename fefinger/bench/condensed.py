@@ -25,9 +25,9 @@ from fefinger.fem.body import body
 from fefinger.fem.condense import Compliance, palmar
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.threads import one_thread
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _kept, _operator, _press, _touch
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import FingerMesh
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.realtime import Condensed
 from fefinger.records import Sites

@@ -10,7 +10,7 @@ from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic, stiffness
 from fefinger.fem.solve import System, factor
 from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.mesh.record import FingerMesh, volumes
+from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.checks import InputError
 
 

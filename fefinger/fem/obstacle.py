@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from fefinger.fem.spaces import Array
-from fefinger.profiles import Plane, Profile, frame
+from fefinger.geometry.profiles import Plane, Profile, frame
 
 
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite

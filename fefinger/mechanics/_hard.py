@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fefinger.fem.forms import Elastic
-from fefinger.mesh.record import BONE, SKIN, FingerMesh
+from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
 from fefinger.scene import Finger, Hard
 
 

@@ -15,7 +15,7 @@ from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.record import FingerMesh
+    from fefinger.geometry.finger_mesh import FingerMesh
 
 FORMAT = 1
 """Raised when the elements, the solver or the files change, so that operators are built again."""

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.finite import Continuum
+from fefinger.geometry.finger_mesh import REGIONS
 from fefinger.mechanics._hard import NAIL
-from fefinger.mesh.record import REGIONS
 
 
 Array = NDArray[np.float64]

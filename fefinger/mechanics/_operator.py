@@ -19,12 +19,12 @@ from fefinger.fem.contact import Patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.multifrontal import Eliminated, Front
 from fefinger.fem.spaces import Array
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._kept import folder, identity, parities
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._press import Method
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 from fefinger.scene import Finger
 from fefinger.support import cache

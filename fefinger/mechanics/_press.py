@@ -18,6 +18,7 @@ from fefinger.fem.march import History, Prescribed, Relaxation, march
 from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at_vertices, tensors
 from fefinger.fem.recover import recovered_strain_at
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.indenter import STANDARD
 from fefinger.mechanics import _missed, _placing
 from fefinger.mechanics._hard import elastic, held, with_nail
@@ -35,7 +36,6 @@ from fefinger.mechanics._touch import (
     unfolded,
 )
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import FingerMesh
 from fefinger.neural.populations import Surface
 from fefinger.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene import Finger, Indenter, Scene

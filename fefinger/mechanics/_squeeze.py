@@ -20,6 +20,7 @@ from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _missed, _placing, _press
 from fefinger.mechanics._finite_reference import reference
 from fefinger.mechanics._limit import told
@@ -28,7 +29,6 @@ from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import FingerMesh
 from fefinger.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene import Finger, Scene
 from fefinger.support.checks import ConvergenceError, InputError, Stopped

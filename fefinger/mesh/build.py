@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh import improve, topology
+from fefinger.geometry import facets as topology
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
+from fefinger.mesh import improve
 from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.quality import gate, measure
 from fefinger.mesh.recipe import Recipe, Touch
-from fefinger.mesh.record import BONE, FingerMesh, volumes
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shapes import Shape
 from fefinger.support.checks import ConvergenceError, InputError

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mesh.record import FACETS, FingerMesh
+from fefinger.geometry.finger_mesh import FACETS, FingerMesh
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
 from fefinger.support.version import VERSION

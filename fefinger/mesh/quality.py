@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.facets import parts
+from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
 from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
-from fefinger.mesh.record import BONE, REGIONS, FingerMesh, edges, volumes
-from fefinger.mesh.topology import parts
 from fefinger.support.checks import ConvergenceError
 
 

@@ -8,9 +8,9 @@ from importlib.resources import files as package_files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import files
 from fefinger.mesh.recipe import Recipe, Touch
-from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
 from fefinger.support.checks import InputError

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 from fefinger.mesh import shapes, surface
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
@@ -20,7 +21,6 @@ from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Array
 from fefinger.mesh.surface import Triangles
-from fefinger.mesh.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 from fefinger.support.checks import InputError
 
 

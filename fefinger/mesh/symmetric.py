@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh.record import FingerMesh
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.support.checks import InputError
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import figures, films, medial, quantities, section, stored
+from fefinger import figures, films, indenter_pose, medial, quantities, stored
 from fefinger.marks import highest_rate
 from fefinger.quantities import round_up
 from fefinger.records import Array, Fields, Integers, Result
@@ -21,7 +21,7 @@ from fefinger.view.subject import colors, subject
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.record import FingerMesh
+    from fefinger.geometry.finger_mesh import FingerMesh
 
 
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
@@ -49,8 +49,8 @@ def section_figure(
     InputError if the result has no fields or the field is unknown.
     """
     fields = quantities.fields_of(result)
-    moment = section.peak_time(result) if time is None else time
-    frame = section.nearest_frame(fields, moment)
+    moment = indenter_pose.peak_time(result) if time is None else time
+    frame = indenter_pose.nearest_frame(fields, moment)
     cut = medial.medial(result, field, frame)
     missing = renderer.renderer_lacking()
     raster = None if missing else _raster(fields, frame, cut)
@@ -124,7 +124,7 @@ def screenshot(
     stored.check("time", shown, time)
     plotter, stages = _stages(shown, field, limits, folders)
     for stage in stages:
-        stage.at(section.peak_time(stage.shown.result) if time is None else time)
+        stage.at(indenter_pose.peak_time(stage.shown.result) if time is None else time)
     _finish(plotter, path)
 
 

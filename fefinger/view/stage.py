@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, pieces, quantities, section
+from fefinger import figures, indenter_pose, pieces, quantities
+from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.marks import Marks
 from fefinger.neural.trains import FEW
-from fefinger.profiles import Ellipsoid, Plane
 from fefinger.support.checks import choice
 from fefinger.view.subject import SOFT, Subject
 
@@ -85,7 +85,7 @@ class Stage:
 
     def at(self, time: float) -> None:
         """Show the stored frame next to a time in s."""
-        self.frame = section.nearest_frame(self.shown.fields, time)
+        self.frame = indenter_pose.nearest_frame(self.shown.fields, time)
         for move in self.moves:
             move(self.frame)
         self._say()
@@ -323,7 +323,7 @@ class Stage:
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass where it would hide what is shown."""
-        touch = section.pose(self.shown.result, 0.0)
+        touch = indenter_pose.pose(self.shown.result, 0.0)
         shape = _shape(touch).translate(-CLEAR * touch.axis)
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
@@ -350,7 +350,7 @@ def _bring_forward(mapper: Any) -> None:
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)
 
 
-def _shape(pose: section.Pose) -> Any:
+def _shape(pose: indenter_pose.Pose) -> Any:
     """Return the surface of an indenter where it touches first."""
     import pyvista as pv
 

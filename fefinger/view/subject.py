@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger import marks, pieces, quantities, section
+from fefinger import indenter_pose, marks, pieces, quantities
 from fefinger.records import Fields, Result
 
 
@@ -40,7 +40,7 @@ def subject(result: Result, field: str, title: str = "") -> Subject:
     quantities.named("field", field)
     fields, whole = quantities.fields_of(result), field == "pressure"
     if whole:
-        fields = section.whole(fields)
+        fields = indenter_pose.whole(fields)
         result = replace(result, response=replace(result.response, fields=fields))
     return Subject(
         result=result,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, quantities, section, stored
+from fefinger import figures, indenter_pose, quantities, stored
 from fefinger.records import Array, Result
 from fefinger.support.checks import InputError
 from fefinger.view import bars, pictures, renderer
@@ -39,7 +39,7 @@ class Controls:
     ) -> None:
         self.plotter, self.results, self.limits = plotter, list(results), limits
         self.folders = tuple(folders)
-        self.time = section.peak_time(self.results[0]) if time is None else time
+        self.time = indenter_pose.peak_time(self.results[0]) if time is None else time
         self.stages: list[Stage] = pictures.compose(
             plotter, self.results, field, limits, self.folders
         )

@@ -12,7 +12,7 @@ from fefinger.fem.grids import box
 from fefinger.fem.obstacle import FAR, Obstacle
 from fefinger.fem.rims import fit_rims
 from fefinger.fem.solve import factor
-from fefinger.profiles import Bar, Ellipsoid, Grating, Profile
+from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Profile
 
 
 UP = np.array([0.0, 0.0, 1.0])

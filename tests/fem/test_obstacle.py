@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.fem.obstacle import Obstacle
-from fefinger.profiles import Bar, Ellipsoid, Grating, Plane, Profile, Relief
+from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Plane, Profile, Relief
 
 
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])

@@ -14,7 +14,7 @@ from fefinger.fem.sliding import Sliding, sliding
 from fefinger.fem.spaces import Space
 from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
-from fefinger.profiles import Bar, Ellipsoid, Plane, Profile
+from fefinger.geometry.profiles import Bar, Ellipsoid, Plane, Profile
 
 
 GRID = np.linspace(0.0, 1.0, 4)

@@ -11,11 +11,11 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.forms import Elastic
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import strain_at
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _placing, linear
 from fefinger.mechanics import solid as finite
 from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
-from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import improve
 from fefinger.mesh.build import SETTINGS, build, sizes, touched
 from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.record import FACETS, FingerMesh, faces, volumes
 from fefinger.support.checks import ConvergenceError, InputError
 
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fefinger.finger import Finger
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.record import FingerMesh
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import InputError
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from fefinger.geometry.scan_orientation import SLENDER, UNSURE, check, lie
 from fefinger.mesh import surface
-from fefinger.mesh.orientation import SLENDER, UNSURE, check, lie
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.support.checks import InputError

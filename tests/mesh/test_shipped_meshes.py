@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fefinger.validation.calibration_report import rows
 
+from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import files
 from fefinger.mesh.build import touched
 from fefinger.mesh.parametric import parametric, radii
@@ -18,7 +19,6 @@ from fefinger.mesh.quality import (
 )
 from fefinger.mesh.ready import data_folder
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.record import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh.shapes import Shape
 
 

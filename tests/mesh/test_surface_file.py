@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mesh.surface_file import crossings, read_surface
+from fefinger.geometry.surface_file import crossings, read_surface
 from fefinger.support.checks import InputError
 
 

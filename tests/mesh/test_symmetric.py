@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import files
 from fefinger.mesh.ready import data_folder
-from fefinger.mesh.record import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import InputError
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fefinger.mesh.record import BONE, faces
+from fefinger.geometry.finger_mesh import BONE, faces
 
 
 Index = NDArray[np.int64]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh import orientation
+from fefinger.geometry import scan_orientation
 from fefinger.support.checks import InputError
 
 
@@ -251,7 +251,7 @@ def _check_size(extents: Array, name: str) -> str:
 
 def _check_frame(mesh: Any, name: str) -> tuple[str, ...]:
     """Return notes on the frame, or raise InputError unless the tip is ahead and the pad down."""
-    notes = orientation.check(mesh, name)
+    notes = scan_orientation.check(mesh, name)
     length, width, thickness = np.ptp(mesh.bounds, axis=0)
     if length < 0.9 * max(width, thickness):
         message = (

@@ -3,19 +3,17 @@
 numpy only, so that a picture of the medial section exists where no renderer does.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.geometry.profiles import Ellipsoid, Profile, frame
+from fefinger.geometry.section import is_half
 from fefinger.indenter import STANDARD, Flat, Grating, Relief, direction
-from fefinger.profiles import Ellipsoid, Profile, frame
-from fefinger.records import Array, Fields, Integers, Result
+from fefinger.records import Array, Fields, Result
 
 
-BONE = 3  # the region of rigid bone, which has no field of its own
-SNAP = 1e-3  # of an edge
 SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
@@ -29,11 +27,6 @@ def nearest_frame(fields: Fields, time: float) -> int:
 def peak_time(result: Result) -> float:
     """Return the time in s of the largest force."""
     return float(result.time[int(np.argmax(result.response.force))])
-
-
-def is_half(points: Array) -> bool:
-    """Return whether only y >= 0 is meshed."""
-    return bool(points[:, 1].min() >= -1e-9 * np.ptp(points))
 
 
 def whole(fields: Fields) -> Fields:
@@ -55,65 +48,6 @@ def whole(fields: Fields) -> Fields:
         strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
         pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
     )
-
-
-@dataclass(frozen=True)
-class Cut:
-    """The medial section of a mesh: vertices lie on its edges, at `weight` from first to second.
-
-    edges (n, 2) point numbers, weight (n,), triangles (k, 3) of section vertices, region (k,).
-    """
-
-    edges: Integers
-    weight: Array
-    triangles: Integers
-    region: NDArray[np.int8]
-
-    def at(self, nodal: Array) -> Array:
-        """Return values given at the mesh points, (n_points, ...), at the section's vertices."""
-        first, second = nodal[self.edges[:, 0]], nodal[self.edges[:, 1]]
-        weight = self.weight.reshape(-1, *[1] * (nodal.ndim - 1))
-        return np.asarray((1 - weight) * first + weight * second)
-
-    def outlines(self) -> Integers:
-        """Return the edges (m, 2) of section vertices that bound a region."""
-        found = []
-        for region in np.unique(self.region):
-            corners = self.triangles[self.region == region]
-            edges = np.sort(corners[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-            unique, count = np.unique(edges, axis=0, return_counts=True)
-            found.append(unique[count == 1])
-        return np.concatenate(found)
-
-
-def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
-    """Cut tetrahedra with the medial plane, a hair above y = 0 so that half meshes are met."""
-    level = 1e-6 * np.ptp(points)
-    above = points[:, 1] > level
-    count = above[cells].sum(axis=1)
-    pairs, kinds = [], []
-    for number in (1, 2, 3):
-        hit = cells[count == number]
-        order = np.argsort(~above[hit] if number < 3 else above[hit], axis=1, kind="stable")
-        a, b, c, d = np.take_along_axis(hit, order, axis=1).T
-        if number == 2:
-            corners = [[(a, c), (a, d), (b, d)], [(a, c), (b, d), (b, c)]]
-        else:
-            corners = [[(a, b), (a, c), (a, d)]]
-        for triangle in corners:
-            pairs.append(np.array(triangle).transpose(2, 0, 1).reshape(-1, 3, 2))
-            kinds.append(region[count == number])
-    every = np.sort(np.concatenate(pairs).reshape(-1, 2), axis=1)
-    y = points[every][:, :, 1]
-    weight = (level - y[:, 0]) / (y[:, 1] - y[:, 0])
-    # A vertex next to a mesh point becomes that point: slivers would show as scratches.
-    every[weight < SNAP, 1] = every[weight < SNAP, 0]
-    every[weight > 1 - SNAP, 0] = every[weight > 1 - SNAP, 1]
-    edges, first, vertex = np.unique(every, axis=0, return_index=True, return_inverse=True)
-    triangles = vertex.reshape(-1, 3)
-    proper = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
-    kept = np.concatenate(kinds)[proper]
-    return Cut(edges, np.clip(weight[first], 0.0, 1.0), triangles[proper], kept)
 
 
 class Pose(NamedTuple):

@@ -1,0 +1,1 @@
+"""Shapes that need no mesher: profiles of indenters, meshes as records, surfaces and sections."""
