@@ -17,61 +17,61 @@ from fefinger.support.version import VERSION
 
 
 if TYPE_CHECKING:
-    from fefinger.ask import Ask as Ask
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.files import load as load
-    from fefinger.finger import Finger as Finger
-    from fefinger.indenter import Bar as Bar
-    from fefinger.indenter import Cylinder as Cylinder
-    from fefinger.indenter import Ellipsoid as Ellipsoid
-    from fefinger.indenter import Flat as Flat
-    from fefinger.indenter import Grating as Grating
-    from fefinger.indenter import Relief as Relief
-    from fefinger.indenter import Sphere as Sphere
-    from fefinger.layout import Grid as Grid
-    from fefinger.layout import Line as Line
-    from fefinger.layout import Places as Places
-    from fefinger.layout import Scatter as Scatter
-    from fefinger.motion import ForceRamp as ForceRamp
-    from fefinger.motion import ForceRampHold as ForceRampHold
-    from fefinger.motion import ForceRampSinusoid as ForceRampSinusoid
-    from fefinger.motion import ForceSampled as ForceSampled
-    from fefinger.motion import ForceSinusoid as ForceSinusoid
-    from fefinger.motion import ForceTrapezoid as ForceTrapezoid
-    from fefinger.motion import Ramp as Ramp
-    from fefinger.motion import RampHold as RampHold
-    from fefinger.motion import RampSinusoid as RampSinusoid
-    from fefinger.motion import Sampled as Sampled
-    from fefinger.motion import Sinusoid as Sinusoid
-    from fefinger.motion import Trapezoid as Trapezoid
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
     from fefinger.realtime import Condensed as Condensed
     from fefinger.records import Plan as Plan
     from fefinger.records import Result as Result
     from fefinger.rolling import Rolling as Rolling
-    from fefinger.scene import Scene as Scene
+    from fefinger.scene.ask import Ask as Ask
+    from fefinger.scene.finger import Finger as Finger
+    from fefinger.scene.indenter import Bar as Bar
+    from fefinger.scene.indenter import Cylinder as Cylinder
+    from fefinger.scene.indenter import Ellipsoid as Ellipsoid
+    from fefinger.scene.indenter import Flat as Flat
+    from fefinger.scene.indenter import Grating as Grating
+    from fefinger.scene.indenter import Relief as Relief
+    from fefinger.scene.indenter import Sphere as Sphere
+    from fefinger.scene.motion import ForceRamp as ForceRamp
+    from fefinger.scene.motion import ForceRampHold as ForceRampHold
+    from fefinger.scene.motion import ForceRampSinusoid as ForceRampSinusoid
+    from fefinger.scene.motion import ForceSampled as ForceSampled
+    from fefinger.scene.motion import ForceSinusoid as ForceSinusoid
+    from fefinger.scene.motion import ForceTrapezoid as ForceTrapezoid
+    from fefinger.scene.motion import Ramp as Ramp
+    from fefinger.scene.motion import RampHold as RampHold
+    from fefinger.scene.motion import RampSinusoid as RampSinusoid
+    from fefinger.scene.motion import Sampled as Sampled
+    from fefinger.scene.motion import Sinusoid as Sinusoid
+    from fefinger.scene.motion import Trapezoid as Trapezoid
+    from fefinger.scene.population import Grid as Grid
+    from fefinger.scene.population import Line as Line
+    from fefinger.scene.population import Places as Places
+    from fefinger.scene.population import Scatter as Scatter
+    from fefinger.scene.scene import Scene as Scene
+    from fefinger.scene.tissue import Hard as Hard
+    from fefinger.scene.tissue import Tissue as Tissue
     from fefinger.stiffening import Stiffening as Stiffening
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
     from fefinger.support.checks import Stopped as Stopped
     from fefinger.theory.relaxation import Prony as Prony
-    from fefinger.tissue import Hard as Hard
-    from fefinger.tissue import Tissue as Tissue
 
 __version__ = VERSION
 
 _HOMES = {
-    "ask": ("Ask",),
+    "scene.ask": ("Ask",),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "files": ("load",),
-    "finger": ("Finger",),
-    "indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
-    "layout": ("Grid", "Line", "Places", "Scatter"),
-    "motion": (
+    "scene.finger": ("Finger",),
+    "scene.indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
+    "scene.population": ("Grid", "Line", "Places", "Scatter"),
+    "scene.motion": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         "ForceSampled",
@@ -80,10 +80,10 @@ _HOMES = {
     "realtime": ("Condensed",),
     "records": ("Plan", "Result"),
     "rolling": ("Rolling",),
-    "scene": ("Scene",),
+    "scene.scene": ("Scene",),
     "theory.relaxation": ("Prony",),
     "stiffening": ("Stiffening",),
-    "tissue": ("Hard", "Tissue"),
+    "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

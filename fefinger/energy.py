@@ -7,10 +7,10 @@ between lies between the two. Relaxation lowers neither: both are functions of t
 
 import numpy as np
 
-from fefinger.finger import Finger
 from fefinger.records import Array, Fields
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Tissue
 from fefinger.support.vocabulary import SHARES
-from fefinger.tissue import Tissue
 
 
 SKIN, SUBCUTANEOUS = 1, 2

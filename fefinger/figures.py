@@ -14,7 +14,7 @@ from fefinger import quantities
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
 from fefinger.records import Array, Integers, Result
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 
 
 Curves = list[tuple[str, str, Array]]

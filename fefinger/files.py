@@ -19,7 +19,7 @@ import numpy as np
 
 from fefinger import records
 from fefinger.neural.trains import SpikeTrains
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder

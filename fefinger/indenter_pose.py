@@ -10,8 +10,8 @@ import numpy as np
 
 from fefinger.geometry.profiles import Ellipsoid, Profile, frame
 from fefinger.geometry.section import is_half
-from fefinger.indenter import STANDARD, Flat, Grating, Relief, direction
 from fefinger.records import Array, Fields, Result
+from fefinger.scene.indenter import STANDARD, Flat, Grating, Relief, direction
 
 
 SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import films, library
+from fefinger import films
 from fefinger.fem.body import Solid
 from fefinger.fem.probe import inside, tensors
 from fefinger.mechanics import _operator
@@ -21,7 +21,8 @@ from fefinger.neural.streaming import Afferents
 from fefinger.realtime import afferents
 from fefinger.records import Sites
 from fefinger.rolling import Rolling
-from fefinger.scene import Finger
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 
 
 Array = NDArray[np.float64]

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.finger import Finger
 from fefinger.live import (
     COLORS,
     LARGEST_PRESSURE,
@@ -19,6 +18,7 @@ from fefinger.live import (
     said,
     section_triangles,
 )
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
 

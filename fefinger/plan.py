@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from fefinger import machine, scenes
+from fefinger import machine
 from fefinger import mechanics as ladder
-from fefinger.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.mechanics import _by_force, _tradeoff
 from fefinger.records import Plan, Refusal, Rung, Settings
-from fefinger.scene import Scene
+from fefinger.scene import builtin
+from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import beyond, duration, percent, trust
 from fefinger.support.text import ladder as written
@@ -55,7 +56,7 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         A scene that cannot be used, that every mechanics refuses, or that the one that is named is
         not able to answer.
     """
-    scene = scenes.given(scene)
+    scene = builtin.given(scene)
     if every or scene.ask.seconds is not None:
         machine.seconds()
     if mechanics is not None:

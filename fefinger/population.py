@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger import library
-from fefinger.layout import Grid, Layout, Line, Places, Scatter
+from fefinger.scene import library
+from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
 from fefinger.support.checks import InputError, choice, number
 
 
 if TYPE_CHECKING:
-    from fefinger.ask import Ask
     from fefinger.neural.populations import Population, Surface
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Response, Sites
+    from fefinger.scene.ask import Ask
 
 
 Array = NDArray[np.float64]

@@ -25,15 +25,17 @@ from fefinger.fem.march import History
 from fefinger.fem.obstacle import Rigid
 from fefinger.fem.probe import ODD, VOIGT
 from fefinger.fem.recover import recovered_strain_at
-from fefinger.indenter import STANDARD
 from fefinger.mechanics import _missed, _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded
 from fefinger.mechanics._touch import sites as central_sites
-from fefinger.motion import Motion
 from fefinger.neural.streaming import Afferents
 from fefinger.records import Response, Sites
-from fefinger.scene import Ask, Finger, Flat, Indenter, Ramp, Scene
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Flat, Indenter
+from fefinger.scene.motion import Motion, Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.strains import green_lagrange
 
 

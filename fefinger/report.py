@@ -14,9 +14,9 @@ from fefinger import figures, figures_units, indenter_pose, page, quantities, vi
 from fefinger.neural.trains import FEW
 from fefinger.pressures import highest
 from fefinger.records import Result
-from fefinger.scene import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
+from fefinger.scene.indenter import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
+from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
-from fefinger.waves import quasistatic
 
 
 STANDING = (

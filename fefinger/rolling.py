@@ -21,11 +21,11 @@ from fefinger.fem.contact import Patch, patch, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.fem.spaces import trace
-from fefinger.indenter import direction
 from fefinger.mechanics import _operator, _placing, _press
 from fefinger.realtime import Step
 from fefinger.records import Sites
-from fefinger.scene import Finger, Flat
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, direction
 from fefinger.support.checks import InputError, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 

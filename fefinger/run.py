@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
     from fefinger.records import Plan, Response, Result
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
 
@@ -39,14 +39,14 @@ def run(
     """
     from dataclasses import replace
 
-    from fefinger import scenes
     from fefinger.mechanics import get
     from fefinger.plan import choose, settled
     from fefinger.records import Result
+    from fefinger.scene import builtin
     from fefinger.support.checks import Stopped
     from fefinger.support.progress import Stages
 
-    scene = scenes.given(scene)
+    scene = builtin.given(scene)
     plan = choose(scene, mechanics)
     chosen, solved = get(plan.mechanics), settled(scene, plan)
     try:
@@ -74,8 +74,8 @@ def _noted(scene: "Scene", response: "Response") -> "Response":
     """Return the response with notes on a subject's other sizes, and where statics do not hold."""
     from dataclasses import replace
 
-    from fefinger.finger import own
-    from fefinger.waves import jump, quasistatic
+    from fefinger.scene.finger import own
+    from fefinger.scene.inertia import jump, quasistatic
 
     found = own(scene.finger) + jump(scene.motion)
     found += quasistatic(scene, response.time, response.depth)

@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.indenter import direction
 from fefinger.pressures import cuts, net
-from fefinger.scene import Flat, Indenter
+from fefinger.scene.indenter import Flat, Indenter, direction
 from fefinger.support.checks import InputError
 
 

@@ -12,9 +12,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.indenter import STANDARD
 from fefinger.realtime import Condensed
-from fefinger.scene import Finger, Indenter
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Indenter
 from fefinger.support.checks import ConvergenceError, InputError, number
 from fefinger.theory.lumped.spring import LARGEST
 from fefinger.theory.relaxation import Prony, exprel

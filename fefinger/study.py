@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
     from fefinger.studies.tasks import Answer, Asked, Task
     from fefinger.support.progress import Progress
 

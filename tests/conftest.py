@@ -12,18 +12,12 @@ from threadpoolctl import threadpool_limits
 
 from fefinger import machine
 from fefinger.neural.trains import SpikeTrains
-from fefinger.records import (
-    Fields,
-    Pad,
-    Plan,
-    Reference,
-    Refusal,
-    Response,
-    Result,
-    Rung,
-    Sites,
-)
-from fefinger.scene import Ask, Finger, Flat, RampHold, Scene
+from fefinger.records import Fields, Pad, Plan, Reference, Refusal, Response, Result, Rung, Sites
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import RampHold
+from fefinger.scene.scene import Scene
 from fefinger.support.text import trust
 
 

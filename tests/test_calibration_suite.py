@@ -18,10 +18,11 @@ from fefinger.validation import (
 )
 from fefinger.validation.calibration_report import calibrated, rows
 
-from fefinger import figures, library
+from fefinger import figures
 from fefinger.calibration import pad, target
 from fefinger.calibration.outcome import line
-from fefinger.finger import Finger
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 
 
 SUBJECTS = ("a.h.", "d.s.", "d.p.", "p.w.")

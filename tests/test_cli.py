@@ -12,12 +12,14 @@ from dataclasses import replace
 import pytest
 
 import fefinger as ff
-from fefinger import console, mechanics, scenes
+from fefinger import console, mechanics
 from fefinger.__main__ import main
 from fefinger.files import load
-from fefinger.finger import own
 from fefinger.mechanics import linear
-from fefinger.scene import Ask, Scene
+from fefinger.scene import builtin
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import own
+from fefinger.scene.scene import Scene
 from fefinger.support.text import trust
 
 
@@ -27,7 +29,7 @@ QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
 def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
     assert main(["run", "flat-press", "--set", "motion.depth=1", "--mechanics", "linear"]) == 0
     ((scene, options),) = answered
-    assert scene == scenes.load("flat-press", {"motion.depth": 1})
+    assert scene == builtin.load("flat-press", {"motion.depth": 1})
     assert options == {"mechanics": "linear", "progress": None}
     out, err = capsys.readouterr()
     shown = ("peak force", "contact area", "centroid", "SAI-1", "seconds", "note", "No inertia")
@@ -88,7 +90,7 @@ def test_a_scene_is_answered_for_real(capsys):
 def test_a_result_says_how_to_make_it_again():
     import fefinger as ff
 
-    scene = scenes.load("flat-press", scenes.settings(QUICK[1::2]))
+    scene = builtin.load("flat-press", builtin.settings(QUICK[1::2]))
     asked = replace(scene, ask=Ask(strain=False, spikes=("FAI",), fields=False))
     result = ff.run(asked, mechanics="linear")
     assert (result.strain, result.fields) == (None, None)
@@ -142,14 +144,14 @@ def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeyp
 def test_scenes_lists_all_and_prints_one_that_loads(capsys):
     assert main(["scenes"]) == 0
     out = capsys.readouterr().out
-    assert [line.split()[0] for line in out.splitlines()] == list(scenes.names())
+    assert [line.split()[0] for line in out.splitlines()] == list(builtin.names())
     assert main(["scenes", "press-to-1N"]) == 0
-    assert Scene.from_toml(capsys.readouterr().out) == scenes.load("press-to-1N")
+    assert Scene.from_toml(capsys.readouterr().out) == builtin.load("press-to-1N")
     assert main(["scenes", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["scenes"]
-    assert [entry["name"] for entry in listed] == list(scenes.names())
+    assert [entry["name"] for entry in listed] == list(builtin.names())
     assert main(["scenes", "press-to-1N", "--json"]) == 0
-    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == scenes.load("press-to-1N")
+    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == builtin.load("press-to-1N")
 
 
 def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):

@@ -13,8 +13,11 @@ import xarray as xr
 from fefinger import files, report
 from fefinger.files import LAYOUT, RECORDS, load, save
 from fefinger.records import Result
-from fefinger.scene import Finger, Hard, Prony, Sampled, Tissue
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import Sampled
+from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
 
 
 @pytest.fixture

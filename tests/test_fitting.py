@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger import fitting, library
+from fefinger import fitting
 from fefinger.__main__ import main
+from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.lumped import identify, synthetic
 from fefinger.theory.lumped.spring import Spring

@@ -157,7 +157,7 @@ def test_a_command_that_is_interrupted_leaves_nothing_behind(name):
 CALIBRATE = """
 import sys
 from fefinger.calibration import jobs
-from fefinger.finger import Finger
+from fefinger.scene.finger import Finger
 from fefinger.support.interrupt import interruptible
 
 def work():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger import library
-from fefinger.finger import Finger
 from fefinger.neural.endorgans import TYPES
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.motion import (
+from fefinger.scene.motion import (
     ForceRamp,
     ForceRampHold,
     ForceRampSinusoid,

@@ -12,9 +12,10 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, machine, mechanics, plan, scenes
+from fefinger import console, machine, mechanics, plan
 from fefinger.mechanics import get
 from fefinger.records import Refusal, Rung, Settings
+from fefinger.scene import builtin
 from fefinger.support import package_data, text
 from fefinger.support.checks import InputError
 
@@ -62,7 +63,7 @@ pytestmark = pytest.mark.usefixtures("_speed")
 
 def scene(**changes):
     settings = {"ask.spikes": []} | {f"ask.{name}": value for name, value in changes.items()}
-    return scenes.load("flat-press", {"ask.rel_error": 0.05} | settings)
+    return builtin.load("flat-press", {"ask.rel_error": 0.05} | settings)
 
 
 def asked(**changes):
@@ -77,7 +78,7 @@ def asked(**changes):
 
 @pytest.mark.usefixtures("four")
 def test_a_scene_may_be_named_as_for_a_run():
-    named, given = "flat-press", scenes.load("flat-press")
+    named, given = "flat-press", builtin.load("flat-press")
     assert ff.explain(named) == ff.explain(given)
     assert ff.choose(named) == ff.choose(given)
 
@@ -113,7 +114,7 @@ def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
 
 
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():
-    found = plan.choose(scenes.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
+    found = plan.choose(builtin.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
     told = f"Expected within: depth {text.percent(found.chosen.errors['depth'])}, force at the "
     assert found.trust.startswith(f"{told}depth {text.percent(found.chosen.error)}, ")
 
@@ -144,7 +145,7 @@ def test_a_coarser_mesh_is_taken_where_it_will_do_and_another_mechanics_where_it
 
 @pytest.mark.usefixtures("four")
 def test_a_mesh_that_the_scene_states_is_the_only_one():
-    stated = scenes.load("flat-press", {"ask.spikes": [], "finger.resolution": "fine"})
+    stated = builtin.load("flat-press", {"ask.spikes": [], "finger.resolution": "fine"})
     found = plan.explain(stated)
     assert {rung.resolution for rung in found.rungs[2:]} == {"fine"}
     assert plan.settled(stated, found) == stated
@@ -190,7 +191,7 @@ def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_i
         plan.explain(scene(rel_error=0.4, seconds=3, spikes=["SAI"]))
     assert "Or set finger.resolution to 'coarse' and linear answers in " in str(caught.value)
     own = {"finger.resolution": "coarse", "ask.rel_error": 0.4, "ask.seconds": 3}
-    assert plan.explain(scenes.load("flat-press", own)).mechanics == "linear"
+    assert plan.explain(builtin.load("flat-press", own)).mechanics == "linear"
 
 
 BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
@@ -216,7 +217,7 @@ IMPOSSIBLE = [
 @pytest.mark.parametrize(("changes", "reason"), IMPOSSIBLE)
 def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, reason):
     with pytest.raises(InputError, match="no mechanics can answer") as caught:
-        plan.explain(scenes.load("flat-press", changes))
+        plan.explain(builtin.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
 
@@ -285,7 +286,7 @@ def test_the_settings_are_what_was_asked():
         afferents=("SAI", "FAI"),
     )
     tilted = {"kind": "flat", "angle": 30, "tilt": 5}
-    whole = scenes.load("flat-press", {"indenter": tilted, "ask.rel_error": 1.0})
+    whole = builtin.load("flat-press", {"indenter": tilted, "ask.rel_error": 1.0})
     assert plan.choose(whole).settings.half is False
     slow, fast = (plan.choose(scene(rel_error=0.4, spikes=[kind])) for kind in ("SAI", "FAII"))
     assert fast.settings.times > slow.settings.times

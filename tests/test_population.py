@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import library, population, report, scenes
-from fefinger.indenter import STANDARD, direction
+from fefinger import population, report
 from fefinger.mechanics import get
 from fefinger.mechanics._skin import meshed, spherical
 from fefinger.mechanics._touch import folded, unfolded
 from fefinger.neural.endorgans import TYPES
 from fefinger.run import fire
+from fefinger.scene import builtin, library
+from fefinger.scene.indenter import STANDARD, direction
 from fefinger.support.checks import InputError
 
 
@@ -193,7 +194,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("table", "message"), REFUSED, ids=[m for _, m in REFUSED])
 def test_layouts_that_cannot_be_used_get_a_sentence(table, message):
-    base = scenes.load("flat-press").to_dict()
+    base = builtin.load("flat-press").to_dict()
     with pytest.raises(InputError, match=message):
         ff.Scene.from_dict(base | {"ask": {"spikes": ["SAI"], "population": table}})
 
@@ -221,16 +222,16 @@ def test_scenes_with_populations_go_to_toml_and_back():
     ):
         one = scene(layout)
         assert ff.Scene.from_toml(one.to_toml()) == one
-    changed = scenes.load("population-press", {"ask.population.kind": "grid"})
+    changed = builtin.load("population-press", {"ask.population.kind": "grid"})
     assert changed.ask.population == ff.Grid(radius=4.0, seed=1)
-    set_ = scenes.load("flat-press", scenes.settings(["ask.population.radius=2"]))
+    set_ = builtin.load("flat-press", builtin.settings(["ask.population.radius=2"]))
     assert set_.ask.population == ff.Scatter(radius=2.0)
 
 
 @pytest.fixture(scope="module")
 def answered():
     overrides = {"finger.resolution": "coarse", "ask.population.radius": 2.5}
-    return ff.run(scenes.load("population-press", overrides), mechanics="hertz")
+    return ff.run(builtin.load("population-press", overrides), mechanics="hertz")
 
 
 def test_a_population_is_saved_loaded_told_and_drawn(answered, tmp_path):

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import mechanics, scenes, sensing
+from fefinger import mechanics, sensing
+from fefinger.scene import builtin
 from fefinger.theory.array.sensor import ArraySensor
 
 
-NAMES = {name.split("-")[0]: name for name in scenes.names() if name[1:2].isdigit()}
+NAMES = {name.split("-")[0]: name for name in builtin.names() if name[1:2].isdigit()}
 
 
 @cache
 def answer(protocol):
     """Run a protocol with the cheapest mechanics that is able, whatever its accuracy."""
-    scene = scenes.load(NAMES[protocol])
+    scene = builtin.load(NAMES[protocol])
     rungs = ff.explain(scene).rungs
     able = [r for r in rungs if all(refusal.about != "ability" for refusal in r.refusals)]
     return ff.run(scene, mechanics=able[0].mechanics)
@@ -28,8 +29,8 @@ def test_there_are_all_eleven():
 
 @pytest.mark.parametrize("protocol", sorted(NAMES))
 def test_each_says_what_it_is_plans_and_runs_without_a_mesh(protocol):
-    assert "Pawluk 1997" in scenes.text(NAMES[protocol]).replace("\n# ", " ")
-    scene = scenes.load(NAMES[protocol])
+    assert "Pawluk 1997" in builtin.text(NAMES[protocol]).replace("\n# ", " ")
+    scene = builtin.load(NAMES[protocol])
     assert scene.name == NAMES[protocol]
     assert ff.explain(scene).mechanics in mechanics.names()[:-1]
     result = answer(protocol)
@@ -57,7 +58,7 @@ def _curve(result):
 
 
 def test_p7_reaches_its_force_as_fast_as_an_approach_at_20_mm_per_s_and_holds_it():
-    scene = scenes.load(NAMES["p7"])
+    scene = builtin.load(NAMES["p7"])
     assert 1e3 / scene.indenter.radius == pytest.approx(340, abs=0.5)
     assert scene.motion.force == pytest.approx(20 * 9.80665e-3, rel=2e-3)
     lumped = ff.Scene(
@@ -102,7 +103,7 @@ def test_p9_sa_fire_in_the_hold_and_fa_in_the_ramps_alone():
 def test_p10_is_the_ball_on_a_rigid_array():
     assert answer("p10").force.max() == pytest.approx(2.422, abs=0.005)
     soft = {f"finger.{layer}.modulus": 350.6 for layer in ("skin", "subcutaneous")}
-    plane = ff.run(scenes.load(NAMES["p10"], soft), mechanics="hertz")
+    plane = ff.run(builtin.load(NAMES["p10"], soft), mechanics="hertz")
     assert plane.force.max() == pytest.approx(1.573, abs=0.002)
 
 

@@ -12,7 +12,8 @@ from fefinger import quantities
 from fefinger.fem import laws, point
 from fefinger.fem.forms import Elastic
 from fefinger.records import Fields, Result
-from fefinger.scene import Finger, Tissue
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError
 
 

@@ -14,11 +14,11 @@ import fefinger as ff
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.probe import tensors
 from fefinger.geometry.profiles import Ellipsoid
-from fefinger.indenter import direction
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
+from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import hereditary_integral
 

@@ -10,7 +10,8 @@ import pytest
 
 from fefinger import figures, report
 from fefinger.records import Result, Rung
-from fefinger.scene import Ramp, RampHold, RampSinusoid, Scene
+from fefinger.scene.motion import Ramp, RampHold, RampSinusoid
+from fefinger.scene.scene import Scene
 from fefinger.view import renderer
 
 

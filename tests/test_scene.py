@@ -7,13 +7,15 @@ from datetime import date
 
 import pytest
 
-from fefinger import scenes
-from fefinger.finger import Finger
-from fefinger.indenter import Ellipsoid, Flat, Sphere
-from fefinger.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
-from fefinger.scene import Ask, Scatter, Scene
+from fefinger.scene import builtin
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
+from fefinger.scene.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
+from fefinger.scene.population import Scatter
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError
-from fefinger.tissue import Tissue
 
 
 FINGER = Finger.subject("a.h.")
@@ -61,18 +63,18 @@ def test_a_scene_survives_toml_exactly(kind, indenter):
     assert pickle.loads(pickle.dumps(scene)) == scene
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", builtin.names())
 def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
-    scene = scenes.load(name)
+    scene = builtin.load(name)
     assert scene.name == name
     assert Scene.from_toml(scene.to_toml()) == scene
-    said = " ".join(scenes.text(name).replace("\n# ", " ").split())
-    assert said.startswith(f"# {scenes.summary(name)}")
-    assert scenes.summary(name).endswith(".")
+    said = " ".join(builtin.text(name).replace("\n# ", " ").split())
+    assert said.startswith(f"# {builtin.summary(name)}")
+    assert builtin.summary(name).endswith(".")
 
 
 def test_flat_press_is_the_scene_of_the_issue():
-    scene = scenes.load("flat-press")
+    scene = builtin.load("flat-press")
     assert scene == Scene(
         name="flat-press",
         finger=Finger.subject("a.h."),
@@ -86,7 +88,7 @@ def test_a_file_and_its_text_give_the_same_scene_named_after_the_file(tmp_path):
     text = '[finger]\nsubject = "d.p."\n[motion]\nkind = "ramp"\nspeed = 20\ndepth = 1\n'
     file = tmp_path / "mine.toml"
     file.write_text(text)
-    assert scenes.load(file).name == "mine"
+    assert builtin.load(file).name == "mine"
     assert Scene.from_toml(file) == Scene.from_toml(text)
     assert Scene.from_toml(str(file)) == Scene.from_toml(text)
 
@@ -97,7 +99,7 @@ def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp
     file.write_text(
         '[finger]\nsubject = "d.p."\n[motion]\nkind = "force-sampled"\nfile = "samples.csv"\n'
     )
-    scene = scenes.load(file)
+    scene = builtin.load(file)
     assert scene.motion == ForceSampled((0, 1), (0, 0.5))
     (tmp_path / "samples.csv").unlink()
     assert Scene.from_toml(scene.to_toml()) == scene
@@ -121,10 +123,10 @@ def test_samples_in_other_units_are_not_taken_for_seconds_and_millimeters(tmp_pa
         '[finger]\nsubject = "d.p."\n[motion]\nkind = "sampled"\nfile = "samples.csv"\n'
     )
     if usable:
-        assert scenes.load(file).motion.depth == (0, 0.5)
+        assert builtin.load(file).motion.depth == (0, 0.5)
     else:
         with pytest.raises(InputError, match="time in s, depth in mm"):
-            scenes.load(file)
+            builtin.load(file)
 
 
 def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
@@ -137,7 +139,7 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
         "ask.spikes=['FAI']",
         "ask.depths.FAI=0.6",
     ]
-    scene = scenes.load("flat-press", scenes.settings(texts))
+    scene = builtin.load("flat-press", builtin.settings(texts))
     assert scene.indenter == Sphere(3)
     assert scene.motion == RampHold(0.5, 1, hold=5, corner=0.01)
     assert scene.finger == Finger.subject("d.s.")
@@ -283,7 +285,7 @@ def test_files_that_are_no_scenes_are_refused(tmp_path, content, message):
 
 def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
     with pytest.raises(InputError, match=r"no such file.*Did you mean 'flat-press'\?"):
-        scenes.load("flat-pres")
+        builtin.load("flat-pres")
     with pytest.raises(InputError, match="cannot be read: No such file"):
         Scene.from_toml(tmp_path / "no.toml")
     with pytest.raises(InputError, match="cannot be read: Is a directory"):
@@ -305,7 +307,7 @@ def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
 )
 def test_a_setting_that_cannot_be_used_is_refused(text, message):
     with pytest.raises(InputError, match=message):
-        scenes.load("flat-press", scenes.settings([text]))
+        builtin.load("flat-press", builtin.settings([text]))
 
 
 @pytest.mark.parametrize(
@@ -326,7 +328,7 @@ def test_python_gets_the_same_checks(changes, message):
     [
         (lambda: Tissue(30, 0.48, prony=3), "tissue.prony: expected a Prony, received 3"),
         (lambda: Finger(14, 10, surface=3), "finger.surface: expected a file .* found none at 3"),
-        (lambda: scenes.given(3), "scene: expected a Scene, the name of a built-in one"),
+        (lambda: builtin.given(3), "scene: expected a Scene, the name of a built-in one"),
     ],
 )
 def test_python_gets_a_sentence_for_what_no_file_can_say(build, message):
@@ -344,22 +346,22 @@ def test_the_path_of_a_surface_survives_toml(tmp_path):
 ODD_VALUES = [[], {}, "x", "", float("nan"), float("inf"), -1, 0, 10**20, True, [1], [[]], {"a": 1}]
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", builtin.names())
 @pytest.mark.parametrize("value", [*ODD_VALUES, date(2020, 1, 1)], ids=str)
 def test_no_value_anywhere_gives_anything_but_a_scene_or_a_sentence(name, value):
-    table = scenes.load(name).to_dict()
+    table = builtin.load(name).to_dict()
     leaves = [f"{part}.{key}" for part in table if part != "name" for key in table[part]]
     layers = [f"finger.{layer}.{key}" for layer in ("skin", "prony") for key in ("modulus", "c")]
     for path in ("name", *leaves, *layers, *table, "ask.depths.SAI", "ask.drives.SAI"):
         try:
-            scene = scenes.load(name, {path: value})
+            scene = builtin.load(name, {path: value})
         except InputError:
             continue
         assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_toml_written_out_has_every_value_in_plain_tables():
-    table = tomllib.loads(scenes.load("flat-press").to_toml())
+    table = tomllib.loads(builtin.load("flat-press").to_toml())
     assert table["finger"]["subject"] == "a.h."
     assert table["finger"]["prony"] == {"c": [0.29, 0.47, 0.13, 0.1], "v": [226.0, 8.6, 0.61]}
     assert table["motion"]["kind"] == "ramp-hold"

@@ -10,7 +10,7 @@ from fefinger import indenter_pose, quantities
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.records import Result
-from fefinger.scene import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
 
 
 def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) -> None:

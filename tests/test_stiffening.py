@@ -8,8 +8,8 @@ import pytest
 from scipy import optimize
 
 import fefinger as ff
-from fefinger.library import pawluk_bulk
 from fefinger.realtime import Condensed
+from fefinger.scene.library import pawluk_bulk
 from fefinger.stiffening import Stiffening
 from fefinger.support.checks import ConvergenceError, InputError
 

@@ -5,11 +5,14 @@ from dataclasses import fields
 
 import pytest
 
-from fefinger.indenter import INDENTERS
-from fefinger.layout import LAYOUTS
-from fefinger.motion import MOTIONS
-from fefinger.scene import Ask, Finger, Hard, Prony, Tissue
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import INDENTERS
+from fefinger.scene.motion import MOTIONS
+from fefinger.scene.population import LAYOUTS
+from fefinger.scene.tissue import Hard, Tissue
 from fefinger.studies.columns import column, split, words
+from fefinger.theory.relaxation import Prony
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from fefinger import pressures
 from fefinger.mechanics import _by_force
 from fefinger.plan import choose
 from fefinger.run import run
-from fefinger.scene import Scatter
+from fefinger.scene.population import Scatter
 from fefinger.studies import report
 from fefinger.studies.columns import ERRORS, bounds, split, words
 from fefinger.studies.hertz import share

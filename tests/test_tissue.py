@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 import tomli_w
 
-from fefinger import scenes
-from fefinger.finger import Finger
-from fefinger.scene import Scene
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
 
 
 FINGER = Finger.subject("a.h.")
@@ -56,13 +56,13 @@ def test_single_values_of_a_layer_replace_those_of_the_named_set():
 @pytest.mark.parametrize("layers", [("skin",), ("subcutaneous",), ("skin", "subcutaneous")])
 def test_another_set_of_tissues_is_refused_where_layers_are_written_out(tmp_path, layers):
     file = tmp_path / "mine.toml"
-    table = scenes.load("flat-press").to_dict()
+    table = builtin.load("flat-press").to_dict()
     for layer in {"skin", "subcutaneous"} - set(layers):
         del table["finger"][layer]
     file.write_text(tomli_w.dumps(table))
     named = " and ".join(rf"\[finger.{layer}\]" for layer in layers)
     with pytest.raises(InputError, match=f"finger.tissue: expected .*received one with {named}, "):
-        scenes.load(file, {"finger.tissue": "saal2017"})
-    assert scenes.load(file, {"finger.tissue": "maeno1998"}) == scenes.load(file)
-    other = scenes.load("flat-press", {"finger.tissue": "saal2017", "finger.skin.modulus": 90})
+        builtin.load(file, {"finger.tissue": "saal2017"})
+    assert builtin.load(file, {"finger.tissue": "maeno1998"}) == builtin.load(file)
+    other = builtin.load("flat-press", {"finger.tissue": "saal2017", "finger.skin.modulus": 90})
     assert (other.finger.tissue, other.finger.skin.modulus) == ("saal2017", 90)

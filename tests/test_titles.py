@@ -4,7 +4,9 @@ import dataclasses
 import re
 
 from fefinger.records import Result
-from fefinger.scene import Finger, Flat, Sinusoid, Sphere
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Sphere
+from fefinger.scene.motion import Sinusoid
 from fefinger.titles import titles
 
 

@@ -10,8 +10,9 @@ import pytest
 from PIL import Image
 
 import fefinger as ff
-from fefinger import scenes, view
+from fefinger import view
 from fefinger.__main__ import main
+from fefinger.scene import builtin
 
 
 README = Path(__file__).resolve().parents[1] / "README.md"
@@ -70,9 +71,9 @@ def test_every_command_of_the_readme_is_one(capsys: pytest.CaptureFixture[str]) 
         assert re.search(rf"^  {command}\b", listed, re.M), command
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", builtin.names())
 def test_every_built_in_scene_can_be_answered(name: str) -> None:
-    plan = ff.explain(scenes.load(name))
+    plan = ff.explain(builtin.load(name))
     assert not plan.chosen.refusals
 
 

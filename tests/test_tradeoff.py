@@ -5,12 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fefinger.validation import (
-    tradeoff_errors,
-    tradeoff_held_out,
-    tradeoff_motion,
-    tradeoff_scenes,
-)
+from fefinger.validation import tradeoff_errors, tradeoff_held_out, tradeoff_motion, tradeoff_scenes
 from fefinger.validation.tradeoff_errors import Press
 from fefinger.validation.tradeoff_held_out import summary
 from fefinger.validation.tradeoff_runs import TAXELS, taxels
@@ -19,7 +14,11 @@ from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
 from fefinger.records import Pad
-from fefinger.scene import Ask, Finger, Flat, Ramp, RampHold, Scene, Sinusoid
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp, RampHold, Sinusoid
+from fefinger.scene.scene import Scene
 
 
 def pressed(scale=1.0, exponent=1.5):

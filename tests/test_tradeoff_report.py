@@ -9,16 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fefinger.validation import (
-    tradeoff,
-    tradeoff_scenes,
-)
+from fefinger.validation import tradeoff, tradeoff_scenes
 from fefinger.validation.tradeoff_held_out import label, summary
 
 from fefinger import plan
 from fefinger.mechanics import _tradeoff, get
 from fefinger.records import Rung
-from fefinger.scene import Ask, Bar, Cylinder, Finger, Flat, Ramp, Scene, Sphere
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Bar, Cylinder, Flat, Sphere
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 
 
 REPORT = Path(__file__).resolve().parents[1] / "reports" / "tradeoff.json"

@@ -13,7 +13,7 @@ import pytest
 
 from fefinger import indenter_pose, pieces, quantities, webview
 from fefinger.records import Result
-from fefinger.scene import Flat, Grating, Sphere
+from fefinger.scene.indenter import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
 
 

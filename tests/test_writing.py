@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import fitting, library, validation_report
+from fefinger import fitting, validation_report
 from fefinger.__main__ import main
+from fefinger.scene import library
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.spring import Spring
@@ -167,6 +168,6 @@ def test_a_full_disk_elsewhere_is_a_sentence_too(monkeypatch, capsys):
     def load(*given):
         raise OSError(errno.ENOSPC, "No space left on device", "somewhere")
 
-    monkeypatch.setattr("fefinger.scenes.load", load)
+    monkeypatch.setattr("fefinger.scene.builtin.load", load)
     assert main(["explain", "flat-press"]) == 2
     assert "error: cannot write 'somewhere': No space left" in capsys.readouterr().err

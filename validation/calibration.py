@@ -20,7 +20,6 @@ from fefinger.validation.calibration_subjects import PRINTED
 from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
-from fefinger import library
 from fefinger.calibration import inverse, target
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
@@ -29,7 +28,11 @@ from fefinger.calibration.outcome import ONE_G
 from fefinger.calibration.press import Press, press
 from fefinger.calibration.work import Work
 from fefinger.mechanics import solid
-from fefinger.scene import Ask, Finger, RampHold, Scene
+from fefinger.scene import library
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import RampHold
+from fefinger.scene.scene import Scene
 
 
 Array = NDArray[np.float64]

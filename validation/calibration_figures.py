@@ -7,10 +7,10 @@ import numpy as np
 from fefinger.validation.calibration_report import calibrated, rows
 from fefinger.validation.calibration_split import PARTS
 
-from fefinger import library
 from fefinger.calibration import target
 from fefinger.calibration.force import stiffness
 from fefinger.figures import INK, WIDE, figure, style
+from fefinger.scene import library
 
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499")

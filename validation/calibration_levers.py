@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from fefinger.validation.chain import Array
 
-from fefinger import library
 from fefinger.calibration import pad, target
 from fefinger.calibration.calibrate import WIDER
 from fefinger.calibration.curve import Curve, family
@@ -22,11 +21,13 @@ from fefinger.calibration.press import Press, press
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, aligned
 from fefinger.calibration.work import Work
-from fefinger.scene import Finger, Prony
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Hard
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.fingerpad import Fingerpad
-from fefinger.tissue import Hard
+from fefinger.theory.relaxation import Prony
 
 
 FORCE = 1.1

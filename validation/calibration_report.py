@@ -5,7 +5,7 @@ from functools import cache
 from typing import Any
 
 from fefinger.calibration.record import Calibration
-from fefinger.library import CALIBRATED
+from fefinger.scene.library import CALIBRATED
 from fefinger.support.package_data import report
 
 

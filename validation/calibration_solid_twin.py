@@ -18,7 +18,10 @@ from fefinger.calibration.outcome import layer
 from fefinger.calibration.press import PLATE
 from fefinger.calibration.record import Calibration
 from fefinger.mechanics import solid
-from fefinger.scene import Ask, Finger, RampHold, Scene
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import RampHold
+from fefinger.scene.scene import Scene
 from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 
 

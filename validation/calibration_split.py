@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import library
 from fefinger.calibration import press, target
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve
 from fefinger.calibration.outcome import layer, line
 from fefinger.calibration.record import Calibration
-from fefinger.scene import Finger
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 
 
 Array = NDArray[np.float64]

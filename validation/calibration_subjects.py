@@ -16,14 +16,14 @@ from fefinger.validation.calibration_report import calibrated, rows
 from fefinger.validation.case import Case, Told
 from fefinger.validation.chain import Array
 
-from fefinger import library
 from fefinger.calibration import pad, target
 from fefinger.calibration.curve import Curve, curve
 from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, layer, line
 from fefinger.calibration.press import press
 from fefinger.calibration.target import Bulk
-from fefinger.scene import Finger
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.support.package_data import report
 
 

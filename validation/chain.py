@@ -12,8 +12,13 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import hertz, layered, linear, solid
 from fefinger.records import Response
-from fefinger.scene import Ask, Finger, Flat, Indenter, Prony, Ramp, Scene, Sphere
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.theory.relaxation import Prony
 
 
 Array = NDArray[np.float64]

@@ -11,15 +11,18 @@ from fefinger.validation.case import Case
 from fefinger.validation.half_space import Quarter
 from numpy.typing import NDArray
 
-from fefinger import scenes
 from fefinger.fem import active
-from fefinger.library import pawluk_relaxation
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics._press import WHOLE_MESH, press
-from fefinger.motion import ForceTrapezoid, Motion, RampHold, RampSinusoid, Trapezoid
 from fefinger.realtime import Condensed
 from fefinger.records import Response
-from fefinger.scene import Ask, Finger, Flat, Indenter, Scene, Sphere
+from fefinger.scene import builtin
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.library import pawluk_relaxation
+from fefinger.scene.motion import ForceTrapezoid, Motion, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.hertz import Hertz
@@ -54,7 +57,7 @@ BLOCK = {"radius": 100.0, "contact": 1.0, "modulus": 100.0}
 @cache
 def finger(resolution: str) -> Finger:
     """Return the finger of flat-press on a mesh."""
-    return replace(scenes.load("flat-press").finger, resolution=resolution)
+    return replace(builtin.load("flat-press").finger, resolution=resolution)
 
 
 def pressed_finger(resolution: str, name: str) -> Finger:

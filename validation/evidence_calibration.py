@@ -17,7 +17,7 @@ from fefinger.validation.provenance import provenance
 from fefinger.calibration import pad
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
-from fefinger.library import CALIBRATED
+from fefinger.scene.library import CALIBRATED
 
 
 FORCES = (0.54, 1.1, 2.3)

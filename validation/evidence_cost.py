@@ -13,10 +13,13 @@ from typing import Any
 
 from fefinger.validation.provenance import provenance
 
-from fefinger.ask import Ask
 from fefinger.mechanics import solid
 from fefinger.mechanics._solid_cost import REPORT
-from fefinger.scene import Bar, Finger, Flat, Indenter, RampHold, Scene, Sphere
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Bar, Flat, Indenter, Sphere
+from fefinger.scene.motion import RampHold
+from fefinger.scene.scene import Scene
 
 
 OWN = "maeno1998"

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from fefinger.validation.provenance import provenance
 
-from fefinger import scenes
 from fefinger.mechanics import layered, linear
 from fefinger.mechanics._evidence import LAYERED_PRESSES, LAYERED_REPORT
 from fefinger.records import Response
-from fefinger.scene import Finger, Scene
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
 
 
 SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
@@ -38,7 +39,7 @@ def scene(press: str, subject: str = "a.h.") -> Scene:
     size = {"angle": float(number)} if kind == "flat" else {"radius": LAYERED_PRESSES[press]}
     motion = {"kind": "ramp", "speed": 60, "depth": DEPTHS[press][-1], "corner": 0}
     changes = {"indenter": {"kind": kind, **size}, "motion": motion, "finger.subject": subject}
-    return scenes.load("flat-press", {**changes, **ALONE})
+    return builtin.load("flat-press", {**changes, **ALONE})
 
 
 def forces(response: Response, press: str) -> list[float]:
@@ -73,8 +74,8 @@ def seconds() -> dict[str, float]:
     `again_seconds` is that of a second one, whose contacts and fields are kept from the first.
     """
     # Another tissue first: it loads what is loaded once and leaves no contact of this one behind.
-    layered.respond(scenes.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
-    asked = scenes.load("flat-press", {"ask.fields": False})
+    layered.respond(builtin.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
+    asked = builtin.load("flat-press", {"ask.fields": False})
     taken = []
     for _ in range(2):
         started = time.perf_counter()
@@ -89,7 +90,7 @@ def seconds() -> dict[str, float]:
 
 def tissue() -> dict[str, Any]:
     """Return what the error depends on of the tissues: ratios of modulus, thickness, Poisson."""
-    finger = scenes.load("flat-press").finger
+    finger = builtin.load("flat-press").finger
     skin, rest = finger.skin, finger.subcutaneous
     shares = [layered.skin_share(Finger.subject(subject)) for subject in SUBJECTS]
     return {

@@ -17,13 +17,17 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff_errors import law, spring
 from numpy.typing import NDArray
 
-from fefinger import library
 from fefinger.mechanics import solid
 from fefinger.mechanics._crept import REPORT
 from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT, read
 from fefinger.mechanics._tradeoff import REPORT as TRADEOFF
 from fefinger.mechanics._tradeoff import rules
-from fefinger.scene import Ask, Finger, Flat, Ramp, Scene
+from fefinger.scene import library
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 

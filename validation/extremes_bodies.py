@@ -21,7 +21,10 @@ from fefinger.fem.spaces import Space
 from fefinger.fem.state import Asked, State
 from fefinger.fem.strain import logarithmic
 from fefinger.mesh.ready import ready
-from fefinger.scene import Finger, ForceRampHold, Prony, Ramp, Sphere
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Sphere
+from fefinger.scene.motion import ForceRampHold, Ramp
+from fefinger.theory.relaxation import Prony
 
 
 GROUP = "elements"

@@ -8,20 +8,10 @@ import numpy as np
 from fefinger.validation.extremes_scenes import PULP, pressed
 from fefinger.validation.extremes_trial import Findings, Trial
 
-from fefinger.scene import (
-    Ellipsoid,
-    Flat,
-    ForceRampHold,
-    Indenter,
-    Motion,
-    Prony,
-    Ramp,
-    RampHold,
-    RampSinusoid,
-    Sphere,
-    Tissue,
-    Trapezoid,
-)
+from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene.motion import ForceRampHold, Motion, Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.tissue import Tissue
+from fefinger.theory.relaxation import Prony
 
 
 SEED = 8

@@ -7,11 +7,11 @@ from fefinger.validation.extremes_trial import Findings
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.geometry.profiles import frame
-from fefinger.indenter import STANDARD, direction
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.pressures import net, pressed
 from fefinger.records import Pad, Response
-from fefinger.scene import Flat, Indenter, Scene
+from fefinger.scene.indenter import STANDARD, Flat, Indenter, direction
+from fefinger.scene.scene import Scene
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 

@@ -13,26 +13,23 @@ from fefinger.mechanics import get
 from fefinger.plan import choose
 from fefinger.records import Response
 from fefinger.run import run
-from fefinger.scene import (
-    Ask,
-    Ellipsoid,
-    Finger,
-    Flat,
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene.motion import (
     ForceRampHold,
     ForceRampSinusoid,
-    Indenter,
     Motion,
-    Prony,
     Ramp,
     RampHold,
     RampSinusoid,
     Sampled,
-    Scene,
     Sinusoid,
-    Sphere,
-    Tissue,
     Trapezoid,
 )
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Tissue
+from fefinger.theory.relaxation import Prony
 
 
 SIMPLE = ("lumped", "hertz", "layered")

@@ -10,7 +10,7 @@ from fefinger.validation.extremes_scenes import SERIES, ramp
 from fefinger.validation.extremes_scenes import answered as answered_scene
 from fefinger.validation.extremes_trial import ANSWERED, REFUSED, THEORY, Findings, Kind, Trial
 
-from fefinger.scene import Prony, Sinusoid
+from fefinger.scene.motion import Sinusoid
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.hertz import Hertz
@@ -20,7 +20,7 @@ from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.impedance import impedance
-from fefinger.theory.relaxation import hereditary_integral
+from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
 EXACT = 1e-13

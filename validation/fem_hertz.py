@@ -9,14 +9,7 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case
-from fefinger.validation.fem_quarter import (
-    Exact,
-    Indenter,
-    Pressed,
-    Quarter,
-    half_space,
-    turned,
-)
+from fefinger.validation.fem_quarter import Exact, Indenter, Pressed, Quarter, half_space, turned
 from numpy.typing import NDArray
 
 from fefinger.fem.forms import Elastic

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fefinger.fem.forms import Elastic
 from fefinger.fem.grids import quarter
 from fefinger.fem.march import History, Prescribed, Relaxation, march
-from fefinger.library import pawluk_relaxation
+from fefinger.scene.library import pawluk_relaxation
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force

@@ -11,11 +11,9 @@ from fefinger.validation import finger_causes, finger_figures, finger_solid, fin
 from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
-from fefinger import scenes
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
-from fefinger.finger import RIGID
 from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._hard import held, with_nail
 from fefinger.mechanics._press import press, tissues
@@ -23,7 +21,12 @@ from fefinger.mechanics._squeeze import squeeze
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.run import fire
-from fefinger.scene import Flat, Hard, Ramp, Scene
+from fefinger.scene import builtin
+from fefinger.scene.finger import RIGID
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Hard
 
 
 Array = NDArray[np.float64]
@@ -49,7 +52,7 @@ def pressed(
     resolution: str, depth: float, bone: str | Hard = RIGID, nail: Hard | None = None
 ) -> Balance:
     """Return the press of relaxed tissue; an elastic bone is held at its cut, not all around."""
-    finger = scenes.load("flat-press").finger
+    finger = builtin.load("flat-press").finger
     finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
     mesh = with_nail(finger, ready(finger, half=True))
     whole = body(mesh, tissues(finger), held(finger))
@@ -80,7 +83,7 @@ def yielding(resolution: str, bone: str | Hard = BONE_TISSUE, nail: Hard | None 
 
 def peak(resolution: str) -> float:
     """Return the relative change of the peak force of `solid` by a bone that does not relax."""
-    scene = scenes.load("flat-press", {"ask.fields": False, "ask.strain": False, "ask.spikes": []})
+    scene = builtin.load("flat-press", {"ask.fields": False, "ask.strain": False, "ask.spikes": []})
     motion, forces = Ramp(60, DEPTH), []
     for bone in (RIGID, BONE_TISSUE):
         finger = replace(scene.finger, resolution=resolution, bone=bone)
@@ -91,7 +94,7 @@ def peak(resolution: str) -> float:
 @cache
 def ramp(resolution: str, angle: float = 30.0, tilt: float = 0.0) -> Response:
     """Return the response to a slow ramp of DEPTH."""
-    scene = scenes.load("flat-press")
+    scene = builtin.load("flat-press")
     asked = replace(scene.ask, spikes=(), fields=False)
     finger = replace(scene.finger, resolution=resolution)
     press = Scene(finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=asked)
@@ -117,7 +120,7 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
 
     `solid` answers on the coarse mesh.
     """
-    scene = scenes.load("flat-press", {"ask.fields": False})
+    scene = builtin.load("flat-press", {"ask.fields": False})
     if mechanics == solid.name:
         scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
     answers: dict[str, Callable[..., Response]] = {linear.name: press, solid.name: squeeze}

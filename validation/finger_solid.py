@@ -20,9 +20,10 @@ from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues
 from fefinger.mechanics._squeeze import laws, squeeze
 from fefinger.mesh.ready import ready
-from fefinger.motion import Motion
 from fefinger.records import Response
-from fefinger.scene import Ask, Flat, Ramp, Sampled
+from fefinger.scene.ask import Ask
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Motion, Ramp, Sampled
 
 
 DEPTH, REACH = 0.4, 0.5  # mm

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
 
-from fefinger.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.mechanics._evidence import SOLID_REPORT
+from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
 from fefinger.theory.relaxation import hereditary_integral

@@ -9,7 +9,6 @@ from fefinger.validation.case import Case, Told
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger import scenes
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
@@ -19,7 +18,8 @@ from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues
 from fefinger.mechanics._touch import meshed_at, sites
 from fefinger.mesh.ready import ready
-from fefinger.scene import Flat, Indenter, Sphere
+from fefinger.scene import builtin
+from fefinger.scene.indenter import Flat, Indenter, Sphere
 
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ INDENTERS: dict[str, Indenter] = {"plate at 30 degrees": Flat(30), "ball of 5 mm
 @cache
 def strains(resolution: str, name: str) -> Array:
     """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
-    scene = replace(scenes.load("flat-press"), indenter=INDENTERS[name])
+    scene = replace(builtin.load("flat-press"), indenter=INDENTERS[name])
     finger = replace(scene.finger, resolution=resolution)
     mesh = ready(finger, half=True, touch=meshed_at(scene.indenter))
     whole = body(mesh, tissues(finger), held(finger))

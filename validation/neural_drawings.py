@@ -6,14 +6,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation import neural_gains, neural_ramps, neural_skin
 from fefinger.validation.neural_filters import SLOW, same_rate
-from fefinger.validation.neural_sweep import (
-    MODELS,
-    SLOWED,
-    STANDARD,
-    Array,
-    impulses,
-    swing,
-)
+from fefinger.validation.neural_sweep import MODELS, SLOWED, STANDARD, Array, impulses, swing
 
 from fefinger.figures import COLORS, INK, STEEL, figure, style
 from fefinger.figures_units import frequency_response

@@ -9,12 +9,12 @@ import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.neural_sweep import SPRING, Array, claim
 
-from fefinger.motion import Trapezoid
 from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATORS
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import derivative
+from fefinger.scene.motion import Trapezoid
 
 
 SPEEDS = (2.0, 8.0, 32.0)

@@ -14,18 +14,12 @@ from fefinger.validation.neural_sweep import Array, claim
 from fefinger.mechanics import get
 from fefinger.neural.maps import rate_profile
 from fefinger.run import fire
-from fefinger.scene import (
-    Ask,
-    Finger,
-    Flat,
-    ForceRampHold,
-    Indenter,
-    Line,
-    Motion,
-    RampHold,
-    Scene,
-    Sphere,
-)
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.motion import ForceRampHold, Motion, RampHold
+from fefinger.scene.population import Line
+from fefinger.scene.scene import Scene
 
 
 FLAT, CURVATURES = 0.0, (80.6, 172.0, 340.0)

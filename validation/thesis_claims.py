@@ -10,7 +10,7 @@ from fefinger.validation.thesis_energy import slope
 from fefinger.validation.thesis_lumped import DIGITS, finger, ratio, vibrated
 from numpy.typing import NDArray
 
-from fefinger.library import pawluk_bulk
+from fefinger.scene.library import pawluk_bulk
 from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import hereditary_integral

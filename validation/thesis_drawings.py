@@ -4,13 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fefinger.validation.thesis_array import (
-    ELEMENTS,
-    LEVEL,
-    blurred_nodes,
-    felt_history,
-    sinusoid,
-)
+from fefinger.validation.thesis_array import ELEMENTS, LEVEL, blurred_nodes, felt_history, sinusoid
 from fefinger.validation.thesis_ball import bonded
 from fefinger.validation.thesis_figures import COLORS, canvas
 from fefinger.validation.thesis_pressure import PROFILES, ball, pad

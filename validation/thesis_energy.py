@@ -5,13 +5,7 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case
-from fefinger.validation.thesis_lumped import (
-    DIGITS,
-    digits,
-    finger,
-    periodic,
-    vibrated,
-)
+from fefinger.validation.thesis_lumped import DIGITS, digits, finger, periodic, vibrated
 
 from fefinger.theory.lumped.ergonomics import tap
 from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum

@@ -8,7 +8,7 @@ import numpy as np
 from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
-from fefinger.library import pawluk_bulk
+from fefinger.scene.library import pawluk_bulk
 from fefinger.theory.lumped.ergonomics import Vibration, vibration
 from fefinger.theory.lumped.impedance import relaxation_spectrum
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force

@@ -9,7 +9,7 @@ from fefinger.validation.case import Case
 from fefinger.validation.thesis_lumped import DIGITS, digits
 from numpy.typing import NDArray
 
-from fefinger.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
+from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.contact.curvature import (
     Contact,
     at_depth,

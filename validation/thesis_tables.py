@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from fefinger.validation.case import Case
 
-from fefinger.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
+from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.relaxation import Prony
 
 

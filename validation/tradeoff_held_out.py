@@ -18,7 +18,7 @@ from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.plan import rungs
 from fefinger.records import Rung
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 
 
 ENOUGH = 1.2

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.neural.trains import SpikeTrains
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 
 

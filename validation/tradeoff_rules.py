@@ -35,7 +35,8 @@ from numpy.typing import NDArray
 from fefinger.mechanics import _evidence, _tradeoff, hertz
 from fefinger.mechanics._identified import between
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.scene import Finger, Flat
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
 
 
 Array = NDArray[np.float64]

@@ -27,7 +27,9 @@ from fefinger.mechanics import get
 from fefinger.mechanics._touch import meshed_at
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
-from fefinger.scene import Flat, Ramp, Scene
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError

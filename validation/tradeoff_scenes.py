@@ -8,20 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.scene import (
-    Ask,
-    Finger,
-    Flat,
-    Indenter,
-    Motion,
-    Prony,
-    Ramp,
-    RampHold,
-    Scene,
-    Sinusoid,
-    Sphere,
-    Trapezoid,
-)
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.motion import Motion, Ramp, RampHold, Sinusoid, Trapezoid
+from fefinger.scene.scene import Scene
+from fefinger.theory.relaxation import Prony
 
 
 TYPES = ("SAI", "SAII", "FAI", "FAII")

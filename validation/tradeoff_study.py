@@ -22,7 +22,7 @@ from fefinger.validation.tradeoff_runs import Run
 from fefinger import machine
 from fefinger.mechanics import get
 from fefinger.neural.membranes import LARGEST_STEP
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.strains import green_lagrange
 
 

@@ -6,7 +6,11 @@ from fefinger.validation.tradeoff_held_out import ENOUGH
 
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.scene import Ask, Finger, Flat, Ramp, Scene
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support.text import SAID, percent
 
 

@@ -17,7 +17,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import scenes
 from fefinger.bench import Figure, Progress
 from fefinger.bench.fem import timed
 from fefinger.fem import active, loop, solve
@@ -32,7 +31,9 @@ from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.realtime import Condensed
 from fefinger.records import Sites
 from fefinger.rolling import Rolling
-from fefinger.scene import Finger, Flat
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
 
 
 Array = NDArray[np.float64]
@@ -53,7 +54,7 @@ ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
     load = os.getloadavg()[0]
-    finger = replace(scenes.load("flat-press").finger, resolution="standard")
+    finger = replace(builtin.load("flat-press").finger, resolution="standard")
     found = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))

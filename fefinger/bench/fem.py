@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from fefinger import scenes
 from fefinger.bench import Figure, Progress, _solvers
 from fefinger.fem import body, solve
 from fefinger.fem.contact import patch
@@ -19,10 +18,11 @@ from fefinger.fem.forms import stiffness
 from fefinger.fem.march import Prescribed, Relaxation, march
 from fefinger.fem.probe import strain_at
 from fefinger.fem.threads import one_thread
-from fefinger.indenter import STANDARD
 from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
-from fefinger.scene import Finger
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD
 from fefinger.validation import fem_hertz
 
 
@@ -43,7 +43,7 @@ def figures(progress: Progress) -> list[Figure]:
 @one_thread
 def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
-    finger = replace(scenes.load("flat-press").finger, resolution=RESOLUTION)
+    finger = replace(builtin.load("flat-press").finger, resolution=RESOLUTION)
     mesh = ready(finger, half=True)
     tissues, held = _press.tissues(finger), _hard.held(finger)
     solid = body.body(mesh, tissues, held)

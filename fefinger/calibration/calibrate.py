@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import library
 from fefinger.calibration import pad, target
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
@@ -23,7 +22,8 @@ from fefinger.calibration.press import PART
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.target import Bulk, Frames, Record
 from fefinger.calibration.work import Work
-from fefinger.finger import RESOLUTIONS, Finger
+from fefinger.scene import library
+from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
 

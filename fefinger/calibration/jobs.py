@@ -8,7 +8,7 @@ from typing import Any
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
-from fefinger.finger import Finger
+from fefinger.scene.finger import Finger
 from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress

@@ -20,20 +20,14 @@ from fefinger.calibration.force import (
     stiffness,
 )
 from fefinger.calibration.inverse import Solution
-from fefinger.calibration.record import (
-    Calibration,
-    Stage,
-    correlations_of,
-    parameters_of,
-    tissue,
-)
+from fefinger.calibration.record import Calibration, Stage, correlations_of, parameters_of, tissue
 from fefinger.calibration.target import Bulk, Record
-from fefinger.finger import Finger
-from fefinger.motion import RampSinusoid
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import RampSinusoid
+from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.spring import contact_force
-from fefinger.tissue import Tissue
 
 
 Array = NDArray[np.float64]

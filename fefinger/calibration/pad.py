@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import library
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
 from fefinger.calibration.target import Frames, aligned
+from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_fingerpad

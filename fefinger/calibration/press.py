@@ -19,13 +19,17 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.finger import Finger
 from fefinger.records import Response
-from fefinger.scene import Ask, Flat, Prony, Ramp, Scene
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.array.sensor import ArraySensor
+from fefinger.theory.relaxation import Prony
 
 
 Array = NDArray[np.float64]

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
 from fefinger.calibration.inverse import Solution
+from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
 
 
 Array = NDArray[np.float64]

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from fefinger import fitting, library
-from fefinger.finger import Finger
+from fefinger import fitting
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.identify import Identification, joint

@@ -9,7 +9,7 @@ from dataclasses import replace
 from fefinger.calibration.outcome import layer
 from fefinger.calibration.press import LATER, SPARE, Press, press, shapable, small
 from fefinger.calibration.record import Stage
-from fefinger.finger import Finger
+from fefinger.scene.finger import Finger
 from fefinger.support.progress import Progress
 
 

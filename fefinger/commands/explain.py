@@ -10,7 +10,7 @@ from fefinger.commands.options import changes_option, json_option
 
 
 if TYPE_CHECKING:
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
 
 @click.command()
@@ -22,10 +22,11 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
 
     With how well and how fast it would, and why the others would not.
     """
-    from fefinger import plan, scenes
-    from fefinger.finger import own
+    from fefinger import plan
+    from fefinger.scene import builtin
+    from fefinger.scene.finger import own
 
-    asked = scenes.load(scene, scenes.settings(changes))
+    asked = builtin.load(scene, builtin.settings(changes))
     for sentence in (*own(asked.finger), *_too_fast(asked)):
         click.echo(sentence, err=True)
     found = plan.explain(asked)
@@ -38,7 +39,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
 def _too_fast(scene: "Scene") -> tuple[str, ...]:
     """Return the warnings of an answer to a motion, as far as it prescribes the depth."""
     from fefinger.mechanics._timeline import time_grid
-    from fefinger.waves import jump, quasistatic
+    from fefinger.scene.inertia import jump, quasistatic
 
     motion = scene.motion
     if motion.control != "depth":

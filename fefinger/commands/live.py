@@ -17,8 +17,8 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     """
     from fefinger import films
     from fefinger import live as shows
-    from fefinger.finger import Finger
     from fefinger.live_window import watch
+    from fefinger.scene.finger import Finger
     from fefinger.support.outputs import output_file
 
     finger = Finger.subject(subject, resolution=resolution)

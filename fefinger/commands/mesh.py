@@ -25,12 +25,12 @@ def mesh(
 
     Takes the ready mesh of the finger of SCENE if there is one.
     """
-    from fefinger import scenes
     from fefinger.mesh import files, quality
     from fefinger.mesh.ready import ready
+    from fefinger.scene import builtin
     from fefinger.support.outputs import output_file
 
-    finger = scenes.load(scene, scenes.settings(changes)).finger
+    finger = builtin.load(scene, builtin.settings(changes)).finger
     if output is not None:
         output_file(output, "-o", ".vtu")
     if picture is not None:

@@ -19,12 +19,12 @@ def run(
     scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
 ) -> None:
     """Answer SCENE: force, pressure, strain and spikes."""
-    from fefinger import scenes
     from fefinger.run import run as answer
+    from fefinger.scene import builtin
+    from fefinger.scene.inertia import quasistatic
     from fefinger.support import outputs
-    from fefinger.waves import quasistatic
 
-    asked = scenes.load(scene, scenes.settings(changes))
+    asked = builtin.load(scene, builtin.settings(changes))
     with outputs.output(output):
         with console.progress() as report:
             try:

@@ -15,7 +15,7 @@ def scenes(name: str | None, as_json: bool) -> None:
 
     The scene called NAME is printed as TOML to start from.
     """
-    from fefinger import scenes as library
+    from fefinger.scene import builtin as library
 
     if name is not None:
         text = library.text(name)

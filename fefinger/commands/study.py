@@ -70,7 +70,7 @@ def study(
     SCENE is answered for every combination of the values of --over. With -o, scenes that are
     finished are kept: the same command goes on where it was stopped.
     """
-    from fefinger.scenes import settings
+    from fefinger.scene.builtin import settings
     from fefinger.studies.grid import parse_over
     from fefinger.studies.tables import check, write
     from fefinger.study import AT

@@ -12,16 +12,7 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem import active as contact
-from fefinger.fem.active import (
-    BEYOND,
-    CORRECTIONS,
-    DONE,
-    ENDLESS,
-    MISSED,
-    SINGULAR,
-    Active,
-    Floats,
-)
+from fefinger.fem.active import BEYOND, CORRECTIONS, DONE, ENDLESS, MISSED, SINGULAR, Active, Floats
 from fefinger.fem.march import History, Prescribed, Relaxation
 from fefinger.fem.spaces import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError

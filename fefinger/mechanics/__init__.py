@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from fefinger.records import Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import choice
 from fefinger.support.progress import Progress
 

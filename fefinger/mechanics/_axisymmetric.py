@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.indenter import STANDARD, direction
 from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, check_reached, organs, sites
 from fefinger.records import Pad, Reference, Response, Sites
-from fefinger.scene import Flat, Scene
+from fefinger.scene.indenter import STANDARD, Flat, direction
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fefinger.mechanics import _tradeoff
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 
 
 def errors(at_depth: Mapping[str, float], force: float, scene: Scene) -> dict[str, float]:

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import library
-from fefinger.scene import Finger, Flat, Scene
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.scene import Scene
 from fefinger.support.package_data import report
 
 

@@ -1,8 +1,9 @@
 """Whether a plate along the finger reaches the proximal cut, told before anything is solved."""
 
-from fefinger.indenter import direction
 from fefinger.records import Refusal
-from fefinger.scene import Finger, Flat, Scene
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, direction
+from fefinger.scene.scene import Scene
 
 
 ALONG = 15.0

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.finger import RESOLUTIONS
 from fefinger.machine import slowness
 from fefinger.mechanics import _crept
 from fefinger.mechanics._kept import at_hand
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import moving, time_grid
 from fefinger.mechanics._touch import meshed_at
-from fefinger.scene import (
+from fefinger.scene.finger import RESOLUTIONS
+from fefinger.scene.indenter import (
     Bar,
     Cylinder,
     Ellipsoid,
@@ -23,9 +23,9 @@ from fefinger.scene import (
     Grating,
     Indenter,
     Relief,
-    Scene,
     Sphere,
 )
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
 from fefinger.support.text import percent

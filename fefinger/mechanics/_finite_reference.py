@@ -10,11 +10,11 @@ from fefinger.fem.recover import recovered_gradient_at
 from fefinger.fem.sliding import sliding
 from fefinger.fem.state import State
 from fefinger.fem.strain import logarithmic
-from fefinger.indenter import STANDARD
 from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._touch import REFERENCE_DEPTH, sites
 from fefinger.records import Reference
-from fefinger.scene import Scene
+from fefinger.scene.indenter import STANDARD
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError
 
 

@@ -7,7 +7,8 @@ from scipy.spatial import cKDTree
 
 from fefinger.fem.forms import Elastic
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
-from fefinger.scene import Finger, Hard
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Hard
 
 
 NAIL = 4

@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import library
 from fefinger.mechanics import _crept, _evidence, _tradeoff
 from fefinger.mechanics._crept import REPORT
-from fefinger.scene import Finger, Flat, Scene
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony

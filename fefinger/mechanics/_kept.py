@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger.scene import Finger
+from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 

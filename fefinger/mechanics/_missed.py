@@ -1,6 +1,6 @@
 """What is said where an object misses the vertices of the pad: none, or too few, are under it."""
 
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 
 

@@ -1,6 +1,7 @@
 """Notes that several mechanics leave with their answers."""
 
-from fefinger.scene import Finger, Hard
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Hard
 from fefinger.theory.relaxation import Prony
 
 

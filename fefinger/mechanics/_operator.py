@@ -26,7 +26,7 @@ from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._press import Method
 from fefinger.mesh.ready import ready
 from fefinger.mesh.symmetric import whole
-from fefinger.scene import Finger
+from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 

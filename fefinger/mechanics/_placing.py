@@ -9,8 +9,7 @@ from fefinger.fem.body import Solid
 from fefinger.fem.contact import foremost, smooth_places
 from fefinger.fem.obstacle import Obstacle
 from fefinger.fem.spaces import trace
-from fefinger.indenter import STANDARD, direction
-from fefinger.scene import Flat, Grating, Indenter, Relief
+from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
 from fefinger.support.checks import InputError
 
 

@@ -19,7 +19,6 @@ from fefinger.fem.obstacle import Obstacle, Rigid
 from fefinger.fem.probe import strain_at_vertices, tensors
 from fefinger.fem.recover import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.indenter import STANDARD
 from fefinger.mechanics import _missed, _placing
 from fefinger.mechanics._hard import elastic, held, with_nail
 from fefinger.mechanics._notes import normalized, relaxing
@@ -38,7 +37,9 @@ from fefinger.mechanics._touch import (
 from fefinger.mesh.ready import ready
 from fefinger.neural.populations import Surface
 from fefinger.records import Fields, Pad, Reference, Response, Sites
-from fefinger.scene import Finger, Indenter, Scene
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -11,8 +11,9 @@ from fefinger.mechanics._stride import memories, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._tradeoff import LAW
-from fefinger.motion import Motion
-from fefinger.scene import Bar, Grating, Relief, Scene
+from fefinger.scene.indenter import Bar, Grating, Relief
+from fefinger.scene.motion import Motion
+from fefinger.scene.scene import Scene
 from fefinger.theory.relaxation import Prony
 
 

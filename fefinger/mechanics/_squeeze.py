@@ -30,7 +30,8 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
 from fefinger.mesh.ready import ready
 from fefinger.records import Fields, Pad, Reference, Response, Sites
-from fefinger.scene import Finger, Scene
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

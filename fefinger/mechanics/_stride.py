@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.finger import Finger
-from fefinger.motion import Motion
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import Motion
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 

@@ -1,6 +1,6 @@
 """Which scenes are their own mirror image, so that half a finger answers them."""
 
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 
 
 def symmetric(scene: Scene) -> bool:

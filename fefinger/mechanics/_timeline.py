@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.motion import Motion
+from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.indenter import STANDARD, direction
-from fefinger.library import receptors
 from fefinger.records import Sites
-from fefinger.scene import Flat, Grating, Indenter, Relief, Scene
+from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
+from fefinger.scene.library import receptors
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 
 

@@ -19,7 +19,10 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import _crept
 from fefinger.mechanics._scatter import DRAWN, scatter
-from fefinger.scene import Finger, Flat, Indenter, Ramp, Scene, Sphere
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support.package_data import report
 from fefinger.support.text import percent
 

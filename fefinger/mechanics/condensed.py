@@ -11,7 +11,7 @@ from dataclasses import replace
 from fefinger.mechanics import _evidence, _tradeoff, linear
 from fefinger.mechanics._notes import RIGID_BONE, yielding
 from fefinger.records import Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
 

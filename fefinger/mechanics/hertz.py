@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.indenter import STANDARD
 from fefinger.machine import slowness
 from fefinger.mechanics import _axisymmetric, _tradeoff
 from fefinger.mechanics._axisymmetric import Array
@@ -16,7 +15,9 @@ from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.records import Refusal, Response
-from fefinger.scene import Ellipsoid, Finger, Flat, Scene, Sphere
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Ellipsoid, Flat, Sphere
+from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

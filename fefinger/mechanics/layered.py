@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.finger import BONE
 from fefinger.mechanics import _axisymmetric, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._touch import REFERENCE_DEPTH
 from fefinger.records import Refusal, Response
-from fefinger.scene import Ellipsoid, Finger, Scene
+from fefinger.scene.finger import BONE, Finger
+from fefinger.scene.indenter import Ellipsoid
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

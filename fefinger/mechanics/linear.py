@@ -9,7 +9,10 @@ from fefinger.mechanics._notes import apart, hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.mechanics._touch import meshed_at
 from fefinger.records import Refusal, Response
-from fefinger.scene import Ellipsoid, Finger, Flat, Hard, Scene, Sphere
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Hard
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond
 

@@ -4,14 +4,14 @@ The formula is in `theory/lumped.py`, its proof in the tests of it; whose b and 
 `_identified.py`.
 """
 
-from fefinger.indenter import Ellipsoid, Flat, Sphere
 from fefinger.machine import slowness
 from fefinger.mechanics._identified import Law, law
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.mechanics._touch import check_reached
 from fefinger.records import Refusal, Response
-from fefinger.scene import Scene
+from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
+from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import beyond
 from fefinger.theory.lumped import spring as theory

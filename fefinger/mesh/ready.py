@@ -17,7 +17,7 @@ from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.finger import Finger
+    from fefinger.scene.finger import Finger
 
 
 def ready(

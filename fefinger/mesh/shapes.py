@@ -11,11 +11,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.finger import BONE
 from fefinger.mesh.plate import PLATE
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Array, Shell
 from fefinger.mesh.surface import Triangles
+from fefinger.scene.finger import BONE
 from fefinger.support.checks import InputError
 
 

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from fefinger.finger import AUTO, RESOLUTIONS
 from fefinger.mechanics import names
 from fefinger.plan import choose
+from fefinger.scene.finger import AUTO, RESOLUTIONS
 from fefinger.studies.grid import EACH
 from fefinger.studies.tasks import key, write
 from fefinger.support.checks import InputError
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from fefinger.records import Plan
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
     from fefinger.studies.tasks import Task
 
 MOST = 400
@@ -79,7 +79,7 @@ def _kept(place: "Path | None") -> Choice | None:
 
 def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
     """Choose for all scenes."""
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
@@ -153,7 +153,7 @@ def _with(tasks: "Mapping[int, Task]", mechanics: str, mesh: str | None) -> "dic
 
 def _meshed(task: "Task", mesh: str | None) -> "Task":
     """Return the scene of a task on a mesh, if it leaves that open."""
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
     scene = Scene.from_dict(task["scene"])
     if mesh is None or scene.finger.resolution != AUTO:

@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.mesh.local import Touch
 from fefinger.pressures import SPREAD
 from fefinger.records import Array, Result
-from fefinger.scene import Flat, Sphere
+from fefinger.scene.indenter import Flat, Sphere
 from fefinger.studies.times import SAME, until
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.elliptic import LONGEST, Elliptic

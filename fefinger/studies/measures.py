@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger import pressures
 from fefinger.records import Array, Integers, Result
-from fefinger.scene import Flat
+from fefinger.scene.indenter import Flat
 from fefinger.sensing import response
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
@@ -150,9 +150,9 @@ def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
 
     On the finger's mesh it is that on its smooth skin; else the place above the end organs.
     """
-    from fefinger.indenter import STANDARD, direction
     from fefinger.mesh.local import first_touch
     from fefinger.mesh.recipe import Recipe
+    from fefinger.scene.indenter import STANDARD, direction
 
     scene, sites = result.scene, result.sites
     indenter: Any = scene.indenter

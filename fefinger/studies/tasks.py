@@ -19,7 +19,7 @@ from fefinger.support.version import VERSION
 
 
 if TYPE_CHECKING:
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
 FORMAT = 3
 """Raised when the measures change, so that scenes are answered again."""
@@ -88,11 +88,11 @@ def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene
     InputError
         No such scene, a change that cannot be used, or one that a Scene has already followed.
     """
-    from fefinger import scenes
-    from fefinger.scene import Scene
+    from fefinger.scene import builtin
+    from fefinger.scene.scene import Scene
 
     if not isinstance(scene, Scene):
-        return scenes.load(scene, overrides)
+        return builtin.load(scene, overrides)
     for field in WHOLE:
         if field in overrides:
             msg = (
@@ -100,7 +100,7 @@ def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene
                 "Scene, which has all that follows from it written out"
             )
             raise InputError(msg)
-    return Scene.from_dict(scenes.changed(scene.to_dict(), overrides))
+    return Scene.from_dict(builtin.changed(scene.to_dict(), overrides))
 
 
 def key(task: Task) -> str:

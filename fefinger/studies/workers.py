@@ -14,7 +14,7 @@ def answer(task: Task) -> Answer:
         from threadpoolctl import threadpool_limits
 
         from fefinger.run import run
-        from fefinger.scene import Scene
+        from fefinger.scene.scene import Scene
         from fefinger.studies.measures import rows
 
         with threadpool_limits(1, user_api="blas"):

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from fefinger.ask import Ask
     from fefinger.records import Rung
+    from fefinger.scene.ask import Ask
 
 
 SAID = {

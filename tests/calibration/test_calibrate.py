@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import library
 from fefinger.__main__ import main
 from fefinger.calibration import jobs, work
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, layer, refuse_gross
 from fefinger.calibration.press import LATER, PART, SPARE
 from fefinger.calibration.record import Calibration
+from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 

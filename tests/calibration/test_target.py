@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fefinger import library
 from fefinger.calibration import inverse, target
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
-from fefinger.finger import Finger
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.support import package_data
 from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor

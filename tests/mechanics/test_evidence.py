@@ -9,17 +9,19 @@ from fefinger.validation import evidence_cost
 from fefinger.validation.evidence import costs
 
 import fefinger as ff
-from fefinger import machine, scenes
+from fefinger import machine
 from fefinger.mechanics import _evidence, _solid_cost, condensed, linear, solid
 from fefinger.mechanics._timeline import moving, time_grid
 from fefinger.mesh.build import SETTINGS
-from fefinger.scene import Ramp, Scene
+from fefinger.scene import builtin
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Tissue
 from fefinger.support.text import percent
-from fefinger.tissue import Tissue
 
 
 def scene(**changes: Any) -> Scene:
-    return scenes.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
+    return builtin.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
 
 
 def at(depth: float) -> Scene:
@@ -87,7 +89,7 @@ def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
     )
     assert _evidence.solid_press(scene(indenter=ball, motion__depth=1.0)) == "sphere-5"
     assert _evidence.solid_press(scene(indenter=ball, motion__depth=2.2)) == "flat-30"
-    assert _evidence.solid_press(scenes.load("edge-press")) == "flat-30"
+    assert _evidence.solid_press(builtin.load("edge-press")) == "flat-30"
 
 
 def pressed_to(row: dict[str, Any]) -> str:

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger import scenes
-from fefinger.ask import SOLVERS
 from fefinger.fem import solvers
 from fefinger.fem.finite import continuum
 from fefinger.fem.forms import Elastic
@@ -19,16 +17,23 @@ from fefinger.mechanics._operator import operator
 from fefinger.mesh.ready import ready
 from fefinger.records import Response
 from fefinger.run import run
-from fefinger.scene import Finger, Flat, Hard, Prony, Ramp, Scene
+from fefinger.scene import builtin
+from fefinger.scene.ask import SOLVERS
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Hard
 from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
 
 
 BONE, NAIL = Hard(17e6), Hard(2e6)
-FINGER = replace(scenes.load("flat-press").finger, resolution="coarse")
+FINGER = replace(builtin.load("flat-press").finger, resolution="coarse")
 
 
 def scene(solver: str | None = None, depth: float = 0.5, **parts: object) -> Scene:
-    asked = scenes.load("flat-press").ask
+    asked = builtin.load("flat-press").ask
     ask = replace(asked, spikes=(), fields=False, strain=False, rel_error=0.5, solver=solver)
     motion = Ramp(60, depth, corner=0.0)
     return Scene(finger=replace(FINGER, **parts), indenter=Flat(30), motion=motion, ask=ask)

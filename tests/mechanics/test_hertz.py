@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import scenes
 from fefinger.mechanics import _axisymmetric, hertz, linear
 from fefinger.mechanics._axisymmetric import Touch, turned
 from fefinger.records import Sites
+from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.hertz import Hertz
@@ -269,7 +269,7 @@ def test_a_place_beyond_the_pad_is_beyond_its_ability():
 
 
 def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
-    plan = ff.explain(scenes.load("flat-press"))
+    plan = ff.explain(builtin.load("flat-press"))
     assert plan.mechanics == "linear"
     rung = next(rung for rung in plan.rungs if rung.mechanics == "hertz")
     assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
@@ -323,7 +323,7 @@ def test_on_homogeneous_tissue_the_finite_elements_agree_within_the_stated_error
 
 
 def test_spikes_do_not_depend_on_the_number_of_contact_radii(monkeypatch):
-    asked = scenes.load("press-to-1N", {"ask.fields": False})
+    asked = builtin.load("press-to-1N", {"ask.fields": False})
     counts = []
     for count in (64, 256):
         monkeypatch.setattr(ting, "radius_nodes", lambda deepest, n=count: radius_nodes(deepest, n))

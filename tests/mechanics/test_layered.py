@@ -7,9 +7,10 @@ import pytest
 from fefinger.validation import evidence_layered
 
 import fefinger as ff
-from fefinger import machine, mechanics, scenes
+from fefinger import machine, mechanics
 from fefinger.mechanics import _evidence, hertz, layered, linear
 from fefinger.mechanics._stack import Layered
+from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
@@ -187,7 +188,7 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
 def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
     rungs = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
     assert mechanics.names() == rungs
-    rungs = ff.explain(scenes.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
+    rungs = ff.explain(builtin.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
     seconds = {rung.mechanics: rung.seconds for rung in rungs if np.isfinite(rung.seconds)}
     assert seconds["hertz"] < seconds["layered"] < seconds["linear"]
     assert layered.coarser(scene()) is None
@@ -298,4 +299,4 @@ CHOSEN = [
 @pytest.mark.parametrize(("name", "changes", "chosen"), CHOSEN)
 def test_the_planner_takes_it_where_its_error_is_good_enough(name, changes, chosen):
     fields = {} if name == "flat-press" and not changes else {"ask.fields": False}
-    assert ff.explain(scenes.load(name, {**fields, **changes})).mechanics == chosen
+    assert ff.explain(builtin.load(name, {**fields, **changes})).mechanics == chosen

@@ -12,9 +12,9 @@ from fefinger.fem.contact import Complementarity, patch
 from fefinger.fem.probe import strain_at
 from fefinger.mechanics import _evidence, _hard, _placing, _press, _timeline, linear
 from fefinger.mesh.ready import ready
-from fefinger.motion import Motion
 from fefinger.records import Response
 from fefinger.run import fire
+from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
 

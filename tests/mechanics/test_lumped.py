@@ -10,15 +10,16 @@ import pytest
 from fefinger.validation import calibration_subjects, evidence_lumped
 
 import fefinger as ff
-from fefinger import library, mechanics, report, scenes
+from fefinger import mechanics, report
 from fefinger.console import run_record, run_summary
 from fefinger.files import load
 from fefinger.mechanics import _evidence, lumped
+from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law
 
 
 FORCE_ONLY = ff.Ask(pressure=False, strain=False, fields=False)
-PROTOCOLS = tuple(name for name in scenes.names() if name[:3] in ("p1-", "p2-", "p3-", "p4-"))
+PROTOCOLS = tuple(name for name in builtin.names() if name[:3] in ("p1-", "p2-", "p3-", "p4-"))
 ROW = library.pawluk_bulk()["a.h."]
 AH = (law.Spring(ROW.b, ROW.m), ROW.prony)
 

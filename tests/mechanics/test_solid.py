@@ -9,7 +9,6 @@ import pytest
 from fefinger.validation.cube import cube
 
 import fefinger as ff
-from fefinger import scenes
 from fefinger.__main__ import main
 from fefinger.fem.equilibrium import Equilibrium
 from fefinger.fem.forms import Elastic
@@ -17,10 +16,11 @@ from fefinger.fem.laws import neo_hookean
 from fefinger.fem.state import Asked, State
 from fefinger.mechanics import _squeeze, linear, solid
 from fefinger.mechanics._limit import most_pressed
-from fefinger.motion import Motion
 from fefinger.neural.afferents import displacements
 from fefinger.records import Response
-from fefinger.scene import Scene
+from fefinger.scene import builtin
+from fefinger.scene.motion import Motion
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -29,7 +29,7 @@ PRONY = {"c": [0.4, 0.6], "v": [50.0]}
 
 def press(motion: Motion, *, strain: bool = False, **finger: object) -> Scene:
     """Return a plate on the coarse finger of flat-press."""
-    scene = scenes.load("flat-press")
+    scene = builtin.load("flat-press")
     asked = ff.Ask(strain=strain, fields=strain)
     coarse = replace(scene.finger, resolution="coarse", **finger)
     return Scene(finger=coarse, indenter=ff.Flat(30), motion=motion, ask=asked)
@@ -175,8 +175,8 @@ def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
 ):
     common = {"finger.resolution": "coarse", "motion.depth": 0.2, "motion.speed": 10}
     common |= {"motion.hold": 0.0, "ask.spikes": [], "ask.fields": False, "finger.prony": PRONY}
-    usual = scenes.load("flat-press", common)
-    asked = scenes.load("flat-press", common | settings)
+    usual = builtin.load("flat-press", common)
+    asked = builtin.load("flat-press", common | settings)
     plan = ff.explain(asked)
     assert plan.mechanics == "solid"
     for rung in plan.rungs[:-1]:
@@ -241,7 +241,7 @@ def test_a_press_through_the_bone_is_refused():
 
 def test_laws_travel_through_scene_files():
     settings = {"finger.skin.law": "demiray", "finger.skin.exponent": 4.0}
-    scene = scenes.load("flat-press", settings)
+    scene = builtin.load("flat-press", settings)
     assert scene.finger.skin.exponent == 4.0
     assert Scene.from_toml(scene.to_toml()) == scene
 
@@ -257,7 +257,7 @@ def test_laws_travel_through_scene_files():
 )
 def test_laws_are_checked(settings: dict[str, object], what: str):
     with pytest.raises(InputError, match=what):
-        scenes.load("flat-press", settings)
+        builtin.load("flat-press", settings)
 
 
 @pytest.mark.parametrize("mechanics", [linear, solid], ids=["linear", "solid"])

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from fefinger import scenes
 from fefinger.mechanics._stride import STRIDES, heaviest, memories, stride
 from fefinger.mechanics._timeline import time_grid
-from fefinger.motion import (
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import (
     ForceRampHold,
     ForceSampled,
     Motion,
@@ -16,7 +17,6 @@ from fefinger.motion import (
     Sampled,
     Trapezoid,
 )
-from fefinger.scene import Finger
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
@@ -81,7 +81,7 @@ def stiffening(depth: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("refine", [1, 2])
 def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> None:
     peak = 5e-3 / refine**2  # second order
-    scene = scenes.load("flat-press")
+    scene = builtin.load("flat-press")
     time = time_grid(scene.motion, fast=True)
     steps = stride(scene.motion, time, memories(scene.finger), refine)
     fine = np.linspace(0.0, scene.motion.duration, 100_001)
@@ -157,7 +157,7 @@ def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
 
 
 def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() -> None:
-    scene = scenes.load("flat-press")
+    scene = builtin.load("flat-press")
     steps = stride(scene.motion, time_grid(scene.motion, fast=True), PRONY)
     (found,) = heaviest(scene.motion, steps, PRONY)
     (prony,) = PRONY

@@ -5,11 +5,11 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.body import solid
-from fefinger.indenter import direction
 from fefinger.mechanics import _placing
 from fefinger.mesh.local import _shape, directions, first_touch
 from fefinger.mesh.ready import ready
 from fefinger.mesh.recipe import Recipe
+from fefinger.scene.indenter import direction
 
 
 RECIPE = Recipe.of(ff.Finger.subject("a.h."))

@@ -10,11 +10,11 @@ from threading import Event
 import numpy as np
 import pytest
 
-from fefinger.finger import Finger
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.symmetric import whole
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.lumped import ergonomics
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.ergonomics import dissipation, tap, vibration

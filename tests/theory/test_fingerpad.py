@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral

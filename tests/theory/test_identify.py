@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.lumped import confidence, identify, ramp_hold, synthetic
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.lumped import impedance
 from fefinger.theory.lumped.spring import Spring
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped import identify, ramp_hold, synthetic
 from fefinger.theory.lumped.spring import Spring

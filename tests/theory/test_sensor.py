@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 from scipy.signal import butter, lfilter
 
-from fefinger import library
+from fefinger.scene import library
 from fefinger.theory.array.sensor import (
     ArraySensor,
     blurred,

@@ -13,7 +13,7 @@ from fefinger.support.text import plain
 
 
 if TYPE_CHECKING:
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
 
 def names() -> tuple[str, ...]:
@@ -38,7 +38,7 @@ def summary(name: str) -> str:
 
 def given(scene: Any) -> "Scene":
     """Return a Scene as it is, or that of a built-in name or a TOML file; errors as `load`."""
-    from fefinger.scene import Scene
+    from fefinger.scene.scene import Scene
 
     if isinstance(scene, str | Path):
         return load(scene)
@@ -64,8 +64,8 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
     InputError
         No such scene or file, or contents that cannot be used.
     """
-    from fefinger.scene import Scene
-    from fefinger.tables import parse, read
+    from fefinger.scene.scene import Scene
+    from fefinger.scene.toml import parse, read
 
     if not str(name).strip():
         msg = f"scene: expected a TOML file or one of {', '.join(names())}, received no name"
@@ -87,7 +87,7 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
 
 def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> None:
     """Refuse another set of tissues for layers that are written out: only its name would change."""
-    from fefinger.finger import LAYERS, Finger
+    from fefinger.scene.finger import LAYERS, Finger
 
     finger, wanted = tables.get("finger"), overrides.get("finger.tissue")
     if wanted is None or not isinstance(finger, Mapping):
@@ -136,7 +136,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
 
 def _forget_other_kinds(parents: list[str], table: dict[str, Any], kind: Any) -> None:
     """Drop the keys that the new kind of indenter or motion does not know."""
-    from fefinger.tables import keys
+    from fefinger.scene.toml import keys
 
     known = keys(".".join(parents), kind)
     for key in list(table):

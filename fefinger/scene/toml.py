@@ -6,15 +6,15 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, cast
 
-from fefinger import library
-from fefinger.ask import Ask
-from fefinger.finger import Finger
-from fefinger.indenter import INDENTERS, Flat, Indenter, Relief
-from fefinger.layout import LAYOUTS, Layout, Scatter
-from fefinger.motion import MOTIONS, Motion, SampledMotion
+from fefinger.scene import library
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import INDENTERS, Flat, Indenter, Relief
+from fefinger.scene.motion import MOTIONS, Motion, SampledMotion
+from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Hard, Tissue
 
 
 SUBJECT = "subject"

@@ -5,7 +5,7 @@ Each one is a shape of `shapes.py`; the depth and the force kind share it and it
 
 from dataclasses import dataclass
 
-from fefinger.shapes import (
+from fefinger.scene.motion_shapes import (
     DepthMotion,
     ForceMotion,
     RampHoldShape,
@@ -14,12 +14,8 @@ from fefinger.shapes import (
     SinusoidShape,
     TrapezoidShape,
 )
-from fefinger.shapes import (
-    Motion as Motion,
-)
-from fefinger.shapes import (
-    SampledMotion as SampledMotion,
-)
+from fefinger.scene.motion_shapes import Motion as Motion
+from fefinger.scene.motion_shapes import SampledMotion as SampledMotion
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.heights import read_heights
+from fefinger.scene.relief_file import read_heights
 from fefinger.support.checks import InputError, number, numbers
 
 

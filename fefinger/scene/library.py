@@ -9,9 +9,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
 
+from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Tissue
 
 
 Confidence = Literal["high", "medium", "low"]

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.scene.trajectory import Trajectory, Wave
 from fefinger.support.checks import InputError, number, numbers
 from fefinger.support.csv_columns import read_columns
-from fefinger.trajectory import Trajectory, Wave
 
 
 Array = NDArray[np.float64]

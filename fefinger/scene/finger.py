@@ -4,10 +4,10 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from fefinger import library
+from fefinger.scene import library
+from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
 from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Hard, Tissue
 
 
 RIGID = "rigid"

@@ -5,75 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from fefinger.ask import Ask
-from fefinger.finger import Finger
-from fefinger.indenter import (
-    Bar,
-    Cylinder,
-    Ellipsoid,
-    Flat,
-    Grating,
-    Indenter,
-    Relief,
-    Sphere,
-)
-from fefinger.layout import Grid, Layout, Line, Places, Scatter
-from fefinger.motion import (
-    ForceRamp,
-    ForceRampHold,
-    ForceRampSinusoid,
-    ForceSampled,
-    ForceSinusoid,
-    ForceTrapezoid,
-    Motion,
-    Ramp,
-    RampHold,
-    RampSinusoid,
-    Sampled,
-    Sinusoid,
-    Trapezoid,
-)
 from fefinger.neural.endorgans import LONGEST_RUN
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat, Indenter
+from fefinger.scene.motion import Motion
+from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.checks import InputError, number
-from fefinger.tables import parse, parts, read, tables
-from fefinger.theory.relaxation import Prony
-from fefinger.tissue import Hard, Tissue
-
-
-__all__ = [
-    "Ask",
-    "Bar",
-    "Cylinder",
-    "Ellipsoid",
-    "Finger",
-    "Flat",
-    "ForceRamp",
-    "ForceRampHold",
-    "ForceRampSinusoid",
-    "ForceSampled",
-    "ForceSinusoid",
-    "ForceTrapezoid",
-    "Grating",
-    "Grid",
-    "Hard",
-    "Indenter",
-    "Layout",
-    "Line",
-    "Motion",
-    "Places",
-    "Prony",
-    "Ramp",
-    "RampHold",
-    "RampSinusoid",
-    "Relief",
-    "Sampled",
-    "Scatter",
-    "Scene",
-    "Sinusoid",
-    "Sphere",
-    "Tissue",
-    "Trapezoid",
-]
 
 
 @dataclass(frozen=True, kw_only=True)

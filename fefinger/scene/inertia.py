@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 
 if TYPE_CHECKING:
-    from fefinger.motion import Motion
-    from fefinger.scene import Finger, Scene
+    from fefinger.scene.finger import Finger
+    from fefinger.scene.motion import Motion
+    from fefinger.scene.scene import Scene
 
 
 Array = NDArray[np.float64]

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fefinger.layout import Layout
 from fefinger.neural.drives import DRIVES
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.generators import GENERATORS
+from fefinger.scene.population import Layout
 from fefinger.support.checks import (
     Frozen,
     InputError,
