@@ -139,7 +139,7 @@ def _checked(spikes: "SpikeTrains", chosen: "Mechanics", scene: "Scene") -> "Spi
 
 def _compared(spikes: "SpikeTrains", again: "SpikeTrains", mesh: str) -> tuple[str, ...]:
     """Return notes on the units, by name, that both have; a coarser skin may end elsewhere."""
-    from fefinger.neural.signals import count_changes
+    from fefinger.neural.checked_signals import count_changes
 
     both = set(again.names)
     names = [name for name in spikes.names if name in both]

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from fefinger import spikes
 from fefinger.__main__ import main
+from fefinger.neural import series
 from fefinger.neural.afferents import simulate
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import SpikeTrains
@@ -32,7 +32,7 @@ def press(tmp_path):
 
 
 def test_one_column_drives_a_unit_of_every_type(press):
-    trains = spikes.fire(spikes.read(press))
+    trains = series.fire(series.read(press))
     expected = simulate(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
     assert trains.types == trains.names == TYPES
     assert expected.count().min() > 0
@@ -52,8 +52,8 @@ def test_one_column_drives_a_unit_of_every_type(press):
 def test_units_of_the_header_are_converted(time, name, values, length, press, tmp_path):
     scale = 1e3 if time == "time_ms" else 1.0
     path = write(tmp_path / "other.csv", (name, time), values, scale * TIME)
-    other = spikes.fire(spikes.read(path), ("SAI", "FAI"), length=length)
-    expected = spikes.fire(spikes.read(press), ("SAI", "FAI"))
+    other = series.fire(series.read(path), ("SAI", "FAI"), length=length)
+    expected = series.fire(series.read(press), ("SAI", "FAI"))
     np.testing.assert_allclose(other.x_in, expected.x_in, rtol=1e-12)
     for a, b in zip(other.times, expected.times, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
@@ -62,7 +62,7 @@ def test_units_of_the_header_are_converted(time, name, values, length, press, tm
 def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
     header = ("time", "FAI_displacement_mm", "tip_displacement_mm")
     path = write(tmp_path / "two.csv", header, TIME, PRESS, 0.5 * PRESS)
-    trains = spikes.fire(spikes.read(path), ("SAI", "SAII"))
+    trains = series.fire(series.read(path), ("SAI", "SAII"))
     assert trains.types == ("FAI", "SAI", "SAII")
     assert trains.names == (
         *("FAI_displacement_mm", "tip_displacement_mm:SAI", "tip_displacement_mm:SAII"),
@@ -72,7 +72,7 @@ def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
 
 def test_a_series_that_starts_pressed_is_noted(tmp_path):
     path = write(tmp_path / "late.csv", ("time", "displacement_mm"), [0, 0.5], [1, 1])
-    trains = spikes.fire(spikes.read(path), ("SAI",))
+    trains = series.fire(series.read(path), ("SAI",))
     assert any("takes for a jump from 0" in note for note in trains.notes)
 
 
@@ -88,7 +88,7 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
 )
 def test_a_column_of_the_wrong_sign_is_asked_about(name, values, asked, tmp_path):
     path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
-    trains = spikes.fire(spikes.read(path), ("SAI",), length=2.0, corners=True)
+    trains = series.fire(series.read(path), ("SAI",), length=2.0, corners=True)
     found = [note for note in trains.notes if "is it positive" in note]
     assert len(found) == (asked is not None)
     assert all(asked in note for note in found)
@@ -99,10 +99,10 @@ def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, 
     frequency = rate / 8
     time = np.arange(0, 6 / frequency, 1 / rate)
     wave = 0.5 * (1 - np.cos(2 * np.pi * frequency * time))
-    signals = spikes.read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
+    signals = series.read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
     with pytest.raises(InputError, match=f"too coarse for {kind}"):
-        spikes.fire(signals, (kind,))
-    assert len(spikes.fire(signals, (kind,), corners=True)) == 1
+        series.fire(signals, (kind,))
+    assert len(series.fire(signals, (kind,), corners=True)) == 1
 
 
 @pytest.mark.parametrize("kind", ["SAI", "SAII"])
@@ -110,7 +110,7 @@ def test_slow_units_take_slow_signals_from_few_samples(kind, tmp_path):
     time = np.arange(0, 60, 1.0)
     wave = 0.5 * (1 - np.cos(2 * np.pi * time / 30))
     path = write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave)
-    assert len(spikes.fire(spikes.read(path), (kind,)).times[0]) > 0
+    assert len(series.fire(series.read(path), (kind,)).times[0]) > 0
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
     def noted(name, time, **options):
         wave = amplitude * (np.cos(0.3) - np.cos(2 * np.pi * frequency * time + 0.3))
         path = write(tmp_path / "wave.csv", ("time", name), time, wave)
-        trains = spikes.fire(spikes.read(path), (kind,), **options)
+        trains = series.fire(series.read(path), (kind,), **options)
         return trains.count()[0], any("a smooth curve joins" in note for note in trains.notes)
 
     count, told = noted("displacement_mm", np.arange(0, 1, 1 / rate))
@@ -136,7 +136,7 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
 def test_uneven_samples_and_jumps_are_welcome(tmp_path):
     time, x = [0, 0.1, 0.1, 0.4], [0, 0, 0.4, 0.4]
     path = write(tmp_path / "jump.csv", ("time", "displacement_mm"), time, x)
-    trains = spikes.fire(spikes.read(path))
+    trains = series.fire(series.read(path))
     assert trains.count().min() > 0
     assert np.all(np.concatenate(trains.times) > 0.1)
 
@@ -174,45 +174,45 @@ def unusable(text, tmp_path):
 )
 def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
     with pytest.raises(InputError, match=message):
-        spikes.read(unusable(text, tmp_path))
+        series.read(unusable(text, tmp_path))
 
 
 def test_files_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
     for name, message in (("binary.csv", "it: .*save it as UTF-8"), ("missing.csv", "it: ")):
         with pytest.raises(InputError, match=f"cannot read {message}"):
-            spikes.read(tmp_path / name)
+            series.read(tmp_path / name)
 
 
 def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
     text = "\ufefftime, displacement_mm\n\n0, 0\n1, 0.5\n\n"
-    signals = spikes.read(unusable(text, tmp_path))
+    signals = series.read(unusable(text, tmp_path))
     np.testing.assert_array_equal(signals.time, [0, 1])
     np.testing.assert_array_equal(signals.drive[:, 0], [0, 0.5])
 
 
 def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
     with pytest.raises(InputError, match=r"--type: expected one of .* Did you mean 'SAI'"):
-        spikes.fire(spikes.read(press), ("SA1",))
-    strain = spikes.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
+        series.fire(series.read(press), ("SA1",))
+    strain = series.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
     with pytest.raises(InputError, match="--length: column 'strain' is a strain"):
-        spikes.fire(strain)
+        series.fire(strain)
     with pytest.raises(InputError, match="--length: expected a finite number in mm above 0"):
-        spikes.fire(strain, length=-1.0)
+        series.fire(strain, length=-1.0)
 
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
-    signals = spikes.read(press)
-    assert "Not used: --length" in " ".join(spikes.fire(signals, ("SAI",), length=2.0).notes)
+    signals = series.read(press)
+    assert "Not used: --length" in " ".join(series.fire(signals, ("SAI",), length=2.0).notes)
     with pytest.raises(InputError, match="--length: expected"):
-        spikes.fire(signals, ("SAI",), length=-1.0)
+        series.fire(signals, ("SAI",), length=-1.0)
 
 
 def test_a_type_given_twice_is_refused(press):
     with pytest.raises(
         InputError, match="--type: expected every type once, received SAI, FAI, SAI"
     ):
-        spikes.fire(spikes.read(press), ("SAI", "FAI", "SAI"))
+        series.fire(series.read(press), ("SAI", "FAI", "SAI"))
 
 
 def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):
@@ -226,7 +226,7 @@ def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):
     assert unit["mean_rate_Hz"] == pytest.approx(unit["spikes"] / 0.5)
     assert unit["peak_rate_Hz"] == pytest.approx(1 / np.diff(trains.times[0]).min())
     assert unit["first_spike_s"] == trains.times[0][0]
-    assert record["files"] == [str(out / name) for name in spikes.FILES]
+    assert record["files"] == [str(out / name) for name in series.FILES]
     assert len((out / "spikes.csv").read_text().splitlines()) == 1 + unit["spikes"]
 
 
@@ -262,20 +262,20 @@ def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
             tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), [0, 0.1, 0.2], [0, 0.1, 0.1]
         )
         if name == "FAIII":
-            spikes.fire(spikes.read(path), corners=True)
+            series.fire(series.read(path), corners=True)
             continue
         with pytest.raises(InputError, match="begins like that of an afferent type"):
-            spikes.fire(spikes.read(path), corners=True)
+            series.fire(series.read(path), corners=True)
 
 
 def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     head = ("time", "displacement_mm")
     path = write(tmp_path / "long.csv", head, [0, 1e5, 2e5], [0, 1, 1])
     with pytest.raises(InputError, match="at most 3600 s in one run"):
-        spikes.fire(spikes.read(path), corners=True)
+        series.fire(series.read(path), corners=True)
     path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
-    found = spikes.fire(spikes.read(path), ("SAI",), corners=True, tolerance=0.05)
-    exact = spikes.fire(spikes.read(path), ("SAI",), corners=True)
+    found = series.fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
+    exact = series.fire(series.read(path), ("SAI",), corners=True)
     np.testing.assert_allclose(found.times[0], exact.times[0], atol=5e-5)
     with pytest.raises(InputError, match="--tolerance: expected"):
-        spikes.fire(spikes.read(path), corners=True, tolerance=0.0)
+        series.fire(series.read(path), corners=True, tolerance=0.0)

@@ -133,7 +133,7 @@ def _seven() -> Any:
 def _trace() -> Any:
     from scipy.integrate import solve_ivp
 
-    from fefinger.neural.membranes._hodgkin_huxley import slope
+    from fefinger.neural.membranes.equations import slope
 
     def rise(t: float, y: Array) -> tuple[float, ...]:
         current = 100.0 * (1.0 - np.cos(2e-3 * np.pi * 2.0 * t))

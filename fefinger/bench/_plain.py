@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes import _hodgkin_huxley as squid
+from fefinger.neural.membranes import equations as squid
 
 
 State = tuple[float, float, float, float]

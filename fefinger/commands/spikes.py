@@ -31,7 +31,7 @@ def spikes(
     Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
     stretch of the skin for SAII and FAI.
     """
-    from fefinger import spikes as series
+    from fefinger.neural import series
     from fefinger.support import outputs
 
     signals = series.read(source)

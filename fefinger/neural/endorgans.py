@@ -123,7 +123,7 @@ def respond_modes(
     since, step = at - time[k], np.diff(time, append=time[-1])
     slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
     if len(p) and not np.iscomplexobj(p):
-        from fefinger.neural._modes import between
+        from fefinger.neural.endorgans_compiled import between
 
         weights, poles = np.asarray(c, float), np.asarray(p, float)
         real = between(at_rest, weights, poles, columns, slope, memory, k, since)
@@ -164,7 +164,7 @@ def _memory(
     time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[Any]
 ) -> NDArray[Any]:
     """Return the integrals of exp(-p (t - s)) dx(s) at every time, (n_t, n_poles, n_units)."""
-    from fefinger.neural._modes import remember
+    from fefinger.neural.endorgans_compiled import remember
 
     a = np.multiply.outer(np.diff(time), p)
     ramp = np.where(a != 0, -np.expm1(-a) / np.where(a != 0, a, 1.0), 1.0)

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.afferents import reference_lengths
+from fefinger.neural.checked_signals import known_types
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.signals import known_types
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -78,7 +78,7 @@ class _Leaky:
         self.units[:] = 0.0
 
     def step(self, state: State, dt: float) -> int:
-        from fefinger.neural import _streaming as compiled
+        from fefinger.neural import streaming_step as compiled
 
         return int(compiled.integrate_and_fire(state, self.units, self.numbers, dt))
 
@@ -87,20 +87,20 @@ class _Axons:
     """Hodgkin-Huxley units, in blocks."""
 
     def __init__(self, membrane: HodgkinHuxley, n: int, method: str, dt: float | None) -> None:
-        from fefinger.neural.membranes import _lanes
+        from fefinger.neural.membranes import vectorized
 
         choice("method", method, METHODS[:2])
         self.how = (membrane.step_ms(dt), method == "splitting", membrane.speed, 1.0)
         self.rest, self.block = membrane.rest(), membrane.block
-        blocks = -(-n // _lanes.LANES)
-        self.resting = _lanes.at_rest(self.rest)
+        blocks = -(-n // vectorized.LANES)
+        self.resting = vectorized.at_rest(self.rest)
         self.units, self.last = np.tile(self.resting, (blocks, 1)), np.zeros(blocks)
 
     def reset(self) -> None:
         self.units[:], self.last[:] = self.resting, 0.0
 
     def step(self, state: State, dt: float) -> int:
-        from fefinger.neural import _streaming as compiled
+        from fefinger.neural import streaming_step as compiled
 
         numbers = self.how, self.rest, self.block
         return int(compiled.hodgkin_huxley(state, self.units, self.last, *numbers, dt))
@@ -217,7 +217,7 @@ class Afferents:
             A strain that is no such array or not finite, or a `dt` that is none: the units are then
             as they were. More than ROOM spikes of a unit.
         """
-        from fefinger.neural import _streaming as compiled
+        from fefinger.neural import streaming_step as compiled
 
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")

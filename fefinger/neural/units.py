@@ -7,6 +7,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.neural.checked_signals import (
+    checked_signals,
+    count_changes,
+    dense_times,
+    known_types,
+    organ_columns,
+    remarks,
+    unit_array,
+    unit_delays,
+    unit_names,
+)
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
@@ -21,17 +32,6 @@ from fefinger.neural.generators import GENERATORS, LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
-from fefinger.neural.signals import (
-    checked_signals,
-    count_changes,
-    dense_times,
-    known_types,
-    organ_columns,
-    remarks,
-    unit_array,
-    unit_delays,
-    unit_names,
-)
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -332,7 +332,7 @@ def _race(
     setup: _Setup, unit: int, time: Array, x_in: Array, at: Array, dt: float, *, driven: bool
 ) -> Firing:
     """Run one membrane per branch of a unit, the first to fire resetting the others."""
-    from fefinger.neural._race import race
+    from fefinger.neural.membranes.branched import race
 
     (currents,) = setup.branches([unit], time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))

@@ -16,7 +16,7 @@ def commit() -> str:
 
     One that has the program installed somewhere inside is not meant.
     """
-    tree = Path(__file__).resolve().parents[1]
+    tree = Path(__file__).resolve().parents[2]
     try:
         found = _git(tree, "rev-parse", "--show-toplevel")
         known = found and Path(found).resolve() == tree

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from fefinger.neural.afferents import from_strain, simulate
+from fefinger.neural.checked_signals import count_changes
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.membranes import IntegrateAndFire
-from fefinger.neural.signals import count_changes
 from fefinger.support.checks import InputError
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from fefinger.neural.checked_signals import dense_times
 from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero, chord_steps, rectify
-from fefinger.neural.signals import dense_times
 from fefinger.support.checks import InputError
 
 

@@ -83,7 +83,7 @@ def test_the_adaptive_method_passes_jumps_narrower_than_its_steps(at, current):
 
 
 def test_time_between_neighboring_numbers_is_not_lost():
-    from fefinger.neural.membranes._adaptive import _straight
+    from fefinger.neural.membranes.adaptive import _straight
 
     time = 1e3 + np.spacing(1e3) * np.arange(21.0)
     pieces = _straight(time, np.arange(21.0) % 2)
@@ -91,7 +91,7 @@ def test_time_between_neighboring_numbers_is_not_lost():
 
 
 def test_a_current_of_too_many_pieces_for_the_adaptive_method_is_refused():
-    from fefinger.neural.membranes._adaptive import MOST
+    from fefinger.neural.membranes.adaptive import MOST
 
     time = np.linspace(0.0, 1.0, MOST + 1)
     with pytest.raises(InputError, match="fewer than 1000000 straight pieces"):
@@ -99,13 +99,13 @@ def test_a_current_of_too_many_pieces_for_the_adaptive_method_is_refused():
 
 
 def test_the_vector_form_of_the_equations_is_that_with_library_exponentials():
-    from fefinger.neural.membranes import _hodgkin_huxley, _lanes
+    from fefinger.neural.membranes import equations, vectorized
 
     rng = np.random.default_rng(7)
     for v in [*np.linspace(-60.0, 140.0, 401), 10.0, 25.0, 10.0 + 1e-7, 25.0 - 1e-9]:
         gates = rng.uniform(size=3)
-        exact = _hodgkin_huxley.slope(v, *gates, 5.0, 0.5, 1.0)
-        np.testing.assert_allclose(_lanes._slope(v, *gates, 5.0, 0.5, 0.5), exact, 1e-10, 1e-9)
+        exact = equations.slope(v, *gates, 5.0, 0.5, 1.0)
+        np.testing.assert_allclose(vectorized._slope(v, *gates, 5.0, 0.5, 0.5), exact, 1e-10, 1e-9)
 
 
 @pytest.mark.parametrize("method", METHODS[:2])

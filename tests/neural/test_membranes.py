@@ -58,7 +58,7 @@ def test_rest_has_the_known_gates_and_stays():
 
 @pytest.mark.parametrize("v", [10.0, 25.0])
 def test_rates_are_smooth_where_the_printed_ones_are_undefined(v):
-    from fefinger.neural.membranes._hodgkin_huxley import rates
+    from fefinger.neural.membranes.equations import rates
 
     def curve(x):
         return np.array(rates(x))

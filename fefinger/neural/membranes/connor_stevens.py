@@ -55,7 +55,7 @@ class ConnorStevens:
         """Return the lowest state without net current: mV (not from rest) and n, m, h, a, b."""
         from scipy.optimize import brentq
 
-        from fefinger.neural.membranes import _connor_stevens as compiled
+        from fefinger.neural.membranes import connor_stevens_compiled as compiled
 
         def state(e: float) -> NDArray[np.float64]:
             return np.array([e, *compiled.kinetics(e)[1::2]])
@@ -93,7 +93,7 @@ class ConnorStevens:
         frozen: bool,
     ) -> Run:
         """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
-        from fefinger.neural.membranes import _connor_stevens as compiled
+        from fefinger.neural.membranes import connor_stevens_compiled as compiled
 
         rest = self.rest()
         numbers = self.transient, 1.0 / self.rate_divisor, 1e3 * BLOCK_AFTER * self.rate_divisor

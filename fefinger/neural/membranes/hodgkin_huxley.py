@@ -77,7 +77,7 @@ class HodgkinHuxley:
 
     def rest(self) -> NDArray[np.float64]:
         """Return the resting state (V in mV, n, m, h), found by bisection."""
-        from fefinger.neural.membranes import _hodgkin_huxley as compiled
+        from fefinger.neural.membranes import equations as compiled
 
         low, high = -1.0, 1.0
         for _ in range(60):
@@ -170,13 +170,13 @@ class HodgkinHuxley:
     ) -> Run:
         """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
         if method == "adaptive":
-            from fefinger.neural.membranes import _adaptive
+            from fefinger.neural.membranes import adaptive
 
             unit = partial(
-                _adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), self.block
+                adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), self.block
             )
             return in_blocks(unit, current, 1)
-        from fefinger.neural.membranes import _lanes
+        from fefinger.neural.membranes import vectorized
 
         rest = self.rest()
         how = (step, method == "splitting", self.speed, 0.0 if frozen else 1.0)
@@ -185,7 +185,7 @@ class HodgkinHuxley:
         def block_of(columns: NDArray[np.float64]) -> Run:
             n = columns.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
-            rows = _lanes.integrate(time_ms, columns, how, rest, self.block, spikes, counts)
+            rows = vectorized.integrate(time_ms, columns, how, rest, self.block, spikes, counts)
             return trimmed(spikes, counts), rows
 
-        return in_blocks(block_of, current, _lanes.LANES, by_onset=True)
+        return in_blocks(block_of, current, vectorized.LANES, by_onset=True)

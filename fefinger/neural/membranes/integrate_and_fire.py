@@ -62,7 +62,7 @@ class IntegrateAndFire:
         `dt`, which is checked, and `stimulus_driven` are accepted for the sake of its siblings: the
         solution needs no step and has no sodium to freeze.
         """
-        from fefinger.neural.membranes import _integrate_and_fire as compiled
+        from fefinger.neural.membranes import integrate_and_fire_compiled as compiled
 
         largest_step(dt)
         time_ms, columns = signals(time, current)

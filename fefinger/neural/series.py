@@ -144,8 +144,8 @@ def fire(
         type's fastest pole.
     """
     from fefinger.neural.afferents import simulate
+    from fefinger.neural.checked_signals import count_changes
     from fefinger.neural.endorgans import TYPES
-    from fefinger.neural.signals import count_changes
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
     if repeated(types):
@@ -343,7 +343,7 @@ def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     """Return finer times and the drive at them on cubic splines from jump to jump."""
     from scipy.interpolate import CubicSpline
 
-    from fefinger.neural.signals import dense_times
+    from fefinger.neural.checked_signals import dense_times
 
     jumps = np.flatnonzero(np.diff(signals.time) == 0) + 1
     times, drives = [], []
@@ -365,8 +365,8 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> 
     Far apart is more than a fifth of the period of its fastest pole. FA units take a jump for an
     event of its own, whatever else moves; for SA units it counts against the largest velocity.
     """
+    from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
     from fefinger.neural.endorgans import END_ORGANS
-    from fefinger.neural.signals import FAII_JUMP, coarse_jump
 
     x = length * signals.drive[:, column]
     pole = max(END_ORGANS[kind].poles)

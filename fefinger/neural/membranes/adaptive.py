@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, slope
+from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, slope
 from fefinger.neural.membranes.firing import Run
 from fefinger.support.checks import ConvergenceError, InputError
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes._hodgkin_huxley import (
+from fefinger.neural.membranes.equations import (
     CAPACITANCE,
     G_K,
     G_LEAK,

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, crossing
+from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, crossing
 
 
 G_NA, G_K, G_LEAK = 120.0, 20.0, 0.3

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.membranes._hodgkin_huxley import REARM_MV, SPIKE_MV, crossing, slope, step
+from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, crossing, slope, step
 
 
 @njit(cache=True, nogil=True)

@@ -8,8 +8,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.neural.generators import LARGEST_CURRENT
-from fefinger.neural.membranes._integrate_and_fire import _eventful
-from fefinger.neural.membranes._lanes import LANES, interval
+from fefinger.neural.membranes.integrate_and_fire_compiled import _eventful
+from fefinger.neural.membranes.vectorized import LANES, interval
 
 
 if TYPE_CHECKING:
