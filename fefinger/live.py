@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fefinger import films
 from fefinger.fem.body import Solid
-from fefinger.fem.probe import inside, tensors
+from fefinger.fem.elements.probe import inside, tensors
 from fefinger.mechanics import _operator
 from fefinger.neural.streaming import Afferents
 from fefinger.realtime import afferents

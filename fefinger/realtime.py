@@ -17,14 +17,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem import active, loop
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.condense import Operator, OutsideError, faces_down
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.march import History
-from fefinger.fem.obstacle import Rigid
-from fefinger.fem.probe import ODD, VOIGT
-from fefinger.fem.recover import recovered_strain_at
+from fefinger.fem.condensation import Operator, OutsideError, faces_down
+from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.viscoelastic import History
+from fefinger.fem.elements.probe import ODD, VOIGT
+from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics import _missed, _operator, _placing, _press, condensed
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded
@@ -122,9 +123,9 @@ class Condensed:
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
-        self._state = active.active(reduced.flexibility)
+        self._state = lcp_compiled.active(reduced.flexibility)
         gap, travel = self.patch.gap, self.patch.travel
-        self._memory = loop.memory(gap, travel, weights, np.array(prony.v), tolerance)
+        self._memory = step_compiled.memory(gap, travel, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
@@ -161,8 +162,8 @@ class Condensed:
 
     def reset(self) -> None:
         """Lift the indenter off, and let the tissue forget."""
-        loop.reset(self._state, self._memory)
-        loop.read(self._state, self._memory, self._output, 1.0)
+        step_compiled.reset(self._state, self._memory)
+        step_compiled.read(self._state, self._memory, self._output, 1.0)
         self._read()
 
     def step(self, depth: float, dt: float) -> Step:
@@ -206,7 +207,7 @@ class Condensed:
         return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True)
 
     def _advance(
-        self, dt: float, target: float, by_force: bool, output: loop.Output | None = None
+        self, dt: float, target: float, by_force: bool, output: step_compiled.Output | None = None
     ) -> Step:
         if not (0.0 <= dt < math.inf and abs(target) < math.inf):
             number("depth", target, unit="mm")
@@ -214,10 +215,10 @@ class Condensed:
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self._output
-        outcome = loop.advance(state, memory, output, dt, target, by_force, stiffening)
-        if outcome == active.TURNED:
+        outcome = step_compiled.advance(state, memory, output, dt, target, by_force, stiffening)
+        if outcome == lcp_compiled.TURNED:
             raise InputError(_missed.rim_reached(len(self.patch.vertices)))
-        loop.check(outcome, self.deepest)
+        step_compiled.check(outcome, self.deepest)
         return self._read()
 
     def _stiffness(self, depth: float) -> float:
@@ -238,8 +239,12 @@ class Condensed:
     def _read(self) -> Step:
         now, summary = self.now, self._output.summary
         now.depth = float(self._memory.depth[0])
-        now.force = summary[loop.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
-        now.contact_area, now.x, now.y = summary[loop.AREA], summary[loop.X], summary[loop.Y]
+        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
+        now.contact_area, now.x, now.y = (
+            summary[step_compiled.AREA],
+            summary[step_compiled.X],
+            summary[step_compiled.Y],
+        )
         return now
 
     def run(self, motion: Motion, *, fast: bool = False) -> Response:
@@ -278,7 +283,7 @@ class Condensed:
         for k, (value, dt) in enumerate(zip(values.tolist(), lengths.tolist(), strict=True)):
             depth[k] = take(value, dt).depth
             pressure[k], elastic[k] = self.now.pressure, self._output.elastic
-        return History(depth, pressure, elastic, int(self._state.counts[active.SOLVED]))
+        return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
 def _answering(
@@ -353,7 +358,7 @@ def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
     return signs.reshape(-1, 1) * strain
 
 
-def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> loop.Output:
+def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> step_compiled.Output:
     """Return what is read off the pad, and at points (n, 3), in every step."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
     pad, column = _press.whole_pad(
@@ -364,10 +369,12 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> lo
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
     edge = on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid))
     kind = np.float32 if precision == "single" else np.float64
-    return loop.Output(
+    return step_compiled.Output(
         areas=np.asarray(areas, dtype=np.float64),
         moments=np.array(moments),
-        limits=np.select([on_pad.rim, edge], [active.TURNED, active.BEYOND], active.DONE),
+        limits=np.select(
+            [on_pad.rim, edge], [lcp_compiled.TURNED, lcp_compiled.BEYOND], lcp_compiled.DONE
+        ),
         elastic=np.zeros(count),
         rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
-from fefinger.fem import active, loop, turning
 from fefinger.fem.body import Reduced
-from fefinger.fem.condense import reduce
-from fefinger.fem.contact import Patch, patch, smooth_places
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.recover import recovered_strain_at
-from fefinger.fem.spaces import trace
+from fefinger.fem.condensation import reduce
+from fefinger.fem.contact import lcp_compiled, rolling_step, step_compiled
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import Patch, patch, smooth_places
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics import _operator, _placing, _press
 from fefinger.realtime import Step
 from fefinger.records import Sites
@@ -89,11 +89,11 @@ class Rolling:
         reduced, n = self._reduced(sites.points), len(self.vertices)
         self._rows = np.ascontiguousarray(reduced.strain.T)
         flexibility, rim = reduced.flexibility.reshape(2, n, 2, n), np.flatnonzero(self._on_rim())
-        self._plate = turning.plate(flexibility, moments, weights, rim)
-        self._state = active.active(np.zeros((n, n)))  # made when the plate has an angle
+        self._plate = rolling_step.plate(flexibility, moments, weights, rim)
+        self._state = lcp_compiled.active(np.zeros((n, n)))  # made when the plate has an angle
         prony, nothing = finger.prony, np.zeros(2 * n)
         factors = np.array(prony.weights[1:]) / prony.weights[0]
-        self._memory = loop.memory(nothing, nothing, factors, np.array(prony.v))
+        self._memory = step_compiled.memory(nothing, nothing, factors, np.array(prony.v))
         self._along = -every[1].moment[chosen, 1] / every[1].travel[chosen]
         self._strain = np.zeros(6 * len(sites.points))
         strain = self._strain.reshape(-1, 6)
@@ -111,7 +111,7 @@ class Rolling:
 
     def reset(self) -> None:
         """Take the plate off, and let the tissue forget."""
-        loop.reset(self._state, self._memory)
+        step_compiled.reset(self._state, self._memory)
         self._strain[:] = 0.0
         self._read(0.0)
 
@@ -133,8 +133,10 @@ class Rolling:
         first = float((self._outline @ normal).min())
         x, z = normal.tolist()
         state, memory, plate = self._state, self._memory, self._plate
-        loop.check(turning.step(state, memory, plate, dt, x, z, first + depth), self.deepest)
-        turning.strains(memory, plate, self._rows, self._strain)
+        step_compiled.check(
+            rolling_step.step(state, memory, plate, dt, x, z, first + depth), self.deepest
+        )
+        rolling_step.strains(memory, plate, self._rows, self._strain)
         return self._read(depth)
 
     def _reduced(self, points: Array) -> Reduced:

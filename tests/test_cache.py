@@ -16,8 +16,8 @@ from scipy import sparse
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.fem.body import Reduced
-from fefinger.fem.condense import Compliance
-from fefinger.fem.multifrontal import Eliminated, Front
+from fefinger.fem.condensation import Compliance
+from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.mechanics import _kept, _operator
 from fefinger.mesh import files, ready
 from fefinger.mesh.recipe import Recipe

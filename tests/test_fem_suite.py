@@ -15,8 +15,8 @@ from fefinger.validation import (
 from fefinger.validation.fem_quarter import Indenter, half_space_field, turned
 from fefinger.validation.peers import PEERS
 
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
 from fefinger.theory.contact.punch import Cone, FlatPunch
 
 

@@ -9,7 +9,7 @@ from PIL import Image
 
 from fefinger import live
 from fefinger.__main__ import main
-from fefinger.fem.probe import strain_at
+from fefinger.fem.elements.probe import strain_at
 from fefinger.live_window import Window, watch
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError

@@ -9,8 +9,8 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from fefinger import quantities
-from fefinger.fem import laws, point
-from fefinger.fem.forms import Elastic
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic import laws, stress_kernels
 from fefinger.records import Fields, Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
@@ -139,7 +139,7 @@ def stress(law: laws.Law, gradient: Array) -> Array:
     row = np.array([law.shear, law.compressibility, law.share, law.exponent])
     isochoric, volumetric = np.zeros(6), np.zeros(6)
     work = (np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(6), np.zeros(6), np.zeros((3, 3)))
-    point.stresses(gradient, 0.0, row, isochoric, volumetric, work)
+    stress_kernels.stresses(gradient, 0.0, row, isochoric, volumetric, work)
     return isochoric[:3]
 
 

@@ -11,8 +11,8 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import fefinger as ff
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.probe import tensors
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.elements.probe import tensors
 from fefinger.geometry.profiles import Ellipsoid
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley

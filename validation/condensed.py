@@ -11,7 +11,7 @@ from fefinger.validation.case import Case
 from fefinger.validation.half_space import Quarter
 from numpy.typing import NDArray
 
-from fefinger.fem import active
+from fefinger.fem.contact import lcp_compiled
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics._press import WHOLE_MESH, press
 from fefinger.realtime import Condensed
@@ -244,12 +244,12 @@ def chance(resolution: str) -> tuple[float, float, float]:
         pressed.reset()
         depths, steps = rng.uniform(-0.3, 1.2, LENGTH), 10 ** rng.uniform(-4, 1, LENGTH)
         for depth, dt in zip(depths.tolist(), steps.tolist(), strict=True):
-            before = int(pressed.counts[active.ROUNDS])
+            before = int(pressed.counts[lcp_compiled.ROUNDS])
             try:
                 pressed.step_contact(depth, dt)
             except ConvergenceError:
                 failed += 1
-            taken = int(pressed.counts[active.ROUNDS]) - before
+            taken = int(pressed.counts[lcp_compiled.ROUNDS]) - before
             most, rounds = max(most, taken), rounds + taken
     return float(failed), rounds / (TRAJECTORIES * LENGTH), float(most)
 

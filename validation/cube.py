@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.finite import Continuum, continuum
-from fefinger.fem.grids import box
-from fefinger.fem.laws import Law
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.sliding import sliding
-from fefinger.fem.solve import factor
+from fefinger.fem.contact.deformed_gap import sliding
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.elements.grids import box
+from fefinger.fem.hyperelastic.continuum import Continuum, continuum
+from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.linalg.system import factor
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,12 @@ from fefinger.validation.provenance import provenance
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.fem import multifrontal
-from fefinger.fem.contact import Complementarity
-from fefinger.fem.forms import Elastic
-from fefinger.fem.probe import strain_at, tensors
-from fefinger.fem.spaces import Space
-from fefinger.fem.threads import one_thread
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg.threads import one_thread
 from fefinger.theory.contact.stack import Stack
 from fefinger.theory.contact.subsurface import below
 

@@ -9,17 +9,23 @@ from fefinger.validation.extremes_invariants import Array, invariants, off
 from fefinger.validation.extremes_scenes import SUBJECT, answered, ramp
 from fefinger.validation.extremes_trial import ANSWERED, REFUSED, Findings, Kind, Trial
 
-from fefinger.fem import active
-from fefinger.fem.contact import Complementarity
-from fefinger.fem.finite import Memory, continuum
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
-from fefinger.fem.loop import check
-from fefinger.fem.solve import factor
-from fefinger.fem.spaces import Space
-from fefinger.fem.state import Asked, State
-from fefinger.fem.strain import logarithmic
+from fefinger.fem.contact import lcp_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.step_compiled import check
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import Memory, continuum
+from fefinger.fem.hyperelastic.laws import (
+    Law,
+    demiray,
+    mooney_rivlin,
+    neo_hookean,
+    veronda_westmann,
+)
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.linalg.system import factor
 from fefinger.mesh.ready import ready
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Sphere
@@ -203,8 +209,8 @@ def _complementarity(spread: float, tie: bool) -> Findings:
     if tie:
         gap[::3] = 0.0
     one = Complementarity(flexibility).solve(gap)
-    state = active.active(flexibility)
-    check(active.solve(state, gap, 1e-10))
+    state = lcp_compiled.active(flexibility)
+    check(lcp_compiled.solve(state, gap, 1e-10))
     found = {}
     for name, x in (("Cholesky", one), ("bordering", state.x)):
         w = (flexibility @ x + gap) / np.abs(gap).max()

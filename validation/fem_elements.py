@@ -10,11 +10,11 @@ from fefinger.validation.element_kinds import OURS, Kind, assembled
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.probe import strain_at, tensors
-from fefinger.fem.solve import factor
-from fefinger.fem.spaces import Space, trace
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.spaces import Space, trace
+from fefinger.fem.linalg.system import factor
 
 
 Array = NDArray[np.float64]

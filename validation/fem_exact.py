@@ -13,9 +13,9 @@ from fefinger.validation.fem_hertz import LINES, Grading, bowl
 from fefinger.validation.fem_quarter import Exact, Indenter, Quarter, half_space, outer
 from numpy.typing import NDArray
 
-from fefinger.fem.forms import Elastic
-from fefinger.fem.grids import quarter
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.grids import quarter
+from fefinger.fem.elements.spaces import Space
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.layer import Sheet

@@ -12,9 +12,9 @@ from fefinger.validation.case import Case
 from fefinger.validation.fem_quarter import Exact, Indenter, Pressed, Quarter, half_space, turned
 from numpy.typing import NDArray
 
-from fefinger.fem.forms import Elastic
-from fefinger.fem.grids import Size, quarter
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.grids import Size, quarter
+from fefinger.fem.elements.spaces import Space
 from fefinger.theory.contact.hertz import Hertz
 
 

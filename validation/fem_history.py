@@ -13,9 +13,9 @@ from fefinger.validation.fem_hertz import bowl
 from fefinger.validation.fem_quarter import Quarter, outer
 from numpy.typing import NDArray
 
-from fefinger.fem.forms import Elastic
-from fefinger.fem.grids import quarter
-from fefinger.fem.march import History, Prescribed, Relaxation, march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.grids import quarter
 from fefinger.scene.library import pawluk_relaxation
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.layer import Sheet

@@ -11,12 +11,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.contact import Complementarity, Patch, patch
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.probe import strain_at, tensors
-from fefinger.fem.recover import recovered_strain_at
-from fefinger.fem.solve import System, factor
-from fefinger.fem.spaces import Space
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.patch import Patch, patch
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg.system import System, factor
 from fefinger.theory.contact.loads import point_displacement
 
 

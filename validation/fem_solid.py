@@ -15,10 +15,16 @@ from fefinger.validation.cube import Cube, across, cube, nominal, stretches
 from fefinger.validation.hemisphere import DEPTH, SPEED, Hemisphere
 from numpy.typing import NDArray
 
-from fefinger.fem.forms import Elastic
-from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
-from fefinger.fem.passage import Path, Series, StressHistory, follow
-from fefinger.fem.state import Asked, State
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic.laws import (
+    Law,
+    demiray,
+    mooney_rivlin,
+    neo_hookean,
+    veronda_westmann,
+)
+from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

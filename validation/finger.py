@@ -12,8 +12,9 @@ from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
 from fefinger.fem.body import body, reduce
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.probe import strain_at
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._hard import held, with_nail
 from fefinger.mechanics._press import press, tissues

@@ -9,12 +9,12 @@ from fefinger.validation.case import Case
 from fefinger.validation.chain import Array, scene
 
 from fefinger.fem.body import Body, body
-from fefinger.fem.contact import Complementarity
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.finite import Continuum, continuum
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.sliding import Sliding, sliding
-from fefinger.fem.state import Asked, State
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.hyperelastic.continuum import Continuum, continuum
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import _placing, solid
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues

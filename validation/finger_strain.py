@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.body import body, reduce
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.probe import strain_at
-from fefinger.fem.recover import recovered_strain_at
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.elements.probe import strain_at
+from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics import _placing
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues

@@ -11,14 +11,15 @@ import numpy as np
 from fefinger.validation.fem_quarter import Indenter
 from numpy.typing import NDArray
 
-from fefinger.fem import condense, loop
+from fefinger.fem import condensation
 from fefinger.fem.body import Solid
-from fefinger.fem.contact import Patch, patch
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.march import Prescribed, Relaxation
-from fefinger.fem.solve import factor
-from fefinger.fem.spaces import Space
+from fefinger.fem.contact import step_compiled
+from fefinger.fem.contact.patch import Patch, patch
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg.system import factor
 from fefinger.theory.contact.loads import point_displacement
 from fefinger.theory.relaxation import Prony
 
@@ -83,7 +84,7 @@ class Quarter:
     def flexibility(self) -> Array:
         """F (n, n) of the patch, from the condensed block."""
         tissues, size = {1: Elastic(self.modulus, self.poisson)}, self.space.n_unknowns
-        compliance = condense.condense(self.solid, tissues, self.fixed)
+        compliance = condensation.condense(self.solid, tissues, self.fixed)
         loads = self.patch.loads.tocsr()[compliance.pad].tocsc()
         matrix = np.asarray(loads.T @ (loads.T @ compliance.matrix).T)
         if self.thickness is None:
@@ -115,7 +116,9 @@ class Quarter:
         count = len(self.patch.vertices)
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
         asked = Prescribed("depth", time, depth)
-        history = loop.march(self.flexibility, self.patch.gap, self.patch.travel, memory, asked)
+        history = step_compiled.march(
+            self.flexibility, self.patch.gap, self.patch.travel, memory, asked
+        )
         if (history.pressure[:, self.patch.edge] > 0).any():
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)

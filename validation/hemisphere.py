@@ -10,16 +10,16 @@ import numpy as np
 from fefinger.validation.fem_quarter import outer
 from numpy.typing import NDArray
 
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.finite import Continuum, continuum
-from fefinger.fem.grids import quarter
-from fefinger.fem.laws import Law
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.passage import Path, Series, StressHistory, follow
-from fefinger.fem.sliding import Sliding, sliding
-from fefinger.fem.solve import System, factor
-from fefinger.fem.spaces import Space
-from fefinger.fem.state import State
+from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.elements.grids import quarter
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import Continuum, continuum
+from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.hyperelastic.state import State
+from fefinger.fem.linalg.system import System, factor
 
 
 Array = NDArray[np.float64]

@@ -11,12 +11,12 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.bench import Figure, Progress
-from fefinger.fem import solve
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.iterative import Iterative
-from fefinger.fem.spaces import Array, Integers, Space
-from fefinger.fem.threads import one_thread
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.linalg import system as solve
+from fefinger.fem.linalg.minres import Iterative
+from fefinger.fem.linalg.threads import one_thread
 
 
 NU, MODULUS = 0.49, 34.0

@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 
 from fefinger.bench import Figure, Progress
 from fefinger.bench.fem import timed
-from fefinger.fem import active, loop, solve
 from fefinger.fem.body import body
-from fefinger.fem.condense import Compliance, palmar
-from fefinger.fem.march import Prescribed, Relaxation, march
-from fefinger.fem.threads import one_thread
+from fefinger.fem.condensation import Compliance, palmar
+from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.linalg import system
+from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _kept, _operator, _press, _touch
 from fefinger.mesh.ready import ready
@@ -124,7 +125,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
     """
     solid = body(mesh, _press.tissues(finger), _hard.held(finger))
     own, space = solid.system, solid.space
-    found, factoring = timed(lambda: solve.factor(space, own.matrix, own.fixed, "superlu"))
+    found, factoring = timed(lambda: system.factor(space, own.matrix, own.fixed, "superlu"))
     count = 3 * len(palmar(solid))
     loads = np.zeros((len(own.free), LOADS))
     loads[np.arange(LOADS), np.arange(LOADS)] = 1.0
@@ -162,7 +163,7 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
         begun, started = time.thread_time(), time.perf_counter()
         finger.step(depth, DT)
         processor[k], wall[k] = time.thread_time() - begun, time.perf_counter() - started
-        vertices[k] = finger.counts[active.K]
+        vertices[k] = finger.counts[lcp_compiled.K]
     return [
         Figure(f"{name}: vertices in contact, median", float(np.median(vertices)), "1"),
         Figure(f"{name}: step, median, processor", _ms(processor, 0.5), "ms"),
@@ -221,13 +222,13 @@ def _contact(finger: Condensed) -> list[Figure]:
         begun = time.thread_time()
         finger.step_contact(depth, DT)
         seconds[k] = time.thread_time() - begun
-        exchanged[k] = finger.counts[active.EXCHANGED]
+        exchanged[k] = finger.counts[lcp_compiled.EXCHANGED]
     return [
         Figure("contact only: candidate vertices", len(finger.now.pressure), "1"),
         Figure("contact only: step, median, processor", _ms(seconds, 0.5), "ms"),
         Figure("contact only: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
         Figure("contact only: vertices exchanged per step", exchanged[-1] / STEPS, "1"),
-        Figure("contact only: inverses made anew", float(finger.counts[active.REBUILT]), "1"),
+        Figure("contact only: inverses made anew", float(finger.counts[lcp_compiled.REBUILT]), "1"),
     ]
 
 
@@ -239,8 +240,8 @@ def _agreement(finger: Condensed) -> list[Figure]:
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", asked.time[:2], depth[:2])
-    loop.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
-    for method in (loop.march, march):
+    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
+    for method in (step_compiled.march, march):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()
         found = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, asked)

@@ -12,12 +12,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fefinger.bench import Figure, Progress, _solvers
-from fefinger.fem import body, solve
-from fefinger.fem.contact import patch
-from fefinger.fem.forms import stiffness
-from fefinger.fem.march import Prescribed, Relaxation, march
-from fefinger.fem.probe import strain_at
-from fefinger.fem.threads import one_thread
+from fefinger.fem import body
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.elements.forms import stiffness
+from fefinger.fem.elements.probe import strain_at
+from fefinger.fem.linalg import system as solve
+from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
 from fefinger.scene import builtin

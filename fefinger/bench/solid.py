@@ -9,10 +9,10 @@ import time
 import numpy as np
 
 from fefinger.bench import Figure, Progress
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.forms import Elastic
-from fefinger.fem.laws import neo_hookean
-from fefinger.fem.threads import one_thread
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.linalg.threads import one_thread
 
 
 SIZES = (4.0, 2.4)  # mm of the cells at the pole; the first compiles
@@ -50,7 +50,7 @@ def _parts(solver: Equilibrium) -> dict[str, float]:
     body, system = solver.body, solver.system
     values = 1e-4 * np.random.default_rng(0).normal(size=body.space.n_unknowns)
     right = values[system.free]
-    from fefinger.fem.solve import rough
+    from fefinger.fem.linalg.system import rough
 
     kept = rough(body.space, system.matrix, system)
 

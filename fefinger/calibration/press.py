@@ -181,7 +181,7 @@ def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
 
     if mechanics != "solid":
         return get(mechanics).respond(scene)
-    from fefinger.fem.passage import Allowance
+    from fefinger.fem.hyperelastic.load_path import Allowance
     from fefinger.mechanics import solid
 
     return solid.respond(scene, allowance=Allowance(USUAL, spare))

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.contact import Patch
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.solve import System, factor
-from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.fem.contact.patch import Patch
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.linalg.system import System, factor
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.checks import InputError
 

@@ -3,13 +3,13 @@
 import numpy as np
 
 from fefinger.fem.body import Body
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.finite import Continuum
-from fefinger.fem.passage import Path, StressHistory, follow
-from fefinger.fem.recover import recovered_gradient_at
-from fefinger.fem.sliding import sliding
-from fefinger.fem.state import State
-from fefinger.fem.strain import logarithmic
+from fefinger.fem.contact.deformed_gap import sliding
+from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.hyperelastic.continuum import Continuum
+from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics import _placing, _press
 from fefinger.mechanics._touch import REFERENCE_DEPTH, sites
 from fefinger.records import Reference

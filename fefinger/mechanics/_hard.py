@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fefinger.fem.forms import Elastic
+from fefinger.fem.elements.forms import Elastic
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.finite import Continuum
+from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.geometry.finger_mesh import REGIONS
 from fefinger.mechanics._hard import NAIL
 

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem import condense as reduction
-from fefinger.fem import loop
+from fefinger.fem import condensation as reduction
 from fefinger.fem.body import Reduced, prescribed, solid
-from fefinger.fem.condense import Compliance, Operator, Part, condense, mirrored
-from fefinger.fem.contact import Patch
-from fefinger.fem.forms import Elastic
-from fefinger.fem.multifrontal import Eliminated, Front
-from fefinger.fem.spaces import Array
+from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
+from fefinger.fem.contact import step_compiled
+from fefinger.fem.contact.patch import Patch
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.spaces import Array
+from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._kept import folder, identity, parities
@@ -192,7 +192,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 METHOD = Method(
     lambda scene, mesh, report: operator(scene.finger, half=mesh.half, progress=report),
     reduction.reduce,
-    loop.march,
+    step_compiled.march,
     reduction.displaced,
     lambda indenter: None,
 )

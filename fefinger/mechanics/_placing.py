@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Solid
-from fefinger.fem.contact import foremost, smooth_places
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.spaces import trace
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import foremost, smooth_places
+from fefinger.fem.elements.spaces import trace
 from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
 from fefinger.support.checks import InputError
 

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.area import Surface as Touched
 from fefinger.fem.body import Body, Reduced, Solid, body, reduce
-from fefinger.fem.contact import Complementarity, Seen, patch
-from fefinger.fem.forms import Elastic
-from fefinger.fem.march import History, Prescribed, Relaxation, march
-from fefinger.fem.obstacle import Obstacle, Rigid
-from fefinger.fem.probe import strain_at_vertices, tensors
-from fefinger.fem.recover import recovered_strain_at
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.contact_area import Surface as Touched
+from fefinger.fem.contact.obstacle import Obstacle, Rigid
+from fefinger.fem.contact.patch import Seen, patch
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.probe import strain_at_vertices, tensors
+from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _missed, _placing
 from fefinger.mechanics._hard import elastic, held, with_nail

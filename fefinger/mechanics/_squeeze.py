@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.area import Surface
 from fefinger.fem.body import Body
-from fefinger.fem.contact import Candidates
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.finite import Continuum, continuum
-from fefinger.fem.laws import Law, law, neo_hookean
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
-from fefinger.fem.probe import gradient_at_vertices
-from fefinger.fem.recover import recovered_gradient_at
-from fefinger.fem.sliding import Sliding, sliding
-from fefinger.fem.state import State
-from fefinger.fem.strain import logarithmic
+from fefinger.fem.contact.contact_area import Surface
+from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import Candidates
+from fefinger.fem.elements.probe import gradient_at_vertices
+from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.hyperelastic.continuum import Continuum, continuum
+from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
+from fefinger.fem.hyperelastic.load_path import Allowance, Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _missed, _placing, _press
 from fefinger.mechanics._finite_reference import reference

@@ -72,7 +72,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ConvergenceError
         If a contact solution is not reached.
     """
-    from fefinger.fem.condense import OutsideError
+    from fefinger.fem.condensation import OutsideError
     from fefinger.mechanics._operator import METHOD
     from fefinger.mechanics._press import WHOLE_MESH, press
 

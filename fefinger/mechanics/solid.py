@@ -15,7 +15,7 @@ from fefinger.support.progress import Progress
 
 
 if TYPE_CHECKING:
-    from fefinger.fem.passage import Allowance
+    from fefinger.fem.hyperelastic.load_path import Allowance
 
 
 name = "solid"

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger.fem import active, loop
-from fefinger.fem.contact import Complementarity
-from fefinger.fem.march import Prescribed, Relaxation, march
+from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
@@ -31,24 +31,24 @@ def flexible(n: int, seed: int) -> np.ndarray:
 @pytest.mark.parametrize("n", [1, 2, 7, 120])
 def test_it_solves_what_the_oracle_solves_from_any_start(n: int) -> None:
     matrix, rng = flexible(n, n), np.random.default_rng(100 + n)
-    oracle, state = Complementarity(matrix), active.active(matrix)
+    oracle, state = Complementarity(matrix), lcp_compiled.active(matrix)
     for _ in range(12):
         offset = rng.normal(size=n)
         expected = oracle.solve(offset)
-        assert active.solve(state, offset, COMPLEMENTARITY) == active.DONE
+        assert lcp_compiled.solve(state, offset, COMPLEMENTARITY) == lcp_compiled.DONE
         assert state.x == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(expected).max())
         assert state.moved == pytest.approx(matrix @ state.x, rel=1e-9, abs=1e-9)
         assert np.array_equal(
-            np.sort(state.where[: state.counts[active.K]]), np.nonzero(state.place >= 0)[0]
+            np.sort(state.where[: state.counts[lcp_compiled.K]]), np.nonzero(state.place >= 0)[0]
         )
 
 
 def test_the_inverse_stays_that_of_the_active_block() -> None:
     matrix, rng = flexible(60, 3), np.random.default_rng(4)
-    state = active.active(matrix)
+    state = lcp_compiled.active(matrix)
     for _ in range(400):
-        active.solve(state, rng.normal(size=60), COMPLEMENTARITY)
-    k = state.counts[active.K]
+        lcp_compiled.solve(state, rng.normal(size=60), COMPLEMENTARITY)
+    k = state.counts[lcp_compiled.K]
     where = state.where[:k]
     product = state.inverse[:k, :k] @ matrix[np.ix_(where, where)]
     assert product == pytest.approx(np.eye(k), abs=1e-6)
@@ -57,22 +57,25 @@ def test_the_inverse_stays_that_of_the_active_block() -> None:
 def test_an_inverse_that_went_wrong_is_made_anew() -> None:
     matrix = flexible(30, 5)
     offset = np.random.default_rng(6).normal(size=30)
-    state = active.active(matrix)
-    active.solve(state, offset, COMPLEMENTARITY)
+    state = lcp_compiled.active(matrix)
+    lcp_compiled.solve(state, offset, COMPLEMENTARITY)
     state.inverse[:] *= 1.7
-    assert active.solve(state, 1.1 * offset, COMPLEMENTARITY) == active.DONE
-    assert state.counts[active.REBUILT] >= 1
+    assert lcp_compiled.solve(state, 1.1 * offset, COMPLEMENTARITY) == lcp_compiled.DONE
+    assert state.counts[lcp_compiled.REBUILT] >= 1
     expected = Complementarity(matrix).solve(1.1 * offset)
     assert state.x == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_a_flexibility_that_is_not_positive_is_reported() -> None:
-    state = active.active(-np.eye(3))
-    assert active.solve(state, np.array([-1.0, 0.0, 1.0]), COMPLEMENTARITY) == active.SINGULAR
+    state = lcp_compiled.active(-np.eye(3))
+    assert (
+        lcp_compiled.solve(state, np.array([-1.0, 0.0, 1.0]), COMPLEMENTARITY)
+        == lcp_compiled.SINGULAR
+    )
     with pytest.raises(ConvergenceError, match="not positive definite"):
-        loop.check(active.SINGULAR)
+        step_compiled.check(lcp_compiled.SINGULAR)
     with pytest.raises(ConvergenceError, match="refine the step"):
-        loop.check(active.ENDLESS)
+        step_compiled.check(lcp_compiled.ENDLESS)
 
 
 def wavy(force: bool) -> Prescribed:
@@ -85,7 +88,7 @@ def wavy(force: bool) -> Prescribed:
 @pytest.mark.parametrize("force", [False, True])
 def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
     expected = march(*pad, Relaxation(WEIGHTS, RATES, N), wavy(force))
-    found = loop.march(*pad, Relaxation(WEIGHTS, RATES, N), wavy(force))
+    found = step_compiled.march(*pad, Relaxation(WEIGHTS, RATES, N), wavy(force))
     for name in ("depth", "pressure", "elastic"):
         exact = getattr(expected, name)
         assert getattr(found, name) == pytest.approx(exact, rel=1e-10, abs=1e-10 * exact.max())
@@ -94,7 +97,7 @@ def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.013])
-@pytest.mark.parametrize("through", [march, loop.march], ids=["march", "loop"])
+@pytest.mark.parametrize("through", [march, step_compiled.march], ids=["march", "loop"])
 def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(
     pad: tuple, through: object, shift: float
 ) -> None:
@@ -109,23 +112,23 @@ def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be
 
 def test_an_unreachable_force_is_reported(pad: tuple) -> None:
     matrix, gap, travel = pad
-    state = active.active(matrix)
-    memory = loop.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
-    assert loop.step(state, memory, 0.0, np.nan, True, 1.0) == active.MISSED
+    state = lcp_compiled.active(matrix)
+    memory = step_compiled.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    assert step_compiled.step(state, memory, 0.0, np.nan, True, 1.0) == lcp_compiled.MISSED
     with pytest.raises(ConvergenceError, match="shorter steps"):
-        loop.check(active.MISSED)
+        step_compiled.check(lcp_compiled.MISSED)
 
 
 def test_a_reset_forgets(pad: tuple) -> None:
     matrix, gap, travel = pad
-    state = active.active(matrix)
-    memory = loop.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    state = lcp_compiled.active(matrix)
+    memory = step_compiled.memory(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
     first = []
     for _ in range(2):
-        loop.reset(state, memory)
+        step_compiled.reset(state, memory)
         answers = []
         for depth in (0.1, 0.3, 0.2):
-            loop.step(state, memory, 0.01, depth, False, 1.0)
+            step_compiled.step(state, memory, 0.01, depth, False, 1.0)
             answers.append(state.x.copy())
         first.append(np.array(answers))
     assert np.array_equal(*first)

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from fefinger.fem import area as areas
-from fefinger.fem.area import Surface
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.obstacle import FAR, Obstacle
-from fefinger.fem.rims import fit_rims
-from fefinger.fem.solve import factor
+from fefinger.fem.contact import contact_area as areas
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.contact_area import Surface
+from fefinger.fem.contact.obstacle import FAR, Obstacle
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.rim_fit import fit_rims
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.linalg.system import factor
 from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Profile
 
 

@@ -7,9 +7,9 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP1, ElementTetP2, ElementVector, MeshTet
 from skfem.helpers import ddot, div, sym_grad
 
-from fefinger.fem import assembly
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements import assembly
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.spaces import Space
 
 
 TISSUES = {1: Elastic(3.0, 0.3), 2: Elastic(50.0, 0.4999)}

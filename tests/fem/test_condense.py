@@ -5,12 +5,12 @@ import pytest
 from scipy import sparse
 
 import fefinger as ff
-from fefinger.fem import condense
+from fefinger.fem import condensation
 from fefinger.fem.body import Body, body, prescribed, reduce, solid
-from fefinger.fem.contact import patch
-from fefinger.fem.forms import Elastic
-from fefinger.fem.grids import box
-from fefinger.fem.probe import strain_at
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import _hard, _placing, _press
 from fefinger.mesh.ready import ready
 from fefinger.support.checks import InputError
@@ -21,33 +21,33 @@ TISSUES = _press.tissues(FINGER)
 
 
 @pytest.fixture(scope="module")
-def parts() -> tuple[condense.Compliance, condense.Compliance]:
+def parts() -> tuple[condensation.Compliance, condensation.Compliance]:
     """Return the even and the odd compliance of the half."""
     mesh = ready(FINGER, half=True)
     own = solid(mesh, TISSUES)
     held = _hard.held(FINGER)
     even, odd = (
-        condense.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
+        condensation.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
         for odd in (False, True)
     )
     return even, odd
 
 
 @pytest.fixture(scope="module", params=["half", "whole"])
-def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condense.Operator]:
+def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condensation.Operator]:
     """Return a factored body and its operator."""
     half = request.param == "half"
     exact = body(ready(FINGER, half=half), TISSUES, _hard.held(FINGER))
     own = solid(ready(FINGER, half=True), TISSUES)
     if half:
-        pieces = [condense.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
+        pieces = [condensation.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
     else:
         pieces = [
-            condense.Part(part, condense.mirrored(exact.space, own.space, odd=odd), 0.5)
+            condensation.Part(part, condensation.mirrored(exact.space, own.space, odd=odd), 0.5)
             for part, odd in zip(parts, (False, True), strict=True)
         ]
     shape = (exact.space, exact.pad, exact.normals, exact.original, exact.half)
-    return exact, condense.Operator(*shape, tuple(pieces))
+    return exact, condensation.Operator(*shape, tuple(pieces))
 
 
 @pytest.mark.parametrize("points", [3, 40])
@@ -58,7 +58,7 @@ def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, points)[:, None] * touch.axis
     probe = strain_at(exact.space, inside, exact.planes)
-    expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
+    expected, found = reduce(exact, on_pad, probe), condensation.reduce(operator, on_pad, probe)
     for name in ("flexibility", "strain"):
         scale = np.abs(getattr(expected, name)).max()
         assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 1e-12 * scale
@@ -68,9 +68,9 @@ def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) ->
     exact, operator = both
     touch = _placing.obstacle(ff.Flat(45), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 1.25)
-    assert not np.isin(on_pad.seen.vertices, condense.palmar(exact)).all()
+    assert not np.isin(on_pad.seen.vertices, condensation.palmar(exact)).all()
     probe = strain_at(exact.space, touch.origin[None] + touch.axis, exact.planes)
-    expected, found = reduce(exact, on_pad, probe), condense.reduce(operator, on_pad, probe)
+    expected, found = reduce(exact, on_pad, probe), condensation.reduce(operator, on_pad, probe)
     for name in ("strain", "approach"):
         scale = np.abs(getattr(expected, name)).max()
         assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 1e-12 * scale
@@ -84,17 +84,17 @@ def test_displacements_everywhere_are_those_of_the_whole_mesh(both: tuple) -> No
     loads = np.asarray(on_pad.loads @ pressure)
     moving = slice(0, exact.space.n_displacements)
     expected = exact.system.solve(loads)[moving]
-    found = condense.displaced(operator, loads)[moving]
+    found = condensation.displaced(operator, loads)[moving]
     assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 def test_a_load_beyond_the_palmar_part_is_refused(both: tuple) -> None:
     exact, operator = both
-    outside = np.setdiff1d(exact.space.face_nodes(exact.pad), condense.palmar(exact))
+    outside = np.setdiff1d(exact.space.face_nodes(exact.pad), condensation.palmar(exact))
     loads = np.zeros((exact.space.n_unknowns, 1))
     loads[3 * outside[0]] = 1.0
     with pytest.raises(InputError, match="beyond the side of the finger"):
-        condense.displaced(operator, loads)
+        condensation.displaced(operator, loads)
 
 
 @pytest.mark.parametrize("poisson", [(0.5, 0.48), (0.499999, 0.5)])
@@ -102,15 +102,15 @@ def test_an_incompressible_body_is_reduced_as_well(poisson: tuple[float, float])
     mesh, held = ready(FINGER, half=True), _hard.held(FINGER)
     stiff = {1: Elastic(80.0, poisson[0]), 2: Elastic(34.0, poisson[1])}
     exact = body(mesh, stiff, held)
-    even = condense.condense(exact, stiff, prescribed(exact, mesh, held))
-    pieces = (condense.Part(even, sparse.eye(exact.space.n_unknowns, format="csr"), 1.0),)
+    even = condensation.condense(exact, stiff, prescribed(exact, mesh, held))
+    pieces = (condensation.Part(even, sparse.eye(exact.space.n_unknowns, format="csr"), 1.0),)
     shape = (exact.space, exact.pad, exact.normals, exact.original, exact.half)
     touch = _placing.obstacle(ff.Flat(30), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, 40)[:, None] * touch.axis
     probe = strain_at(exact.space, inside, exact.planes)
     expected = reduce(exact, on_pad, probe)
-    found = condense.reduce(condense.Operator(*shape, pieces), on_pad, probe)
+    found = condensation.reduce(condensation.Operator(*shape, pieces), on_pad, probe)
     for name in ("flexibility", "strain", "approach"):
         scale = np.abs(getattr(expected, name)).max()
         assert np.abs(getattr(found, name) - getattr(expected, name)).max() < 2e-11 * scale
@@ -120,4 +120,4 @@ def test_only_twins_are_mirrored() -> None:
     grid = np.linspace(0.0, 1.0, 3)
     half, other = box(grid, grid, grid), box(grid, 1.1 * grid, grid)
     with pytest.raises(InputError, match="its own mirror image"):
-        condense.mirrored(other, half, odd=False)
+        condensation.mirrored(other, half, odd=False)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from fefinger.validation import fem_hertz
 
-from fefinger.fem.contact import Complementarity
-from fefinger.fem.march import Prescribed, Relaxation, march
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

@@ -5,10 +5,10 @@ import pytest
 from fefinger.validation import fem_elements
 from skfem import MeshTet
 
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.probe import inside, locate, strain_at, strain_at_vertices, tensors
-from fefinger.fem.solve import factor
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.probe import inside, locate, strain_at, strain_at_vertices, tensors
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg.system import factor
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import INSIDE
 

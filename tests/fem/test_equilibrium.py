@@ -7,14 +7,20 @@ import pytest
 from fefinger.validation.cube import across, cube, nominal, stretches
 from scipy import sparse
 
-from fefinger.fem import equilibrium
-from fefinger.fem.anderson import Anderson
-from fefinger.fem.equilibrium import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
-from fefinger.fem.factored import Factored
-from fefinger.fem.forms import Elastic
-from fefinger.fem.laws import Law, demiray, mooney_rivlin, neo_hookean, veronda_westmann
-from fefinger.fem.passage import Allowance, Path, Series, StressHistory, follow
-from fefinger.fem.state import Asked, State
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic import newton
+from fefinger.fem.hyperelastic.anderson import Anderson
+from fefinger.fem.hyperelastic.laws import (
+    Law,
+    demiray,
+    mooney_rivlin,
+    neo_hookean,
+    veronda_westmann,
+)
+from fefinger.fem.hyperelastic.load_path import Allowance, Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.newton import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
+from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.tangent import Factored
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import EQUILIBRIUM
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -75,7 +81,7 @@ def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pyte
     pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
     solver._renew(solver._look(state, asked), asked)
     assert solver._factored.rough.negative == pressures
-    monkeypatch.setattr(equilibrium, "BEDS", equilibrium.BEDS[:1])
+    monkeypatch.setattr(newton, "BEDS", newton.BEDS[:1])
     soft = cube(neo_hookean(Elastic(40.0, 0.49))).equilibrium
     soft._renew(soft._look(state, asked), asked)
     assert soft._factored.rough.negative > pressures
@@ -242,9 +248,9 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(
 
 def test_large_errors_that_fall_are_not_in_vain():
     falling = [np.inf, *(5e5 / 1.8**k for k in range(40))]
-    assert not any(equilibrium._in_vain(falling[: k + 1]) for k in range(len(falling)))
+    assert not any(newton._in_vain(falling[: k + 1]) for k in range(len(falling)))
     level = [np.inf, 1e-3, *(6 / 1.05**k for k in range(30))]
-    ends = [k for k in range(len(level)) if equilibrium._in_vain(level[: k + 1])]
+    ends = [k for k in range(len(level)) if newton._in_vain(level[: k + 1])]
     assert ends[0] == ASTRAY + 1
 
 
@@ -284,10 +290,10 @@ def test_a_search_that_takes_many_factors_is_left_for_the_way_downhill(
     monkeypatch.setattr(Equilibrium, "_descend", seen)
     monkeypatch.setattr(Equilibrium, "_outgrown", lambda *_: True)
     monkeypatch.setattr(Equilibrium, "_error", lambda *_: 1.0)
-    monkeypatch.setattr(equilibrium, "SOON", 1)
+    monkeypatch.setattr(newton, "SOON", 1)
     with pytest.raises(ConvergenceError):
         squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
-    assert spent == [equilibrium.SEARCH + 1]
+    assert spent == [newton.SEARCH + 1]
 
 
 @pytest.mark.parametrize("name", LAWS)

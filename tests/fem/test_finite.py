@@ -5,11 +5,18 @@ import pytest
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementTetP2
 
-from fefinger.fem.finite import Continuum, Memory, continuum
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box, quarter
-from fefinger.fem.laws import Law, demiray, law, mooney_rivlin, neo_hookean, veronda_westmann
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box, quarter
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import Continuum, Memory, continuum
+from fefinger.fem.hyperelastic.laws import (
+    Law,
+    demiray,
+    law,
+    mooney_rivlin,
+    neo_hookean,
+    veronda_westmann,
+)
 from fefinger.support.checks import InputError
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.fem.grids import quarter
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.grids import quarter
+from fefinger.fem.elements.spaces import Space
 
 
 LINES = np.array([0.0, 0.7, 1.5])

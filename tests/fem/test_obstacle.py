@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.fem.obstacle import Obstacle
+from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Plane, Profile, Relief
 
 

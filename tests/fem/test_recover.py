@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fefinger.fem.grids import box
-from fefinger.fem.probe import strain_at
-from fefinger.fem.recover import POWERS, recovered_gradient_at, recovered_strain_at
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.probe import strain_at
+from fefinger.fem.elements.recovery import POWERS, recovered_gradient_at, recovered_strain_at
+from fefinger.fem.elements.spaces import Space
 
 
 def grid(cells: int) -> Space:

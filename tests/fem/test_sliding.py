@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, logm
 
-from fefinger.fem.contact import candidates, patch
-from fefinger.fem.grids import box
-from fefinger.fem.obstacle import FAR, Obstacle
-from fefinger.fem.probe import gradient_at, gradient_at_vertices
-from fefinger.fem.sliding import Sliding, sliding
-from fefinger.fem.spaces import Space
-from fefinger.fem.state import State
-from fefinger.fem.strain import logarithmic
+from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.obstacle import FAR, Obstacle
+from fefinger.fem.contact.patch import candidates, patch
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import Bar, Ellipsoid, Plane, Profile
 
 

@@ -5,11 +5,12 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from fefinger.fem import multifrontal, solve
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.solvers import compressible
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg import system as solve
+from fefinger.fem.linalg.solvers import compressible
 from fefinger.support.checks import ConvergenceError, InputError
 
 

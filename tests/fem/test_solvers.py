@@ -7,11 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fefinger.fem import iterative, multifrontal, solve, solvers
-from fefinger.fem.forms import Elastic, stiffness
-from fefinger.fem.grids import box
-from fefinger.fem.solvers import SOLVERS
-from fefinger.fem.spaces import Array, Integers, Space
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.linalg import minres, multifrontal, solvers
+from fefinger.fem.linalg import system as solve
+from fefinger.fem.linalg.solvers import SOLVERS
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import LINEAR_RESIDUAL
 
@@ -110,7 +111,7 @@ def test_minres_takes_few_more_iterations_on_a_finer_mesh() -> None:
         space = layers(boxes)
         matrix = stiffness(space, {1: Elastic(5.0, 0.5), 2: Elastic(5e3, 0.3)})
         system = solve.factor(space, matrix, held(space), "iterative")
-        assert isinstance(system.solver, iterative.Iterative)
+        assert isinstance(system.solver, minres.Iterative)
         right = np.random.default_rng(1).normal(size=(len(system.free), 1))
         counts.append(system.solver.minres(right)[1])
     assert 20 < counts[0]
@@ -118,7 +119,7 @@ def test_minres_takes_few_more_iterations_on_a_finer_mesh() -> None:
 
 
 def test_minres_stops_where_it_is_told_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(iterative, "ITERATIONS", 2)
+    monkeypatch.setattr(minres, "ITERATIONS", 2)
     system = prepared("iterative", 0.49)
     with pytest.raises(ConvergenceError, match="linear solution"):
         system.solve(loads(system, 1))
@@ -126,7 +127,7 @@ def test_minres_stops_where_it_is_told_to(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_the_preconditioner_is_symmetric_and_positive() -> None:
     system = prepared("iterative", 0.5, 1e3)
-    assert isinstance(system.solver, iterative.Iterative)
+    assert isinstance(system.solver, minres.Iterative)
     rows = np.random.default_rng(2).normal(size=(len(system.free), 12))
     gram = rows.T @ system.solver.precondition(rows)
     assert np.abs(gram - gram.T).max() < 1e-10 * np.abs(gram).max()
@@ -141,7 +142,7 @@ def test_the_full_strain_of_a_node_block_has_no_trace_taken_off() -> None:
     given = stiffness(space, {1: elastic})[:n][:, :n]
     swelling = space.node_points.ravel()
     assert abs(swelling @ given @ swelling) < 1e-12
-    full = iterative._strain(given)
+    full = minres._strain(given)
     assert swelling @ full @ swelling == pytest.approx(2 * elastic.shear * 3, rel=1e-12)
     shear = np.zeros_like(space.node_points)
     shear[:, 0] = space.node_points[:, 2]

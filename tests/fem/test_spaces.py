@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger.fem.contact import foremost, smooth_places
-from fefinger.fem.grids import box
-from fefinger.fem.spaces import Space, trace
+from fefinger.fem.contact.patch import foremost, smooth_places
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space, trace
 
 
 def cap(cells: int, radius: float = 10.0) -> tuple[Space, np.ndarray, np.ndarray]:

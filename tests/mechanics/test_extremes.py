@@ -7,10 +7,11 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.body import Body, body, reduce
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.forms import Elastic
-from fefinger.fem.obstacle import Obstacle
-from fefinger.fem.probe import strain_at
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _placing, linear
 from fefinger.mechanics import solid as finite

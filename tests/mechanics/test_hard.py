@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.fem import solvers
-from fefinger.fem.finite import continuum
-from fefinger.fem.forms import Elastic
-from fefinger.fem.grids import box
-from fefinger.fem.laws import neo_hookean
-from fefinger.fem.spaces import Space
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.linalg import solvers
 from fefinger.mechanics import LADDER, _hard, _limit, condensed, get, linear, solid
 from fefinger.mechanics._operator import operator
 from fefinger.mesh.ready import ready

@@ -8,8 +8,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.body import Body, body, reduce
-from fefinger.fem.contact import Complementarity, patch
-from fefinger.fem.probe import strain_at
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import _evidence, _hard, _placing, _press, _timeline, linear
 from fefinger.mesh.ready import ready
 from fefinger.records import Response

@@ -10,10 +10,10 @@ from fefinger.validation.cube import cube
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.fem.equilibrium import Equilibrium
-from fefinger.fem.forms import Elastic
-from fefinger.fem.laws import neo_hookean
-from fefinger.fem.state import Asked, State
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import _squeeze, linear, solid
 from fefinger.mechanics._limit import most_pressed
 from fefinger.neural.afferents import displacements

@@ -1,0 +1,1 @@
+"""Frictionless contact: obstacles, gaps, complementarity, and its viscoelastic history."""

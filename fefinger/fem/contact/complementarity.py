@@ -1,0 +1,82 @@
+"""Exact complementarity between weighted gaps and pressures, by an active set."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
+
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import COMPLEMENTARITY
+
+
+PATIENCE = 12  # block exchanges without progress before single ones take over
+
+
+EXCHANGES = 500
+
+
+class Complementarity:
+    """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
+
+    Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994): finite for every
+    positive definite F. It starts from the last active set, whose factor is kept. With `any_sign`,
+    F may be indefinite, as that of a body which would buckle under its load without the obstacle.
+    """
+
+    def __init__(self, flexibility: Array, *, any_sign: bool = False) -> None:
+        self.flexibility, self.any_sign = flexibility, any_sign
+        self.active = np.zeros(len(flexibility), dtype=bool)
+        self._factored: tuple[bytes, Integers, Callable[[Array], Array]] | None = None
+
+    def solve(self, offset: Array) -> Array:
+        """Return lambda (n,) for b = `offset` (n,).
+
+        Raises
+        ------
+        ConvergenceError
+            If F is not positive definite or the exchanges do not end.
+        """
+        least, patience = len(offset) + 1, PATIENCE
+        scale = float(np.max(np.abs(offset), initial=0.0))
+        for _ in range(EXCHANGES):
+            answer = self.on_active(-offset)
+            gaps = self.flexibility @ answer + offset
+            pull = self.active & (answer < 0)
+            pressed = ~self.active & (gaps < -COMPLEMENTARITY * scale)
+            wrong = pull | pressed
+            if not wrong.any():
+                return answer
+            count = int(wrong.sum())
+            if count < least:
+                least, patience = count, PATIENCE
+            elif patience > 0:
+                patience -= 1
+            else:
+                wrong[: int(np.flatnonzero(wrong)[-1])] = False
+            self.active = self.active ^ wrong
+        message = f"contact: no consistent contact set after {EXCHANGES} exchanges; refine the step"
+        raise ConvergenceError(message)
+
+    def on_active(self, right: Array) -> Array:
+        """Return x (n,), zero off the active set, with F x = `right` on it."""
+        key = self.active.tobytes()
+        if self._factored is None or self._factored[0] != key:
+            where = np.flatnonzero(self.active)
+            self._factored = (key, where, self._inverse(self.flexibility[np.ix_(where, where)]))
+        _, where, inverse = self._factored
+        answer = np.zeros(len(right))
+        if len(where):
+            answer[where] = inverse(right[where])
+        return answer
+
+    def _inverse(self, block: Array) -> Callable[[Array], Array]:
+        """Return what solves with a block of F."""
+        try:
+            return partial(cho_solve, cho_factor(block, check_finite=False), check_finite=False)
+        except LinAlgError as error:
+            if not self.any_sign:
+                message = "contact: the flexibility of the pad is not positive definite"
+                raise ConvergenceError(message) from error
+        return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)

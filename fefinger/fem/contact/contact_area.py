@@ -1,0 +1,241 @@
+"""Contact area to a fraction of an element, from the gap outside the contact.
+
+Outside the rim of a smooth contact the gap grows as the distance to the power 3/2, so that
+phi = gap^(2/3) is linear in the distance (Johnson, Contact Mechanics, 1985, section 5.1). Around
+each vertex by the rim phi is fitted to what lies outside, as c0 + c1 s + c2 t + c3 t² along and
+across its gradient, and its zero level is the rim. Pressures are no help there: those of the
+vertices next to the rim alternate about the exact ones.
+
+Where an obstacle turns away within half an element, as at the edge of a bar, contact ends at that
+edge: where, between a vertex in contact and one that is free, the obstacle stands out most.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.contact.rim_fit import fit_rims
+from fefinger.fem.elements.spaces import Array, Flags, Integers
+
+
+SIDES = np.array([[0, 1], [1, 2], [2, 0]])
+PLACES = np.linspace(0.0, 1.0, 33)  # along a side, where an edge is looked for
+
+NEIGHBORS = 40  # nearest vertices that a fit chooses from
+PLAUSIBLE = (
+    1.5  # factor between the area and that of whole vertices beyond which the latter is taken
+)
+SHARP = 0.05  # least rise of an edge over the chord of a side
+TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
+ROWS = 4096  # fits at a time, as far as memory is near
+SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The triangles (n_tri, 3) that may touch, on points (n, 3), seen along `axis` (3,).
+
+    `obstacle`, where it may have edges.
+    """
+
+    points: Array
+    triangles: Integers
+    axis: Array
+    obstacle: Rigid | None = None
+
+    def area(self, pressed: Flags, gap: Array) -> Array:
+        """Return the contact area (n_t,) mm² through time.
+
+        pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
+        vertex from the obstacle, along its normal; FAR where that is not ahead.
+        """
+        rims, areas = _Rims.of(self), np.zeros(len(gap))
+        closed = pressed | (gap <= 0)  # pressures alternate towards an edge
+        source = _sources(pressed, gap)
+        ended: dict[bytes, float | None] = {}
+        alike: dict[bytes, list[int]] = {}
+        for k in np.unique(source[source >= 0]).tolist():
+            key = closed[k].tobytes()
+            if key not in ended:
+                ended[key] = self._ended(closed[k], rims.areas)
+            known = ended[key]
+            if known is None:
+                alike.setdefault(pressed[k].tobytes(), []).append(k)
+            else:
+                areas[k] = known
+        for times in alike.values():
+            areas[times] = rims.area(pressed[times[0]], gap[times])
+        return np.asarray(np.where(source >= 0, areas[source], 0.0))
+
+    def _ended(self, closed: Flags, areas: Array) -> float | None:
+        """Return the area of a contact (n,) that ends at edges; None of one that ends elsewhere.
+
+        Between a vertex in contact and one that is free, it ends where the obstacle stands out
+        most over the line between them; without an edge, half way.
+        """
+        if self.obstacle is None:
+            return None
+        count = closed[self.triangles].sum(axis=1)
+        mixed = np.flatnonzero((count > 0) & (count < 3))
+        sides = self.triangles[mixed][:, SIDES]
+        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
+        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows at one of these
+        if not (few > SHARP * length / 2).any():
+            return None
+        at, sharp = _corners(*self._rises(sides, PLACES), length)
+        start, end = closed[sides[..., 0]], closed[sides[..., 1]]
+        cut = ((start != end) & sharp).any(axis=1)
+        if not cut.any():
+            return None
+        at = np.where(sharp, at, 0.5)
+        reach = np.where(start, at, 1 - at)
+        alone = np.where(start != end, reach, 1.0).prod(axis=1)
+        both = 1 - np.where(start != end, 1 - reach, 1.0).prod(axis=1)
+        share = count / 3
+        share[mixed[cut]] = np.where(count[mixed] == 1, alone, both)[cut]
+        return float(share @ areas)
+
+    def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
+        """Return how far (..., n) mm the obstacle is behind and over its chord, along sides."""
+        assert self.obstacle is not None
+        first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
+        distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
+        distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
+        chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
+        return distance, chord - distance
+
+
+def _sources(pressed: Flags, gap: Array) -> Integers:
+    """Return at which time (n_t,) each area is found: an earlier one at rest, -1 without contact.
+
+    As the gaps hardly change there, that is the last one that was found.
+    """
+    sources, last = np.full(len(gap), -1), -1
+    for k in np.flatnonzero(pressed.any(axis=1)).tolist():
+        same = last >= 0 and np.array_equal(pressed[k], pressed[last])
+        if not same or np.abs(gap[k] - gap[last]).max() > SAME * np.abs(gap[k]).max():
+            last = k
+        sources[k] = last
+    return sources
+
+
+def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
+    """Return where (...,) along sides the obstacle stands out most, and whether it turns there.
+
+    distance and rise (..., n) mm at PLACES; length (...,) mm of the sides.
+    """
+    most = rise.argmax(axis=-1)
+    slope, quarter = np.diff(distance), len(PLACES) // 4
+    ends = [np.clip(most + k, 0, slope.shape[-1] - 1) for k in (-quarter - 1, quarter)]
+    before, after = (np.take_along_axis(slope, k[..., None], -1)[..., 0] for k in ends)
+    turned = after - before >= TURNED * (slope[..., -1] - slope[..., 0])
+    return PLACES[most], turned & (rise.max(axis=-1) > SHARP * length)
+
+
+@dataclass(frozen=True)
+class _Rims:
+    """What the fits need at every time; `near` are the neighbors of a point, nearest first."""
+
+    triangles: Integers
+    areas: Array
+    points: Array
+    across: Array
+    near: Integers
+    edge: Array
+
+    @classmethod
+    def of(cls, surface: Surface) -> "_Rims":
+        corners = surface.points[surface.triangles]
+        sides = corners[:, 1:] - corners[:, :1]
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+        frame = np.linalg.svd(surface.axis[None])[2][1:]
+        across = surface.points @ frame.T
+        count = min(NEIGHBORS, len(across))
+        _, near = cKDTree(surface.points).query(surface.points, k=np.arange(1, count + 1))
+        around = np.bincount(surface.triangles.ravel(), minlength=len(across))
+        total = np.bincount(surface.triangles.ravel(), np.repeat(areas, 3), minlength=len(across))
+        edge = np.sqrt(2 * total / np.maximum(around, 1))
+        return cls(surface.triangles, areas, surface.points, across, near, edge)
+
+    def area(self, pressed: Flags, gap: Array) -> Array:
+        """Return the areas (n_t,) at times with gaps (n_t, n) that have one contact (n,)."""
+        count = pressed[self.triangles].sum(axis=1)
+        edge = np.zeros(len(pressed), dtype=bool)
+        edge[self.triangles[(count > 0) & (count < 3)]] = True
+        by_rim = edge[self.triangles]  # the rim may lie one triangle farther out or in
+        crossed = np.asarray(by_rim.any(axis=1))
+        inner = float(self.areas[~crossed & (count == 3)].sum())
+        rim = np.unique(self.triangles[crossed])
+        if not len(rim):
+            return np.full(len(gap), inner)
+        few = range(max(1, ROWS // len(rim)), len(gap), max(1, ROWS // len(rim)))
+        parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
+        whole = count[crossed] / 3 * self.areas[crossed]
+        found = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
+        vertices = float((count * self.areas).sum()) / 3
+        # Under an edge the gap does not grow smoothly, and its power means nothing.
+        plausible = (vertices < PLAUSIBLE * found) & (PLAUSIBLE * found < PLAUSIBLE**2 * vertices)
+        return np.asarray(np.where(plausible, found, vertices))
+
+    def _cut(
+        self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
+    ) -> tuple[Array, Flags]:
+        """Return the areas (n_t, n_crossed) of the triangles by the rim, and if they are known."""
+        phi, bend, fitted = self._fits(rim, pressed, gap)
+        place = np.zeros(len(pressed), dtype=np.int64)
+        place[rim] = np.arange(len(rim))
+        corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
+        corners = np.tile(self.across[self.triangles[crossed]], (len(gap), 1, 1))
+        share, chord = (
+            x.reshape(shape) for x in _below_zero(phi[:, corner].reshape(-1, 3), corners)
+        )
+        curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
+        known = np.asarray(fitted[:, corner].all(axis=2))
+        return share * self.areas[crossed] + curved, known
+
+    def _offsets(self, rim: Integers) -> Array:
+        """Return where (n, k, 2) mm the neighbors of `rim` are, as far as they are in space.
+
+        Seen along the axis, points up the sides of a body would lie among those by the rim.
+        """
+        near = self.near[rim]
+        seen = self.across[near] - self.across[rim][:, None]
+        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
+        short = np.linalg.norm(seen, axis=2)
+        stretch = apart / np.where(short > 0, short, 1.0)
+        return np.asarray(seen * np.where(short > 0, stretch, 1.0)[..., None])
+
+    def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
+        """Return phi, the curvature of its zero level, and whether they are known, at `rim`.
+
+        All (n_t, n_rim), of gaps (n_t, n).
+        """
+        edge, shape = self.edge[rim], (len(gap), len(rim))
+        found, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
+        offset = self._offsets(rim) / edge[:, None, None]
+        fit_rims(self.near[rim], offset, pressed, np.ascontiguousarray(gap), found, fitted)
+        return found[..., 0], found[..., 1] / edge, fitted
+
+
+def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:
+    """Return the share of triangles where phi (n, 3) < 0, and the length (n,) of its zero line."""
+    order = np.argsort(phi, axis=1)
+    low, middle, high = np.take_along_axis(phi, order, axis=1).T
+    a, b, c = np.moveaxis(np.take_along_axis(corners, order[:, :, None], axis=1), 1, 0)
+    alone = middle > 0  # the lowest corner alone is below zero, else the highest alone above
+    tip, ends = (
+        np.where(alone, low, high),
+        (np.where(alone, middle, low), np.where(alone, high, middle)),
+    )
+    cut = (low < 0) & (high > 0)
+    parts = [np.where(cut, tip / np.where(cut & (tip != end), tip - end, 1.0), 0.0) for end in ends]
+    small = parts[0] * parts[1]
+    share = np.where(cut, np.where(alone, small, 1 - small), low < 0)
+    origin = np.where(alone[:, None], a, c)
+    tips = (np.where(alone[:, None], b, a), np.where(alone[:, None], c, b))
+    first, second = (
+        part[:, None] * (tip_ - origin) for part, tip_ in zip(parts, tips, strict=True)
+    )
+    return share, np.where(cut, np.linalg.norm(first - second, axis=1), 0.0)

@@ -1,0 +1,72 @@
+"""Rigid obstacles that travel along an axis: a profile of heights, placed and turned in space.
+
+In small strain the gap to the obstacle is linearized about the point of the obstacle that lies
+straight ahead: gap = n . axis (s - d) + n . u, with s the distance along the axis at first touch, d
+the travel and n the obstacle's outward normal there. It is exact for points that move along the
+axis, at every depth; sideways motion enters to first order. Finite strain takes the gap along the
+axis itself, g = (x - origin) . axis + h - d, with its derivatives at the deformed point x.
+"""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from fefinger.fem.elements.spaces import Array
+from fefinger.geometry.profiles import Plane, Profile, frame
+
+
+FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
+
+
+class Rigid(Protocol):
+    """What contact needs of an obstacle."""
+
+    @property
+    def axis(self) -> Array:
+        """Unit direction of travel (3,), into the body."""
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A rigid obstacle of a given profile; a plane by default.
+
+    axis (3,) unit direction of travel, into the finger; origin (3,) mm the foremost point of the
+    obstacle at first touch; roll degrees by which the profile is turned about the axis.
+    """
+
+    axis: Array
+    origin: Array
+    profile: Profile = field(default_factory=Plane)
+    roll: float = 0.0
+
+    @property
+    def frame(self) -> Array:
+        """Rows (3, 3): the profile's two unit vectors across the axis, then the axis."""
+        return frame(self.axis, self.roll)
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3).
+
+        The distance is infinite where the obstacle is not ahead of the point.
+        """
+        distance, gradient, _ = self.implicit(points)
+        return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
+
+    def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array, Array]:
+        """Return g = (x - origin) . axis + h - depth and its derivatives at points x (..., 3).
+
+        g (...,) mm is positive where the point is free and negative where it is inside the
+        obstacle; its gradient (..., 3), of which the part along the axis is 1, points out of the
+        obstacle; its hessian (..., 3, 3) is in 1/mm. Where the obstacle is not ahead, g is
+        infinite, the gradient is the axis and the hessian zero.
+        """
+        frame = self.frame
+        local = (points - self.origin) @ frame.T
+        h, slope, curvature = self.profile.height(local[..., :2])
+        gradient = self.axis + slope @ frame[:2]
+        hessian = frame[:2].T @ curvature @ frame[:2]
+        return local[..., 2] + h - depth, gradient, hessian

@@ -1,0 +1,250 @@
+"""Frictionless unilateral contact as a linear complementarity problem on the pad.
+
+The pressure is a combination of linear hat functions psi_j on the pad with coefficients
+lambda_j >= 0; it acts along the indenter's normal n. With U_j the displacement under psi_j n, the
+weighted gaps are w = s - d m + F lambda, where F_ij is the integral of psi_i n . U_j, s_i that of
+psi_i n . axis times the gap at first touch, m_i that of psi_i n . axis and d the depth:
+w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis is m . lambda.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.elements.spaces import Array, Integers, Space, Trace, trace
+
+
+RINGS = 2  # of vertices around the candidates, as far as a fit of the contact area reaches
+EDGES = (0, 1), (1, 2), (0, 2)  # of a facet, as the middles of quadratic ones are numbered
+SIDES = 24  # parts of a side of the facets in which the first touch of a plate is sought
+NEAR = 0.25  # of an edge, farther than which behind the first vertex none of them begins
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The candidates and rings of vertices around them, where nothing presses but gaps are read.
+
+    vertices (n_seen,) of the mesh, the candidates first; triangles (n_tri, 3) around them; areas
+    (n_seen,) mm² of their hats.
+    """
+
+    vertices: Integers
+    triangles: Integers
+    areas: Array
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The candidate vertices of the pad and what the obstacle means to them.
+
+    vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
+    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
+    (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge and rim
+    (n,) as those of the `candidates`.
+    At the vertices `seen`: distance (n_seen,) mm along the axis, cosine (n_seen,) of n and axis,
+    and places (n_unknowns, n_seen) that take n . u from the unknowns.
+    """
+
+    vertices: Integers
+    triangles: Integers
+    loads: sparse.csc_matrix
+    gap: Array
+    travel: Array
+    moment: Array
+    areas: Array
+    edge: NDArray[np.bool_]
+    rim: NDArray[np.bool_]
+    seen: Seen
+    distance: Array
+    cosine: Array
+    places: sparse.csc_matrix
+
+    def clearance(self, depth: Array, approach: Array) -> Array:
+        """Return the gap (n_t, n) mm at the vertices, along the obstacle's normal.
+
+        depth (n_t,) mm, approach (n_t, n_seen) mm their displacement along that normal.
+        """
+        return self.cosine * (self.distance - depth[:, None]) + approach
+
+
+def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
+    """Return the quadrature points (n_tri, n_q, 3) lifted from the facets to the smooth surface.
+
+    Each edge bulges at its middle by (n1 - n0) . (x1 - x0) / 8 along the mean normal, which is
+    exact for a sphere to third order in the edge; the facet in between is quadratic.
+    """
+    lifts = _lifts(points, normals, surface.triangles)
+    return np.asarray(surface.places + np.einsum("kq,tkd->tqd", surface.quadratic[3:], lifts))
+
+
+def foremost(points: Array, normals: Array, triangles: Integers, axis: Array) -> Array:
+    """Return the point (3,) of the smooth surface that a plate moving along `axis` meets first.
+
+    To a SIDES-th of a facet; sought in those around the foremost vertices, by NEAR of an edge.
+    """
+    ahead = points[triangles] @ axis
+    edge = np.linalg.norm(np.diff(points[triangles], axis=1), axis=2).mean()
+    near = triangles[ahead.min(axis=1) <= ahead.min() + NEAR * edge]
+    i, j = (each.ravel() / SIDES for each in np.indices((SIDES + 1, SIDES + 1)))
+    inside = i + j < 1 + 0.5 / SIDES
+    weights = np.stack([1 - i - j, i, j])[:, inside]
+    bulges = 4 * np.stack([weights[a] * weights[b] for a, b in EDGES])
+    places = np.einsum("kq,tkd->tqd", weights, points[near])
+    places += np.einsum("kq,tkd->tqd", bulges, _lifts(points, normals, near))
+    flat = places.reshape(-1, 3)
+    return np.asarray(flat[int(np.argmin(flat @ axis))])
+
+
+def _lifts(points: Array, normals: Array, triangles: Integers) -> Array:
+    """Return by how much (n_tri, 3, 3) mm the middles of the edges lie off the facets."""
+    corners, directions = points[triangles], normals[triangles]
+    lifts = np.zeros((len(corners), 3, 3))
+    for place, (a, b) in enumerate(EDGES):
+        edge = corners[:, b] - corners[:, a]
+        height = np.sum((directions[:, b] - directions[:, a]) * edge, axis=1) / 8
+        mean = directions[:, a] + directions[:, b]
+        length = np.linalg.norm(mean, axis=1, keepdims=True)
+        lifts[:, place] = height[:, None] * mean / np.where(length > 0, length, 1.0)
+    return lifts
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The part of the pad that the obstacle may touch.
+
+    vertices (n,) of the mesh; part: the trace of the triangles that carry their hats; places
+    (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
+    none; edge (n,) the candidates beyond which contact could spread out of the patch; rim (n,)
+    those of them beyond which the obstacle is not ahead, however large the patch.
+    """
+
+    vertices: Integers
+    part: Trace
+    places: Array
+    owner: Integers
+    edge: NDArray[np.bool_]
+    rim: NDArray[np.bool_]
+
+
+def candidates(
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    rings: int = 0,
+    within: NDArray[np.bool_] | None = None,
+) -> Candidates:
+    """Return the pad vertices whose gap at first touch is at most `reach` mm, and rings around.
+
+    `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
+    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles. Rings
+    grow `within` (n_points,) flags alone, where given.
+    """
+    surface = trace(space, triangles)
+    distance, _ = obstacle.gap(smooth_places(space.points, normals, surface))
+    behind = ~np.isfinite(distance).all(axis=1)
+    used = np.zeros(len(space.points), dtype=bool)
+    pad = np.unique(triangles)
+    used[pad[obstacle.gap(space.points[pad])[0] <= reach]] = True
+    near = used.copy()
+    for _ in range(rings):
+        used[triangles[used[triangles].any(axis=1)]] = True
+        if within is not None:
+            used &= within | near
+    used[triangles[behind]] = False
+    carrying = used[triangles].any(axis=1)
+    border, beyond, rim = (np.zeros_like(used) for _ in range(3))
+    border[triangles[carrying & ~used[triangles].all(axis=1)]] = True
+    beyond[triangles[behind]] = True
+    rim[triangles[carrying & beyond[triangles].any(axis=1)]] = True
+    vertices = np.flatnonzero(used)
+    column = np.full(len(used), -1, dtype=np.int64)
+    column[vertices] = np.arange(len(vertices))
+    part = trace(space, triangles[carrying])
+    places = smooth_places(space.points, normals, part)
+    owner = column[part.triangles]
+    return Candidates(vertices, part, places, owner, border[vertices], rim[vertices])
+
+
+def patch(
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    rings: int = 0,
+    within: NDArray[np.bool_] | None = None,
+) -> Patch:
+    """Return the patch of the `candidates`, their unit loads, and what is seen around them."""
+    chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)
+    part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
+    distance, direction = obstacle.gap(chosen.places)
+    cosine = direction @ obstacle.axis
+    hats = part.linear[None] * part.weights[:, None, :]
+
+    def gathered(density: Array) -> Array:
+        values = np.einsum("tjq,tq->tj", hats, density)
+        sums = np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
+        return np.asarray(sums, dtype=np.float64)
+
+    arm = np.cross(part.places, direction)
+    around = seen(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
+    apart, normal = obstacle.gap(space.points[around.vertices])
+    return Patch(
+        vertices=vertices,
+        triangles=part.triangles,
+        loads=_loads(space, part, hats, direction, owner, len(vertices)),
+        gap=gathered(cosine * distance),
+        travel=gathered(cosine),
+        moment=np.stack([gathered(arm[..., k]) for k in range(3)], axis=1),
+        areas=gathered(np.ones_like(cosine)),
+        edge=chosen.edge,
+        rim=chosen.rim,
+        seen=around,
+        distance=apart,
+        cosine=normal @ obstacle.axis,
+        places=_places(space, around.vertices, normal),
+    )
+
+
+def seen(
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Rigid,
+    reach: float,
+    vertices: Integers,
+    rings: int,
+) -> Seen:
+    """Return the candidates `vertices` and what else is among those with `rings` around them."""
+    around = candidates(space, triangles, normals, obstacle, reach, rings)
+    every = np.concatenate([vertices, np.setdiff1d(around.vertices, vertices)])
+    area = np.repeat(around.part.weights.sum(axis=1) / 3, 3)
+    areas = np.bincount(around.part.triangles.ravel(), area, minlength=len(space.points))
+    return Seen(every, around.part.triangles, areas[every])
+
+
+def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:
+    """Return what takes the displacement along `normal` (n, 3) at `vertices` from the unknowns."""
+    rows = (3 * vertices[:, None] + np.arange(3)).ravel()
+    columns = np.repeat(np.arange(len(vertices)), 3)
+    shape = (space.n_unknowns, len(vertices))
+    return sparse.coo_matrix((normal.ravel(), (rows, columns)), shape=shape).tocsc()
+
+
+def _loads(
+    space: Space, part: Trace, hats: Array, direction: Array, owner: Integers, count: int
+) -> sparse.csc_matrix:
+    """Return unit loads (n_unknowns, count): integrals of psi_j n . v for all displacements v."""
+    block = np.einsum("tjq,kq,tqc->tkcj", hats, part.quadratic, direction)
+    rows = np.broadcast_to(
+        (3 * part.nodes[:, :, None] + np.arange(3))[:, :, :, None], block.shape
+    ).ravel()
+    columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
+    kept = columns >= 0
+    entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+    return sparse.coo_matrix(entries, shape=(space.n_unknowns, count)).tocsc()

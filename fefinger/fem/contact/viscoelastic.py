@@ -1,0 +1,157 @@
+"""Contact of a linear viscoelastic body through time.
+
+With one relaxation function for the body, u(t) follows the elastic pressure q, of which the
+contact pressure is the hereditary integral p = integral of G(t - s) dq(s). Over a step in which q
+is linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
+Depth control solves q's complementarity problem, force control finds the depth as well.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.elements.spaces import Array
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
+
+
+CORRECTIONS = 60
+
+
+@dataclass(frozen=True)
+class History:
+    """Contact through time.
+
+    depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure, elastic (n_t, n) kPa the pressure
+    of the relaxed body at the same displacement; exchanges counts the contact solutions.
+    """
+
+    depth: Array
+    pressure: Array
+    elastic: Array
+    exchanges: int
+
+
+class Relaxation:
+    """The stress history of a Prony series whose long-time value is 1: G(0) = 1 / c0.
+
+    weights (1 + n,) add up to 1, rates (n,) in 1/s. Before the first step the body is at rest.
+    """
+
+    def __init__(self, weights: Array, rates: Array, size: int) -> None:
+        self.weights = weights[1:] / weights[0]
+        self.rates = rates
+        self.terms = np.zeros((len(rates), size))
+        self.elastic = np.zeros(size)
+
+    def factors(self, step: float) -> tuple[float, Array, Array]:
+        """Return g, the decays and the weights of the increment for a step in seconds."""
+        exponent = self.rates * step
+        decay = np.exp(-exponent)
+        gain = self.weights * (-np.expm1(-exponent) / exponent if step > 0 else 1.0)
+        return 1.0 + float(gain.sum()), decay, gain
+
+    def history(self, step: float) -> tuple[float, Array]:
+        """Return g and h of p = g q + h at the end of a step."""
+        g, decay, gain = self.factors(step)
+        return g, decay @ self.terms - gain.sum() * self.elastic
+
+    def advance(self, step: float, elastic: Array) -> None:
+        """Accept the elastic pressure at the end of a step."""
+        _, decay, gain = self.factors(step)
+        increment = elastic - self.elastic
+        self.terms = decay[:, None] * self.terms + gain[:, None] * increment
+        self.elastic = elastic
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """What the indenter is made to do at each time: a depth in mm or a force in mN."""
+
+    control: str
+    time: Array
+    value: Array
+
+
+@one_thread
+def march(
+    flexibility: Array,
+    gap: Array,
+    travel: Array,
+    relaxation: Relaxation,
+    prescribed: Prescribed,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> History:
+    """Return the contact history of a body at rest before `prescribed.time[0]`.
+
+    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and travel (n,) mm² are those of the patch, for
+    the relaxed body; the first value of `prescribed` is reached by a jump.
+
+    Raises
+    ------
+    ConvergenceError
+        If the contact or the depth under force control is not found.
+    """
+    solver = Complementarity(flexibility)
+    time, value = prescribed.time, prescribed.value
+    peak = float(value.max(initial=0.0))
+    depths, pressures, elastics = [], [], []
+    depth = 0.0
+    solved = 0
+    for k, target in enumerate(value):
+        step = float(time[k] - time[k - 1]) if k else 0.0
+        g, past = relaxation.history(step)
+        free = gap - flexibility @ past / g
+        if prescribed.control == "depth":
+            depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
+        else:
+            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth, peak)
+        elastic = (pressure - past) / g
+        relaxation.advance(step, elastic)
+        depths.append(depth)
+        pressures.append(pressure)
+        elastics.append(elastic)
+        solved += count
+        progress((k + 1) / len(value))
+    return History(np.array(depths), np.array(pressures), np.array(elastics), solved)
+
+
+def depth_at(
+    solver: Complementarity,
+    g: float,
+    free: Array,
+    travel: Array,
+    force: float,
+    guess: float,
+    peak: float,
+) -> tuple[float, Array, int]:
+    """Return depth, pressure and the number of contact solutions for a force in mN.
+
+    The force is a rising, piecewise linear function of the depth: Newton's method, kept inside a
+    bracket that starts at the last depth without contact. `peak` in mN is the largest force of the
+    path, which decides what is small.
+    """
+    touch = float(np.min(free / travel))
+    if force <= 0:
+        return touch, np.zeros(len(free)), 0
+    close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
+    low, high = touch, np.inf
+    depth = max(guess, touch + 1e-6 * (1.0 + abs(touch)))
+    for count in range(1, CORRECTIONS + 1):
+        pressure = g * solver.solve(free - depth * travel)
+        excess = float(travel @ pressure) - force
+        if abs(excess) <= close:
+            return depth, pressure, count
+        low, high = (depth, high) if excess < 0 else (low, depth)
+        slope = g * float(travel @ solver.on_active(travel))
+        depth = depth - excess / slope if slope > 0 else 2 * depth - touch
+        if not low < depth < high:
+            depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - touch)
+    message = (
+        f"force control: asked for {force:.6g} mN, reached {excess + force:.6g} mN after "
+        f"{CORRECTIONS} corrections; take shorter steps"
+    )
+    raise ConvergenceError(message)

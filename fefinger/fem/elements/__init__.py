@@ -1,0 +1,1 @@
+"""Finite-element spaces, forms, assembly, and fields read back from them."""

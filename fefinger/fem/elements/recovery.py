@@ -1,0 +1,149 @@
+"""Strain at points by recovery: the derivative of a cubic fitted to the displacements around.
+
+The strain of quadratic elements jumps between cells and is of second order. A cubic polynomial,
+fitted by least squares to the nodal displacements of the cells around a point, has a gradient of
+third order there (Zhang and Naga, SIAM J. Sci. Comput. 26:1192, 2005). Only cells of the tissue
+that the point lies in are used, as strain jumps between tissues; where they are too few for a
+cubic, a point keeps the gradient of its own cells.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.elements.probe import VOIGT, gradient_at, locate
+from fefinger.fem.elements.spaces import Array, Integers, Space
+
+
+POWERS = np.array([p for p in product(range(4), repeat=3) if sum(p) <= 3])
+"""Exponents (20, 3) of the monomials of a cubic."""
+
+SLOPES = [int(np.flatnonzero((unit == POWERS).all(axis=1))[0]) for unit in np.eye(3, dtype=int)]
+"""Which of them are x, y and z."""
+
+RINGS = 4  # of cells around the point, at most
+PLENTY = 3  # nodes of a fit for each monomial
+FADE = 1.5  # how the weights fade: exp(-FADE) where there are PLENTY of nodes
+RANK = 1e-6  # smallest singular value of a fit, over the largest
+
+
+def recovered_strain_at(
+    space: Space, points: Array, planes: Sequence[int] = ()
+) -> sparse.csr_matrix:
+    """Return the operator (6 n_points, n_unknowns) from unknowns to the strain at `points`.
+
+    `planes` are the axes across whose coordinate plane the body goes on as its mirror image.
+
+    Raises
+    ------
+    InputError
+        If a point (n_points, 3) mm lies outside the body.
+    """
+    mean = np.zeros((6, 9))
+    for row, (i, j) in enumerate(VOIGT):
+        mean[row, 3 * i + j] += 0.5
+        mean[row, 3 * j + i] += 0.5
+    strain = sparse.kron(sparse.identity(len(points)), mean, format="csr")
+    return strain @ recovered_gradient_at(space, points, planes)
+
+
+def recovered_gradient_at(
+    space: Space, points: Array, planes: Sequence[int] = ()
+) -> sparse.csr_matrix:
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at `points`, i before j.
+
+    `planes` and errors are those of `recovered_strain_at`.
+    """
+    if len(points) == 0:
+        return sparse.csr_matrix((0, space.n_unknowns))
+    owner, cells, _ = locate(space, points)
+    around = _Around(space, planes)
+    blocks = [_rows(around, point, cells[owner == k]) for k, point in enumerate(points)]
+    return sparse.vstack(blocks, format="csr")
+
+
+class _Around:
+    """The cells of a body and of its mirror images, and which of them touch.
+
+    A cell, vertex or node has one number per image; on a mirror plane the images are one.
+    """
+
+    def __init__(self, space: Space, planes: Sequence[int]) -> None:
+        self.space, self.planes = space, planes
+        self.signs = np.ones((1, 3))
+        for axis in planes:
+            flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+            self.signs = np.concatenate([self.signs, self.signs * flip])
+        self.vertices = self._images(space.vertices, space.points)
+        self.nodes = self._images(space.nodes, space.node_points)
+        self.tissue = np.tile(space.tissue, len(self.signs))
+        order = np.argsort(self.vertices, axis=None, kind="stable")
+        self._cells = order // self.vertices.shape[1]
+        count = len(space.points) * len(self.signs)
+        sizes = np.bincount(self.vertices.ravel(), minlength=count)
+        self._starts = np.concatenate([[0], np.cumsum(sizes)])
+
+    def _images(self, members: Integers, points: Array) -> Integers:
+        """Return the members (n_cells, k) of the cells of all images, numbered image by image."""
+        found = []
+        for image, signs in enumerate(self.signs):
+            own = np.full(len(points), image)
+            for lower in range(image):  # one and the same, if what the signs differ in is 0
+                same = (points[:, signs != self.signs[lower]] == 0).all(axis=1) & (own == image)
+                own[same] = lower
+            found.append(own[members] * len(points) + members)
+        return np.concatenate(found)
+
+    def hosts(self, point: Array, cells: Integers) -> Integers:
+        """Return the cells of one tissue that hold a point; on a mirror plane, their images too."""
+        own = cells[self.tissue[cells] == self.tissue[cells[0]]]
+        images = np.flatnonzero((point * self.signs == point).all(axis=1))
+        return (images[:, None] * len(self.space.vertices) + own).ravel()
+
+    def grown(self, cells: Integers) -> Integers:
+        """Return the cells with all of their tissue that touch them."""
+        vertices = np.unique(self.vertices[cells])
+        runs = [self._cells[self._starts[v] : self._starts[v + 1]] for v in vertices]
+        found = np.unique(np.concatenate(runs))
+        return found[self.tissue[found] == self.tissue[cells[0]]]
+
+    def places(self, cells: Integers) -> tuple[Integers, Array, Array]:
+        """Return the nodes (n,) of cells, where they are or their images, and signs (n, 3)."""
+        images, nodes = np.divmod(np.unique(self.nodes[cells]), len(self.space.node_points))
+        signs = self.signs[images]
+        return nodes, self.space.node_points[nodes] * signs, signs
+
+
+def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
+    """Return the rows (9, n_unknowns) of one point, with as many rings of cells as it takes."""
+    space, cells = around.space, around.hosts(point, host)
+    for _ in range(RINGS):
+        cells = around.grown(cells)
+        nodes, places, signs = around.places(cells)
+        slopes = _slopes(places - point)
+        if slopes is not None:
+            columns = 3 * nodes[:, None] + np.arange(3)
+            values = slopes[None] * signs.T[:, None]  # (i, j, n): du_i / dX_j
+            where = (np.arange(9).repeat(len(nodes)), columns.T.repeat(3, axis=0).ravel())
+            return sparse.coo_matrix((values.ravel(), where), (9, space.n_unknowns)).tocsr()
+    return gradient_at(space, point[None], around.planes)
+
+
+def _slopes(offsets: Array) -> Array | None:
+    """Return what takes values at the offsets (n, 3) to their gradient (3, n), None if unknown."""
+    enough = PLENTY * len(POWERS)
+    distance = np.linalg.norm(offsets, axis=1)
+    if len(distance) < len(POWERS):
+        return None
+    reach = np.partition(distance, min(enough, len(distance)) - 1)[min(enough, len(distance)) - 1]
+    near = distance < 3 * reach
+    weights = np.zeros(len(distance))
+    weights[near] = np.exp(-FADE * (distance[near] / reach) ** 2)
+    x, y, z = (offsets / reach).T[:, :, None] ** np.arange(4)
+    monomials = x[:, POWERS[:, 0]] * y[:, POWERS[:, 1]] * z[:, POWERS[:, 2]] * weights[:, None]
+    left, size, right = np.linalg.svd(monomials, full_matrices=False)
+    if size[-1] < RANK * size[0]:
+        return None
+    return np.asarray((right.T[SLOPES] / size) @ left.T * weights / reach)

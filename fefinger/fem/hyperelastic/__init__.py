@@ -1,0 +1,1 @@
+"""Finite strain: hyperelastic laws, kernels, equilibrium and the path of the load."""

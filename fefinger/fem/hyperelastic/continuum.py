@@ -1,0 +1,166 @@
+"""A body of hyperelastic tissues at finite strain: residual, tangent and stress of its elements.
+
+The unknowns are those of `spaces.Space`: displacements, then elastic pressures in units of
+`scale`. At rest the tangent is the matrix of `forms.stiffness`.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from skfem import Basis, ElementTetP1
+
+from fefinger.fem.elements import assembly
+from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.hyperelastic import element_kernels
+from fefinger.fem.hyperelastic.laws import Law
+from fefinger.support.checks import InputError
+
+
+Places = tuple[Array, Integers, Array, Array, Array, Array, Array]
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What relaxation makes of one step: S = g_d S_iso + g_v S_vol + past.
+
+    gains (n_cells, 2): g_d and g_v; past (n_cells, n_q, 6) kPa.
+    """
+
+    gains: Array
+    past: Array
+
+
+@dataclass(frozen=True)
+class Continuum:
+    """The elements of a body, ready for the compiled loops.
+
+    laws (n_cells, 4): mu, 1 / K, share and exponent; jacobians (n_cells, 3, 3): gradients of the
+    reference coordinates; weights (n_cells, n_q) mm³; reference (n_q, 10, 3) and shapes (n_q, 4):
+    gradients of the quadratics and values of the linears (times `scale` kPa); pattern: the matrix
+    with all of its places; slots (n_cells, 34, 34): where each entry of a cell goes.
+    """
+
+    space: Space
+    laws: Array
+    jacobians: Array
+    weights: Array
+    reference: Array
+    shapes: Array
+    scale: float
+    pattern: sparse.csr_matrix
+    slots: NDArray[np.int32]
+
+    @property
+    def at_rest(self) -> Memory:
+        """The memory of a body that has not relaxed and never will."""
+        cells, points = self.weights.shape
+        return Memory(np.ones((cells, 2)), np.zeros((cells, points, 6)))
+
+    def _places(self, values: Array) -> Places:
+        """Return what every loop starts from."""
+        return (
+            values,
+            self.space.unknowns,
+            self.jacobians,
+            self.weights,
+            self.reference,
+            self.shapes,
+            self.laws,
+        )
+
+    def residual(self, values: Array, memory: Memory) -> tuple[Array, float]:
+        """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
+        out = np.zeros(self.space.n_unknowns)
+        least = element_kernels.residual(
+            *self._places(values),
+            memory.gains,
+            memory.past,
+            out,
+        )
+        return out, float(least)
+
+    def tangent(self, values: Array, memory: Memory, *, whole: bool = True) -> sparse.csr_matrix:
+        """Return the second derivative of the potential, symmetric.
+
+        Unless `whole`, its displacement block is made positive definite, so that it can be factored
+        in every state: good to iterate with, and no derivative (see `kernels.tangent`).
+        """
+        data = np.zeros_like(self.pattern.data)
+        element_kernels.tangent(
+            *self._places(values),
+            memory.gains,
+            memory.past,
+            self.slots,
+            whole,
+            data,
+        )
+        return sparse.csr_matrix(
+            (data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape
+        )
+
+    def stress(self, values: Array) -> tuple[Array, Array]:
+        """Return the isochoric and volumetric elastic stress (n_cells, n_q, 6) in kPa."""
+        isochoric = np.empty((*self.weights.shape, 6))
+        volumetric = np.empty_like(isochoric)
+        element_kernels.stress(
+            *self._places(values),
+            isochoric,
+            volumetric,
+        )
+        return isochoric, volumetric
+
+    def energy(self, values: Array, memory: Memory) -> float:
+        """Return the potential in mN mm."""
+        return float(element_kernels.energy(*self._places(values), memory.gains, memory.past))
+
+
+def continuum(
+    space: Space, tissues: Mapping[int, Law], soft: Collection[int] | None = None
+) -> Continuum:
+    """Return the elements of `space`, with the law of every label in `space.tissue`.
+
+    `soft` are the labels whose stiffness sets the scale, all by default.
+
+    Raises
+    ------
+    InputError
+        If a cell has no volume.
+    """
+    corners = space.points[space.cells]
+    if not (np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) > 0).all():
+        message = "mesh: expected cells of positive volume, received a flat one; repair the mesh"
+        raise InputError(message)
+    basis = space.scalar
+    quadrature = basis.quadrature
+    linear = Basis(basis.mesh, ElementTetP1(), quadrature=quadrature)
+    corners = space.points[space.vertices]
+    edges = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)
+    scale = max(law.shear for k, law in tissues.items() if soft is None or k in soft)
+    laws = {
+        k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()
+    }
+    pattern, slots = _pattern(space)
+    return Continuum(
+        space=space,
+        laws=np.array([laws[int(k)] for k in space.tissue]),
+        jacobians=np.ascontiguousarray(np.linalg.inv(edges)),
+        weights=np.ascontiguousarray(basis.dx),
+        reference=np.array([basis.elem.lbasis(quadrature[0], i)[1].T for i in range(10)])
+        .transpose(1, 0, 2)
+        .copy(),
+        shapes=scale * np.array([np.asarray(f[0])[0] for f in linear.basis]).T.copy(),
+        scale=scale,
+        pattern=pattern,
+        slots=slots,
+    )
+
+
+def _pattern(space: Space) -> tuple[sparse.csr_matrix, NDArray[np.int32]]:
+    """Return a matrix with every place that cells fill, and the places of each cell's entries."""
+    n, members = space.n_unknowns, space.unknowns
+    starts, columns = assembly.pattern(members, n)
+    pattern = sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n))
+    return pattern, element_kernels.slots(members, starts, columns)

@@ -1,0 +1,1 @@
+"""Sparse factorizations, iterative solvers and their threads."""

@@ -1,0 +1,161 @@
+"""A multifrontal factor in single precision of any symmetric matrix, to iterate with.
+
+Like `multifrontal`, but the pivot block F of a front may be indefinite: it is inverted as a whole,
+with row exchanges, and F^-1 and R F^-1 (R the rows below) are kept instead of triangles. That is
+enough for the true tangent of a body under pressure, which no order of the unknowns makes definite,
+and single precision is enough for a factor whose answers are corrected by true residuals.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg.lapack import ssytrf, ssytrf_lwork, ssytri
+
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection, Front, add_lower, gather
+from fefinger.support.checks import InputError
+
+
+Floats = NDArray[np.float32]
+
+LARGE = "solve: expected numbers that single precision holds, received larger ones"
+
+STRIP = 512  # columns of a symmetric product that are formed at once
+
+
+@dataclass(frozen=True)
+class Single:
+    """F^-1 and R F^-1 of all fronts.
+
+    order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
+    these; values: F^-1 and R F^-1, front by front and row by row; negative: how many eigenvalues
+    of the matrix are, by Sylvester's law of inertia.
+    """
+
+    order: Integers
+    table: Integers
+    rest: Integers
+    values: Floats
+    negative: int
+
+    @property
+    def entries(self) -> int:
+        """Number of entries stored."""
+        return len(self.values)
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
+        work = right[self.order].astype(np.float32)
+        _solve(self.table, self.rest, self.values, work)
+        answer = np.empty(right.shape)
+        answer[self.order] = work
+        return answer
+
+
+def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
+    """Factor a symmetric matrix (n, n), given in the order of its unknowns.
+
+    Raises
+    ------
+    InputError
+        If a pivot block is singular, or a number beyond single precision.
+    """
+    order = dissection.order
+    arranged = matrix[order][:, order].tocsr()
+    with np.errstate(over="ignore"):  # told below
+        arranged.data = arranged.data.astype(np.float32)
+    if not np.isfinite(arranged.data).all():
+        raise InputError(LARGE)
+    table, values, places = _empty(dissection.fronts)
+    negative = 0
+    place = np.full(len(order), -1, dtype=np.int64)
+    updates: dict[int, Floats] = {}
+    for index, (front, (inverse, below)) in enumerate(zip(dissection.fronts, places, strict=True)):
+        n, m = front.stop - front.start, len(front.rest)
+        place[front.start : front.stop] = np.arange(n)
+        place[front.rest] = n + np.arange(m)
+        columns = np.zeros((n + m, n), dtype=np.float32, order="F")
+        rest = np.zeros((m, m), dtype=np.float32, order="F")
+        gather(columns, arranged, front, place)
+        for part in front.parts:
+            where = place[dissection.fronts[part].rest]
+            add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
+        place[front.start : front.stop] = -1
+        place[front.rest] = -1
+        inverse[:], below_zero = _inverse(columns[:n])
+        negative += below_zero
+        np.matmul(columns[n:], inverse, out=below)
+        for first in range(0, m, STRIP):
+            strip = slice(first, first + STRIP)
+            rest[first:, strip] -= below[first:] @ columns[n:][strip].T
+        updates[index] = rest
+    rests = np.concatenate([front.rest for front in dissection.fronts])
+    return Single(order, table, rests, values, negative)
+
+
+def _empty(fronts: Sequence[Front]) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
+    """Return the table and the values of a factor to be filled, and where those of a front go."""
+    table = np.array([(f.start, f.stop, len(f.rest)) for f in fronts])
+    counts = table[:, 1] - table[:, 0]
+    starts = np.concatenate([[0], np.cumsum(counts * (counts + table[:, 2]))])
+    values = np.empty(starts[-1], dtype=np.float32)
+    places = []
+    for n, m, start, stop in zip(counts, table[:, 2], starts[:-1], starts[1:], strict=True):
+        block = values[start:stop].reshape(n + m, n)
+        places.append((block[:n], block[n:]))
+    return table, values, places
+
+
+def _inverse(block: Floats) -> tuple[Floats, int]:
+    """Return the inverse of a symmetric matrix (n, n), and how many eigenvalues are negative.
+
+    Its lower triangle is read.
+
+    Raises
+    ------
+    InputError
+        If it is singular.
+    """
+    if not len(block):
+        return block, 0
+    size = int(ssytrf_lwork(len(block), lower=1)[0])  # without it, LAPACK works column by column
+    factored, exchanges, singular = ssytrf(block, lower=1, lwork=size)
+    inverse, _ = ssytri(factored, exchanges, lower=1)
+    if singular or not np.isfinite(np.diagonal(inverse)).all():
+        raise InputError(SINGULAR)
+    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T), _negative(factored, exchanges)
+
+
+def _negative(factored: Floats, exchanges: Integers) -> int:
+    """Return how many eigenvalues are negative, of D in L D L' of Bunch and Kaufman.
+
+    A block of two rows is taken where it has one of either sign.
+    """
+    alone = exchanges > 0
+    return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
+
+
+@njit(cache=True)
+def _solve(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
+    """Replace right hand sides (n,) or (n, k), in the order of elimination, by the solutions."""
+    place = first = 0
+    for f in range(len(table)):
+        start, stop, m = table[f]
+        n = stop - start
+        below = values[place + n * n : place + n * (n + m)].reshape(m, n)
+        part = np.dot(below, work[start:stop])
+        for i in range(m):
+            work[rest[first + i]] -= part[i]
+        place, first = place + n * (n + m), first + m
+    for f in range(len(table) - 1, -1, -1):
+        start, stop, m = table[f]
+        n = stop - start
+        place, first = place - n * (n + m), first - m
+        inverse = values[place : place + n * n].reshape(n, n)
+        below = values[place + n * n : place + n * (n + m)].reshape(m, n)
+        known = work[rest[first : first + m]]
+        work[start:stop] = np.dot(inverse, work[start:stop]) - np.dot(below.T, known)

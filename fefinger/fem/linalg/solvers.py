@@ -1,0 +1,193 @@
+"""The linear solvers, behind one small interface: something that comes near a solution.
+
+`solve.System` refines what a solver returns until the true residual is small, so that a solver
+decides time and memory and never the answer. In the order of choice:
+
+- "multifrontal": our factor in double precision, the fastest where it fits in memory.
+- "single": the same in single precision, for half the memory. It converges until moduli are some
+  1e4 apart.
+- "iterative": MINRES with no factor of the matrix: memory grows as the unknowns do. A load costs
+  some 170 iterations at every size and Poisson's ratio, and 3 times as many where a part that is
+  1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
+
+Only where they are asked for:
+
+- "superlu": that of SciPy; slower (reports/bench-fem.json), and an independent check.
+- "cholmod": that of SuiteSparse, through the optional scikit-sparse. The matrix is quasi-definite,
+  which its supernodal code refuses; the simplicial one took 11 times as long as ours on 28
+  thousand unknowns.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.linalg import multifrontal, multifrontal_single
+from fefinger.fem.linalg.minres import iterative
+from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection
+from fefinger.support.checks import InputError
+from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, SINGULAR_PIVOT
+
+
+ROOM = 0.5  # part of the free memory that a factor may take
+WORKING = 1.5  # memory while factoring, over that of the factor
+SPREAD = 1e5  # of the diagonal: beyond it single precision does not converge
+
+
+class Solver(Protocol):
+    """What returns solutions, approximately, for right hand sides (n,) or (n, k)."""
+
+    @property
+    def entries(self) -> int:
+        """Number of entries stored."""
+        ...
+
+    def solve(self, right: Array) -> Array:
+        """Return the approximate solution in the shape of `right`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a solver is made from.
+
+    matrix (n_unknowns, n_unknowns) of all unknowns of the space; free (n,): those to be solved for;
+    reduced (n, n): their matrix; dissection: the order of a factor.
+    """
+
+    space: Space
+    matrix: sparse.csr_matrix
+    free: Integers
+    reduced: sparse.csr_matrix
+    dissection: Dissection
+
+    @property
+    def neighbor(self) -> sparse.csr_matrix:
+        """The slightly compressible, quasi-definite matrix (n, n) that is factored."""
+        return compressible(self.space, self.matrix)[self.free][:, self.free].tocsr()
+
+
+@dataclass(frozen=True)
+class Library:
+    """The factor of another library: `ordered` solves in `order` (n,)."""
+
+    order: Integers
+    ordered: Callable[[Array], Array]
+    entries: int
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution (n,) or (n, k)."""
+        answer = np.empty_like(right)
+        answer[self.order] = self.ordered(right[self.order])
+        return answer
+
+
+def choose(equations: Equations) -> str:
+    """Return the name of the fastest solver that fits in the free memory."""
+    room = ROOM * free_memory()
+    size = WORKING * equations.dissection.entries
+    if 8 * size <= room:
+        return "multifrontal"
+    diagonal = equations.reduced.diagonal()
+    stiffness = diagonal[diagonal > 0]
+    if 4 * size <= room and stiffness.max() <= SPREAD * stiffness.min():
+        return "single"
+    return "iterative"
+
+
+def free_memory() -> float:
+    """Return the free memory in bytes; without a count of what is free all, or else inf."""
+    with suppress(OSError, StopIteration):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        line = next(line for line in lines if line.startswith("MemAvailable:"))
+        return 1024.0 * int(line.split()[1])
+    with suppress(AttributeError, ValueError, OSError):
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    return float("inf")
+
+
+def superlu(equations: Equations) -> Library:
+    """Return the factor of SuperLU, symmetric and in our order, which is better than its own.
+
+    Raises
+    ------
+    InputError
+        If the matrix is singular.
+    """
+    order, options = equations.dissection.order, {"SymmetricMode": True, "Equil": False}
+    arranged = equations.neighbor[order][:, order].tocsc()
+    try:
+        found = splu(arranged, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError as error:
+        raise InputError(SINGULAR) from error
+    _check(arranged, found.U.diagonal())
+    return Library(order, found.solve, int(found.L.nnz))
+
+
+def cholmod(equations: Equations) -> Library:
+    """Return the simplicial L D L' of CHOLMOD in our order.
+
+    Raises
+    ------
+    InputError
+        If scikit-sparse 0.4 is not installed, or the matrix is singular.
+    """
+    try:
+        from sksparse.cholmod import CholmodError, cholesky
+    except ImportError as error:
+        message = (
+            f"ask.solver: expected scikit-sparse 0.4 for 'cholmod', found none ({error}); "
+            "pip install 'fefinger[cholmod]', or leave the solver out"
+        )
+        raise InputError(message) from error
+    order = equations.dissection.order
+    arranged = equations.neighbor[order][:, order].tocsc()
+    try:
+        found = cholesky(arranged, mode="simplicial", ordering_method="natural")
+    except CholmodError as error:
+        raise InputError(SINGULAR) from error
+    lower, pivots = found.L_D()
+    _check(arranged, pivots.diagonal())
+    return Library(order, found, int(lower.nnz))
+
+
+def _check(matrix: sparse.csc_matrix, pivots: Array) -> None:
+    """Raise InputError where pivots are what rounding leaves of the diagonal."""
+    if (np.abs(pivots) < SINGULAR_PIVOT * np.abs(matrix.diagonal())).any():
+        raise InputError(SINGULAR)
+
+
+def compressible(
+    space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
+) -> sparse.csr_matrix:
+    """Return the matrix with at least that compressibility on the diagonal of the pressures."""
+    shift = _lacking(space, matrix, least)
+    return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
+
+
+def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
+    """Return what each unknown's diagonal (n_unknowns,) lacks of that compressibility."""
+    pressure = np.arange(space.n_displacements, space.n_unknowns)
+    coupling = abs(matrix[pressure][:, : space.n_displacements])
+    wanted = least * np.asarray(coupling.sum(axis=1)).ravel()
+    present = -matrix.diagonal()[pressure]
+    shift = np.zeros(space.n_unknowns)
+    shift[pressure] = np.maximum(wanted - present, 0.0)
+    return shift
+
+
+SOLVERS: Mapping[str, Callable[[Equations], Solver]] = {
+    "multifrontal": lambda e: multifrontal.factor(e.neighbor, e.dissection),
+    "single": lambda e: multifrontal_single.factor(e.neighbor, e.dissection),
+    "iterative": lambda e: iterative(e.space, e.matrix, e.free, e.reduced),
+    "superlu": superlu,
+    "cholmod": cholmod,
+}
