@@ -19,12 +19,12 @@ from fefinger.support.version import VERSION
 if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
-    from fefinger.files import load as load
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
     from fefinger.realtime import Condensed as Condensed
-    from fefinger.records import Plan as Plan
-    from fefinger.records import Result as Result
+    from fefinger.results.netcdf import load as load
+    from fefinger.results.records import Plan as Plan
+    from fefinger.results.records import Result as Result
     from fefinger.rolling import Rolling as Rolling
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.finger import Finger as Finger
@@ -67,7 +67,7 @@ _HOMES = {
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
-    "files": ("load",),
+    "results.netcdf": ("load",),
     "scene.finger": ("Finger",),
     "scene.indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
@@ -78,7 +78,7 @@ _HOMES = {
     ),
     "plan": ("choose", "explain"),
     "realtime": ("Condensed",),
-    "records": ("Plan", "Result"),
+    "results.records": ("Plan", "Result"),
     "rolling": ("Rolling",),
     "scene.scene": ("Scene",),
     "theory.relaxation": ("Prony",),

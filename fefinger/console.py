@@ -14,7 +14,7 @@ from fefinger.support.text import brief, shown, strict_json, table
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.records import Plan, Result
+    from fefinger.results.records import Plan, Result
     from fefinger.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fefinger import quantities
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
-from fefinger.records import Array, Integers, Result
+from fefinger.results.records import Array, Integers, Result
 from fefinger.scene.scene import Scene
 
 

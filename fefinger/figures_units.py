@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from fefinger.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.records import Integers, Pad, Result
+from fefinger.results.records import Integers, Pad, Result
 
 
 BIN = 60  # bins of the histogram over the whole time

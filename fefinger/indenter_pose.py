@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger.geometry.profiles import Ellipsoid, Profile, frame
 from fefinger.geometry.section import is_half
-from fefinger.records import Array, Fields, Result
+from fefinger.results.records import Array, Fields, Result
 from fefinger.scene.indenter import STANDARD, Flat, Grating, Relief, direction
 
 

@@ -19,7 +19,7 @@ from fefinger.fem.elements.probe import inside, tensors
 from fefinger.mechanics import _operator
 from fefinger.neural.streaming import Afferents
 from fefinger.realtime import afferents
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.rolling import Rolling
 from fefinger.scene import library
 from fefinger.scene.finger import Finger

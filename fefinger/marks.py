@@ -6,7 +6,7 @@ import numpy as np
 
 from fefinger import pieces, quantities
 from fefinger.neural.trains import FEW, SpikeTrains
-from fefinger.records import Array, Integers, Result
+from fefinger.results.records import Array, Integers, Result
 
 
 OFF_PLANE = 0.5  # mm from the cut within which end organs of a population are marked

@@ -12,7 +12,7 @@ import numpy as np
 from fefinger import figures, indenter_pose, quantities
 from fefinger.geometry import section
 from fefinger.neural.trains import FEW
-from fefinger.records import Array, Integers, Result
+from fefinger.results.records import Array, Integers, Result
 
 
 MARGIN = 1.2  # mm about the section

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry import section
-from fefinger.records import Array, Fields, Integers
+from fefinger.results.records import Array, Fields, Integers
 
 
 NAMES = {1: "skin", 2: "subcutaneous tissue", 3: "bone"}

@@ -9,7 +9,7 @@ from pathlib import Path
 from fefinger import machine
 from fefinger import mechanics as ladder
 from fefinger.mechanics import _by_force, _tradeoff
-from fefinger.records import Plan, Refusal, Rung, Settings
+from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene

@@ -19,7 +19,7 @@ from fefinger.support.checks import InputError, choice, number
 if TYPE_CHECKING:
     from fefinger.neural.populations import Population, Surface
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.records import Response, Sites
+    from fefinger.results.records import Response, Sites
     from fefinger.scene.ask import Ask
 
 
@@ -97,7 +97,7 @@ def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
 
 def sites(population: "Population") -> "Sites":
     """Return the sites of all end organs: what a mechanics gives the strain at."""
-    from fefinger.records import Sites
+    from fefinger.results.records import Sites
 
     return Sites(
         points=population.sites,

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import energy
-from fefinger.records import Array, Fields, Result
+from fefinger.results import energy
+from fefinger.results.records import Array, Fields, Result
 from fefinger.support.checks import InputError, choice, number
 
 

@@ -31,7 +31,7 @@ from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded
 from fefinger.mechanics._touch import sites as central_sites
 from fefinger.neural.streaming import Afferents
-from fefinger.records import Response, Sites
+from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD, Flat, Indenter

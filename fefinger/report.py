@@ -12,8 +12,8 @@ import numpy as np
 
 from fefinger import figures, figures_units, indenter_pose, page, quantities, view
 from fefinger.neural.trains import FEW
-from fefinger.pressures import highest
-from fefinger.records import Result
+from fefinger.results.pressure import highest
+from fefinger.results.records import Result
 from fefinger.scene.indenter import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder

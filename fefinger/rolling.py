@@ -23,7 +23,7 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics import _operator, _placing, _press
 from fefinger.realtime import Step
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, direction
 from fefinger.support.checks import InputError, number

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fefinger import indenter_pose, quantities
-from fefinger.records import Result
+from fefinger.results.records import Result
 from fefinger.support.checks import InputError, number
 
 

@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from fefinger.records import Result
+from fefinger.results.records import Result
 
 
 MOST = 3  # differences that a title has room for

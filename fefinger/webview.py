@@ -19,7 +19,7 @@ from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.trains import FEW
 from fefinger.quantities import Span
-from fefinger.records import Array, Fields, Integers, Result
+from fefinger.results.records import Array, Fields, Integers, Result
 from fefinger.support.atomic_write import moved
 from fefinger.titles import titles
 

@@ -12,7 +12,17 @@ from threadpoolctl import threadpool_limits
 
 from fefinger import machine
 from fefinger.neural.trains import SpikeTrains
-from fefinger.records import Fields, Pad, Plan, Reference, Refusal, Response, Result, Rung, Sites
+from fefinger.results.records import (
+    Fields,
+    Pad,
+    Plan,
+    Reference,
+    Refusal,
+    Response,
+    Result,
+    Rung,
+    Sites,
+)
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
@@ -292,5 +302,5 @@ def make_spikes(time: Array, depth: Array, positions: Array) -> SpikeTrains:
 @pytest.fixture
 def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
     """Let `fefinger view` find the synthetic result in every folder."""
-    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
     return synthetic

@@ -19,7 +19,7 @@ from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Compliance
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.mechanics import _kept, _operator
-from fefinger.mesh import files, ready
+from fefinger.mesh import store, vtu
 from fefinger.mesh.recipe import Recipe
 from fefinger.support import cache
 
@@ -127,10 +127,10 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     assert cache.entries() == ()
     finger, recipe = ff.Finger.subject("a.h."), Recipe(15, 11, 14)
     assert not _kept.at_hand(finger, half=True)
-    assert not ready.at_hand(ff.Finger(15, 11))
-    mesh = ready.ready(finger, half=True)
+    assert not store.at_hand(ff.Finger(15, 11))
+    mesh = store.ready(finger, half=True)
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
-    assert ready.ready(recipe, half=True) is mesh
+    assert store.ready(recipe, half=True) is mesh
     made = Reduced(None, np.eye(2), np.ones((6, 2)), np.ones((2, 2)))
     monkeypatch.setattr(_operator.reduction, "reduce", lambda *parts: made)
     nothing = sparse.eye(2, format="csr")
@@ -193,21 +193,21 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     finger = ff.Finger(14.2, 10.2, resolution="coarse")
-    shipped = ready.ready(ff.Finger.subject("a.h.", resolution="coarse"), half=True)
-    place = ready.cached_path(Recipe.of(finger))
-    files.write(shipped, place)
+    shipped = store.ready(ff.Finger.subject("a.h.", resolution="coarse"), half=True)
+    place = store.cached_path(Recipe.of(finger))
+    vtu.write(shipped, place)
     prepared, other = _operator.solid, replace(shipped, points=1.001 * shipped.points)
 
     def late(*mesh: object) -> object:
-        files.write(other, place)  # the cache was emptied, and another process filled it again
+        vtu.write(other, place)  # the cache was emptied, and another process filled it again
         return prepared(*mesh)
 
     monkeypatch.setattr(_operator, "solid", late)
     monkeypatch.setattr(_operator, "build", lambda *mesh, odd: compliance)
     compliance = _made_up()
-    old = ready.sha256(finger)
+    old = store.sha256(finger)
     found = _operator.operator(finger, half=True)
-    assert old != ready.sha256(finger)
+    assert old != store.sha256(finger)
     assert not _kept.at_hand(finger, half=True)
     assert [known["mesh_file_sha256"] for known in found.known] == [old]
 

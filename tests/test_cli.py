@@ -14,8 +14,8 @@ import pytest
 import fefinger as ff
 from fefinger import console, mechanics
 from fefinger.__main__ import main
-from fefinger.files import load
 from fefinger.mechanics import linear
+from fefinger.results.netcdf import load
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import own
@@ -130,7 +130,7 @@ def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(speed, wa
 
 
 def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeypatch):
-    from fefinger.records import Refusal
+    from fefinger.results.records import Refusal
 
     refusal = Refusal("linear", "ability", "never")
     monkeypatch.setattr(mechanics, "names", lambda: ("linear", "other"))
@@ -276,7 +276,7 @@ def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, m
 def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     from fefinger import view
 
-    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
     drawn = []
     monkeypatch.setattr(view, "screenshot", lambda *args, **kwargs: drawn.append((args, kwargs)))
     picture = str(tmp_path / "a.png")

@@ -92,7 +92,7 @@ def test_an_indenter_that_never_touches_is_refused(capsys):
 def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
     capsys, answered, monkeypatch, tmp_path, command
 ):
-    monkeypatch.setattr("fefinger.mesh.ready.ready", lambda *a, **k: pytest.fail("work began"))
+    monkeypatch.setattr("fefinger.mesh.store.ready", lambda *a, **k: pytest.fail("work began"))
     (tmp_path / "file").write_text("")
     name = "m.vtu" if command == ["mesh"] else ""
     err = refused(capsys, [*command, "-o", str(tmp_path / "file" / name)])
@@ -106,7 +106,7 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
 def test_a_folder_in_the_place_of_a_file_is_refused(
     capsys, monkeypatch, tmp_path, synthetic, option
 ):
-    monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
     monkeypatch.chdir(tmp_path)
     name = option.split()[1]
     (tmp_path / name).mkdir()

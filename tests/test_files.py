@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fefinger import files, report
-from fefinger.files import LAYOUT, RECORDS, load, save
-from fefinger.records import Result
+from fefinger import report
+from fefinger.results import netcdf
+from fefinger.results.netcdf import LAYOUT, RECORDS, load, save
+from fefinger.results.records import Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Sampled
 from fefinger.scene.tissue import Hard, Tissue
@@ -85,7 +86,7 @@ def test_a_saved_result_loads_equal(
 def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
     synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    encode = files._encode
+    encode = netcdf._encode
 
     def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
         found = encode(value, place, variables)
@@ -94,7 +95,7 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
             del found[late[found["record"]]]
         return found
 
-    monkeypatch.setattr(files, "_encode", former)
+    monkeypatch.setattr(netcdf, "_encode", former)
     save(synthetic, tmp_path)
     found = load(tmp_path).plan
     assert found.trust == ""
@@ -250,7 +251,7 @@ def test_a_file_that_is_no_result_is_refused(tmp_path: Path) -> None:
 
 def test_another_netcdf_file_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
-    with pytest.raises(InputError, match=f"expected the format {files.FORMAT!r}.*received None"):
+    with pytest.raises(InputError, match=f"expected the format {netcdf.FORMAT!r}.*received None"):
         load(tmp_path / "other.nc")
 
 

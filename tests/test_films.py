@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from fefinger import films, view
-from fefinger.records import Result
+from fefinger.results.records import Result
 from fefinger.support.checks import InputError
 
 

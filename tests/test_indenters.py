@@ -9,8 +9,8 @@ import pytest
 import fefinger as ff
 from fefinger import indenter_pose
 from fefinger.mechanics import _evidence, hertz, layered, linear, lumped
-from fefinger.records import Result
 from fefinger.report import _touch
+from fefinger.results.records import Result
 from fefinger.scene.indenter import Indenter
 from fefinger.support.checks import InputError
 

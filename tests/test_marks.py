@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger import indenter_pose, marks
-from fefinger.records import Result, Sites
+from fefinger.results.records import Result, Sites
 
 
 @pytest.fixture

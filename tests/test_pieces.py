@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fefinger import indenter_pose, pieces
-from fefinger.records import Fields, Result
+from fefinger.results.records import Fields, Result
 
 
 Array = NDArray[np.float64]

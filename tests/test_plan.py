@@ -14,7 +14,7 @@ import pytest
 import fefinger as ff
 from fefinger import console, machine, mechanics, plan
 from fefinger.mechanics import get
-from fefinger.records import Refusal, Rung, Settings
+from fefinger.results.records import Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.support import package_data, text
 from fefinger.support.checks import InputError
@@ -384,12 +384,12 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
 
 def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     from fefinger.mechanics import _evidence
-    from fefinger.mesh import ready
+    from fefinger.mesh import store
 
     scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
     kept = plan.choose(scene, "solid")
     assert "built once" not in kept.sentence
-    monkeypatch.setattr(ready, "at_hand", lambda *a: False)
+    monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
     build = _evidence.MESH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)

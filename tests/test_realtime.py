@@ -17,7 +17,7 @@ from fefinger.geometry.profiles import Ellipsoid
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.realtime import Condensed
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import hereditary_integral

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fefinger import figures, report
-from fefinger.records import Result, Rung
+from fefinger.results.records import Result, Rung
 from fefinger.scene.motion import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.view import renderer

@@ -12,7 +12,7 @@ from fefinger.fem.contact import lcp_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.viscoelastic import Relaxation
 from fefinger.realtime import Condensed
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.rolling import Rolling
 from fefinger.support.checks import InputError
 

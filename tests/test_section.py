@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from fefinger import indenter_pose, quantities
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
-from fefinger.records import Result
+from fefinger.results.records import Result
 from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
 
 

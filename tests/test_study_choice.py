@@ -4,7 +4,7 @@ import pytest
 
 import fefinger as ff
 from fefinger import plan
-from fefinger.records import Plan, Refusal, Rung, Settings
+from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.studies import choice, workers
 from fefinger.studies.tasks import Asked
 from fefinger.support.checks import InputError

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import pressures
 from fefinger.mechanics import _by_force
 from fefinger.plan import choose
+from fefinger.results import pressure
 from fefinger.run import run
 from fefinger.scene.population import Scatter
 from fefinger.studies import report
@@ -34,7 +34,7 @@ def test_the_highest_pressure_is_that_of_the_report_and_no_single_points():
     scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(60, 0.8), ask=ff.Ask(strain=False))
     result = run(scene, mechanics="linear")
     told = {row["at"]: row for row in rows(result, depths=(0.4,))}
-    every = pressures.peaks(result.pad, result.pressure)
+    every = pressure.peaks(result.pad, result.pressure)
     assert told["end"]["highest_pressure_1mm2_kPa"] == pytest.approx(every[-1], rel=1e-3)
     there = np.interp(0.4, result.depth, every)
     assert told["0.4 mm"]["highest_pressure_1mm2_kPa"] == pytest.approx(there, rel=0.01)

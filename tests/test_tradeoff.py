@@ -13,7 +13,7 @@ from fefinger.validation.tradeoff_study import front
 from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
-from fefinger.records import Pad
+from fefinger.results.records import Pad
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat

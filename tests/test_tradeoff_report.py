@@ -14,7 +14,7 @@ from fefinger.validation.tradeoff_held_out import label, summary
 
 from fefinger import plan
 from fefinger.mechanics import _tradeoff, get
-from fefinger.records import Rung
+from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Bar, Cylinder, Flat, Sphere

@@ -12,7 +12,7 @@ from PIL import Image
 from fefinger import indenter_pose, quantities, stored, view, webview
 from fefinger.__main__ import main
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.records import Result
+from fefinger.results.records import Result
 from fefinger.scene.indenter import Flat
 from fefinger.support.checks import InputError
 from fefinger.view import pictures, renderer, stage, window

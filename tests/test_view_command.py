@@ -6,7 +6,7 @@ import pytest
 
 from fefinger import quantities
 from fefinger.__main__ import main
-from fefinger.records import Result
+from fefinger.results.records import Result
 
 
 def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixture[str]) -> None:

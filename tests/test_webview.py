@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from fefinger import indenter_pose, pieces, quantities, webview
-from fefinger.records import Result
+from fefinger.results.records import Result
 from fefinger.scene.indenter import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.mechanics import hertz, layered, linear, solid
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter, Sphere

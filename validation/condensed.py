@@ -15,7 +15,7 @@ from fefinger.fem.contact import lcp_compiled
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics._press import WHOLE_MESH, press
 from fefinger.realtime import Condensed
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

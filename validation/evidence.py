@@ -18,7 +18,7 @@ from fefinger.validation.provenance import provenance
 from fefinger.mechanics import linear
 from fefinger.mechanics._evidence import LINEAR_REPORT
 from fefinger.mechanics._timeline import moving
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report as reported

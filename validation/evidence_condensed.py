@@ -19,7 +19,7 @@ from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import condensed
 from fefinger.mechanics._evidence import CONDENSED_REPORT, linear
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report as reported

@@ -14,7 +14,7 @@ from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import layered, linear
 from fefinger.mechanics._evidence import LAYERED_PRESSES, LAYERED_REPORT
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene

@@ -19,9 +19,9 @@ from fefinger.validation import tradeoff_runs as runs
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff_runs import Run
 
-from fefinger import pressures
 from fefinger.mechanics._scatter import REPORT
 from fefinger.mechanics._tradeoff import STATED
+from fefinger.results import pressure
 
 
 MESHES, DRAWS = ("coarse", "standard"), 24
@@ -50,7 +50,7 @@ def drawn(run: Run) -> dict[str, list[float]]:
     values = {
         "depth_mm": wanted,
         "force": found.force[at],
-        "pressure": pressures.peaks(found.pad, found.pressure)[at],
+        "pressure": pressure.peaks(found.pad, found.pressure)[at],
         "area": found.contact_area[at],
         "strain": np.sqrt((found.strain[at] ** 2).sum(axis=(1, 2, 3))),
     }

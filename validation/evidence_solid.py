@@ -27,7 +27,7 @@ from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import solid
 from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.support.checks import ConvergenceError, InputError
 
 

@@ -26,7 +26,7 @@ from fefinger.fem.hyperelastic.laws import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.fem.linalg.system import factor
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Sphere
 from fefinger.scene.motion import ForceRampHold, Ramp

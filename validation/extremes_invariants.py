@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics._evidence import smallest_radius
-from fefinger.pressures import net, pressed
-from fefinger.records import Pad, Response
+from fefinger.results.pressure import net, pressed
+from fefinger.results.records import Pad, Response
 from fefinger.scene.indenter import STANDARD, Flat, Indenter, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

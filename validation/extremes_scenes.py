@@ -11,7 +11,7 @@ from fefinger.validation.extremes_trial import ANSWERED, REFUSED, Findings, Kind
 
 from fefinger.mechanics import get
 from fefinger.plan import choose
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.run import run
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

@@ -19,8 +19,8 @@ from fefinger.mechanics import _placing, linear, solid
 from fefinger.mechanics._hard import held, with_nail
 from fefinger.mechanics._press import press, tissues
 from fefinger.mechanics._squeeze import squeeze
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results.records import Response
 from fefinger.run import fire
 from fefinger.scene import builtin
 from fefinger.scene.finger import RIGID

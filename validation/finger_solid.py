@@ -19,8 +19,8 @@ from fefinger.mechanics import _placing, solid
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues
 from fefinger.mechanics._squeeze import laws, squeeze
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import Motion, Ramp, Sampled

@@ -18,7 +18,7 @@ from fefinger.mechanics import _placing
 from fefinger.mechanics._hard import held
 from fefinger.mechanics._press import tissues
 from fefinger.mechanics._touch import meshed_at, sites
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.indenter import Flat, Indenter, Sphere
 

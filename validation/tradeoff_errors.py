@@ -14,8 +14,8 @@ from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
 from fefinger.mechanics._tradeoff import STATED
-from fefinger.pressures import peaks
-from fefinger.records import Response
+from fefinger.results.pressure import peaks
+from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 
 

@@ -17,7 +17,7 @@ from fefinger.validation.tradeoff_rules import answers, off
 from fefinger.mechanics import _tradeoff
 from fefinger.mechanics._tradeoff import STATED
 from fefinger.plan import rungs
-from fefinger.records import Rung
+from fefinger.results.records import Rung
 from fefinger.scene.scene import Scene
 
 

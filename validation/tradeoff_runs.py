@@ -22,11 +22,11 @@ import numpy as np
 from fefinger.validation import tradeoff_scenes as scenes
 from numpy.typing import NDArray
 
-from fefinger import pressures
 from fefinger.mechanics import get
 from fefinger.mechanics._touch import meshed_at
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results import pressure as pressures
+from fefinger.results.records import Response
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import Ramp
 from fefinger.scene.scene import Scene

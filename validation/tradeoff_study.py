@@ -22,8 +22,8 @@ from fefinger.validation.tradeoff_runs import Run
 from fefinger import machine
 from fefinger.mechanics import get
 from fefinger.neural.membranes import LARGEST_STEP
+from fefinger.results.records import green_lagrange
 from fefinger.scene.scene import Scene
-from fefinger.strains import green_lagrange
 
 
 FITTED = ("hertz identified", "layered identified")

@@ -27,10 +27,10 @@ from fefinger.fem.linalg import system
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _kept, _operator, _press, _touch
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.realtime import Condensed
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.rolling import Rolling
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger

@@ -20,7 +20,7 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics import _hard, _placing, _press
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD

@@ -19,7 +19,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
@@ -207,15 +207,15 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
 def felt(scene: Scene, response: Response) -> Array:
     """Return what the array feels (n_t, 64) kPa, centered on the last pressure."""
-    from fefinger import sensing
+    from fefinger.results import array_sensor
 
     assert response.pad is not None
     assert response.pressure is not None
     pad, pressure = response.pad, response.pressure
-    points = sensing.plane(scene.indenter, pad.points)
+    points = array_sensor.plane(scene.indenter, pad.points)
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()
-    return np.asarray(pressure @ sensing.response(ArraySensor(), pad, points).T)
+    return np.asarray(pressure @ array_sensor.response(ArraySensor(), pad, points).T)
 
 
 def _keep(found: Press, place: Path) -> None:

@@ -25,8 +25,8 @@ def mesh(
 
     Takes the ready mesh of the finger of SCENE if there is one.
     """
-    from fefinger.mesh import files, quality
-    from fefinger.mesh.ready import ready
+    from fefinger.mesh import quality, vtu
+    from fefinger.mesh.store import ready
     from fefinger.scene import builtin
     from fefinger.support.outputs import output_file
 
@@ -38,7 +38,7 @@ def mesh(
     built = ready(finger, half=not whole, progress=console.remark)
     quality.gate(built.quality)
     if output is not None:
-        files.write(built, output)
+        vtu.write(built, output)
     if picture is not None:
         from fefinger import view
 

@@ -29,7 +29,7 @@ def view(
     """
     from fefinger import films, quantities, stored, webview
     from fefinger import view as pictures
-    from fefinger.files import load
+    from fefinger.results.netcdf import load
     from fefinger.support.outputs import check_ending, output_file
 
     if field == "list":

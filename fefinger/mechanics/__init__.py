@@ -7,7 +7,7 @@ and `respond(scene, progress)`; see `Mechanics`.
 from importlib import import_module
 from typing import Protocol, cast
 
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import choice
 from fefinger.support.progress import Progress

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fefinger.mechanics._skin import spherical
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import REFERENCE_DEPTH, check_reached, organs, sites
-from fefinger.records import Pad, Reference, Response, Sites
+from fefinger.results.records import Pad, Reference, Response, Sites
 from fefinger.scene.indenter import STANDARD, Flat, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError

@@ -1,6 +1,6 @@
 """Whether a plate along the finger reaches the proximal cut, told before anything is solved."""
 
-from fefinger.records import Refusal
+from fefinger.results.records import Refusal
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, direction
 from fefinger.scene.scene import Scene
@@ -37,7 +37,7 @@ def reached(name: str, scene: Scene) -> tuple[Refusal, ...]:
 
 
 def _gap(finger: Finger, plate: Flat) -> float:
-    from fefinger.mesh.local import at_cut
+    from fefinger.mesh.first_touch import at_cut
     from fefinger.mesh.recipe import Recipe
 
     x, y, z = direction(plate).tolist()

@@ -107,7 +107,7 @@ def mesh_seconds(scene: Scene, *, follow: bool = True) -> float:
 
     `follow`: that is the mesh that follows the touch.
     """
-    from fefinger.mesh.ready import at_hand as built
+    from fefinger.mesh.store import at_hand as built
 
     try:
         if built(scene.finger, meshed_at(scene.indenter) if follow else None):

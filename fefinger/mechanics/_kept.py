@@ -28,7 +28,7 @@ def identity(
 
     `mesh` is the one that it is built on; without it, the one that is at hand now.
     """
-    from fefinger.mesh.ready import sha256
+    from fefinger.mesh.store import sha256
 
     source = sha256(finger) if mesh is None else mesh.source_sha256
     if not source:

@@ -24,7 +24,7 @@ from fefinger.mechanics._hard import held
 from fefinger.mechanics._kept import folder, identity, parities
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._press import Method
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support import cache

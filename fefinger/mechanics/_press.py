@@ -35,9 +35,9 @@ from fefinger.mechanics._touch import (
     sites,
     unfolded,
 )
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.neural.populations import Surface
-from fefinger.records import Fields, Pad, Reference, Response, Sites
+from fefinger.results.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD, Indenter
 from fefinger.scene.scene import Scene

@@ -28,8 +28,8 @@ from fefinger.mechanics._stride import Stride, heaviest, memories, stride
 from fefinger.mechanics._symmetry import symmetric
 from fefinger.mechanics._timeline import time_grid
 from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
-from fefinger.mesh.ready import ready
-from fefinger.records import Fields, Pad, Reference, Response, Sites
+from fefinger.mesh.store import ready
+from fefinger.results.records import Fields, Pad, Reference, Response, Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError, Stopped

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
 from fefinger.scene.library import receptors
 from fefinger.scene.scene import Scene

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from fefinger.mechanics import _evidence, _tradeoff, linear
 from fefinger.mechanics._notes import RIGID_BONE, yielding
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 

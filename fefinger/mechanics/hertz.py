@@ -14,7 +14,7 @@ from fefinger.mechanics._axisymmetric import Array
 from fefinger.mechanics._evidence import smallest_radius
 from fefinger.mechanics._notes import apart, normalized, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD, Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene

@@ -12,7 +12,7 @@ import numpy as np
 from fefinger.mechanics import _axisymmetric, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import normalized
 from fefinger.mechanics._touch import REFERENCE_DEPTH
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.indenter import Ellipsoid
 from fefinger.scene.scene import Scene

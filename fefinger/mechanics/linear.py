@@ -8,7 +8,7 @@ from fefinger.mechanics import _cut, _evidence, _tradeoff, hertz
 from fefinger.mechanics._notes import apart, hard
 from fefinger.mechanics._timeline import too_long
 from fefinger.mechanics._touch import meshed_at
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene
@@ -77,7 +77,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def unmeshable(scene: Scene) -> tuple[str, ...]:
     """Return why there is no mesh of the scene's finger, if so."""
-    from fefinger.mesh.ready import fault
+    from fefinger.mesh.store import fault
 
     touch = meshed_at(scene.indenter)
     # That place is rounded: whether it is on the pad is asked of the one that the scene has.
@@ -152,7 +152,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
     """
     from dataclasses import replace
 
-    from fefinger.mesh.ready import at_hand
+    from fefinger.mesh.store import at_hand
 
     below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
     if below is None:

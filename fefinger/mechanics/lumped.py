@@ -9,7 +9,7 @@ from fefinger.mechanics._identified import Law, law
 from fefinger.mechanics._notes import apart, yielding
 from fefinger.mechanics._timeline import time_grid, too_long
 from fefinger.mechanics._touch import check_reached
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages

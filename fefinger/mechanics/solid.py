@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fefinger.mechanics import _cut, _evidence, _solid_cost, _tradeoff, linear
 from fefinger.mechanics._notes import hard
 from fefinger.mechanics._timeline import too_long
-from fefinger.records import Refusal, Response
+from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from fefinger.geometry import facets as topology
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
-from fefinger.mesh import improve
-from fefinger.mesh.mesher import Settings, tetrahedra
+from fefinger.mesh import smooth
+from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.quality import gate, measure
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.scan import scanned
-from fefinger.mesh.shapes import Shape
+from fefinger.mesh.tetrahedralize import Settings, tetrahedra
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -147,7 +147,7 @@ def _attempt(
     )
     points, first = _snapped(shape, points, facets)
     supports = _supports(shape, len(points), facets)
-    points = improve.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
+    points = smooth.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
     points = _bone_of_full_volume(shape, points, cells[region == BONE], facets)
     return _record(shape, recipe, points, cells, region, facets, name=name)
 
@@ -183,7 +183,7 @@ def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Arr
     return points, first
 
 
-def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> improve.Supports:
+def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> smooth.Supports:
     """Return what each vertex stays on: a shell's surface, the medial plane, the cut."""
     on = np.full(count, -1)
     for number, name in enumerate(("pad", "skin-subcutaneous", "bone")):
@@ -194,7 +194,7 @@ def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> improve.Sup
     projectors = tuple(
         lambda points, mask, shell=shell: shell.project(points, free=mask) for shell in shape.shells
     )
-    return improve.Supports(on, free, projectors)
+    return smooth.Supports(on, free, projectors)
 
 
 def _bone_of_full_volume(

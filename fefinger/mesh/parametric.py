@@ -4,12 +4,12 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
-from fefinger.mesh import shapes, surface
-from fefinger.mesh.plate import ALONG, PLATE, fitted_radii
+from fefinger.mesh import finger_shape, shell_triangles
+from fefinger.mesh.finger_shape import SAMPLES, Nail, Shape, rounding, smooth
+from fefinger.mesh.frame import ALONG, PLATE, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shapes import SAMPLES, Nail, Shape, rounding, smooth
 from fefinger.mesh.shell import Array, Shell, Table, offset
-from fefinger.mesh.surface import Triangles
+from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support.checks import InputError
 
 
@@ -56,7 +56,7 @@ def parametric(recipe: Recipe) -> Shape:
     return _with_inside(recipe, skin, tables, wanted)
 
 
-def patch_points(skin: shapes.Surface) -> Array:
+def patch_points(skin: finger_shape.Surface) -> Array:
     """Return points of a symmetric skin around the origin, for fitting, (n, 3) mm."""
     grid = np.stack(np.meshgrid(np.linspace(-3, 3, 31), np.linspace(-3, 3, 31)), axis=-1)
     u, v = grid.reshape(-1, 2).T
@@ -71,11 +71,17 @@ def _with_inside(
     inner = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     under = Shell.of(skin.middle, cut=cut, **inner)
     top = skin.middle + float(tables["dorsal"][1].max())
-    bone = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-    shapes.check_room(under, surface.without_caps(surface.half(bone, 0.5))[0], recipe)
-    nail = shapes.nail_of(recipe, tip=tip, middle=skin.middle, side=lambda x: skin.heights(x)[0])
+    bone = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
+    finger_shape.check_room(
+        under, shell_triangles.without_caps(shell_triangles.half(bone, 0.5))[0], recipe
+    )
+    nail = finger_shape.nail_of(
+        recipe, tip=tip, middle=skin.middle, side=lambda x: skin.heights(x)[0]
+    )
     shells = (skin, under, bone)
-    inside = (surface.volume(surface.half(shell, shapes.FINE)) for shell in shells)
+    inside = (
+        shell_triangles.volume(shell_triangles.half(shell, finger_shape.FINE)) for shell in shells
+    )
     return Shape(
         skin=skin,
         subcutaneous=under,
@@ -84,7 +90,7 @@ def _with_inside(
         radii=wanted,
         nail=nail,
         triangles=lambda step: _triangles(shells, nail, step),
-        volumes=shapes.region_volumes(*inside),
+        volumes=finger_shape.region_volumes(*inside),
     )
 
 
@@ -175,13 +181,16 @@ def _triangles(shells: tuple[Shell, ...], nail: Nail, step: float) -> list[Trian
     the wall makes facets end at the nail's outline.
     """
     skin = shells[0]
-    inner = [surface.without_caps(surface.half(s, step, overhang=1.0)) for s in shells[1:]]
+    inner = [
+        shell_triangles.without_caps(shell_triangles.half(s, step, overhang=1.0))
+        for s in shells[1:]
+    ]
     x, y = nail.edge(40)
     wide, _, high = skin.heights(x)
     edge = np.column_stack([x, y, skin.middle + high * np.sqrt(1.0 - (y / wide) ** 2)])
     reach = 0.5 * skin.normals(edge)
     return [
-        surface.half(skin, step),
+        shell_triangles.half(skin, step),
         *inner,
-        surface.ribbon(np.stack([edge + reach, edge - reach])),
+        shell_triangles.ribbon(np.stack([edge + reach, edge - reach])),
     ]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
-from fefinger.mesh.plate import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
+from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.support.checks import ConvergenceError
 
 

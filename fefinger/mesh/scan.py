@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
-from fefinger.mesh import shapes, surface
+from fefinger.mesh import finger_shape
+from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import patch_points
-from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Array
-from fefinger.mesh.surface import Triangles
+from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support.checks import InputError
 
 
@@ -103,9 +104,9 @@ def scanned(recipe: Recipe) -> Shape:
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
     bone = _bone(recipe, origin, cut=cut, tip=tip, top=top)
-    shapes.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
+    finger_shape.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
     middle = 0.5 * (float(low[2]) + top)
-    nail = shapes.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
+    nail = finger_shape.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
     outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
     around, within = (_volume(part, cut) for part in (outer, inner))
     return Shape(
@@ -121,7 +122,7 @@ def scanned(recipe: Recipe) -> Shape:
             _halved(mesh, under, cut - 1.0),
             bone.triangles(step),
         ],
-        volumes=shapes.region_volumes(around, within, bone.volume),
+        volumes=finger_shape.region_volumes(around, within, bone.volume),
         notes=(*file.notes, *bone.notes),
     )
 
@@ -130,7 +131,7 @@ def scanned(recipe: Recipe) -> Shape:
 class Bone:
     """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³."""
 
-    surface: shapes.Surface
+    surface: finger_shape.Surface
     points: Array
     triangles: Callable[[float], Triangles]
     volume: float
@@ -140,13 +141,13 @@ class Bone:
 def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) -> Bone:
     """Return the bone of a recipe: that of its file, moved with the skin, or a parametric one."""
     if recipe.bone_surface is None:
-        shell = shapes.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
+        shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
         points = surface.without_caps(surface.half(shell, 0.5))[0]
         return Bone(
             shell,
             points,
             lambda step: surface.without_caps(surface.half(shell, step, overhang=1.0)),
-            surface.volume(surface.half(shell, shapes.FINE)),
+            surface.volume(surface.half(shell, finger_shape.FINE)),
         )
     closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
     mesh = _refined(closed)

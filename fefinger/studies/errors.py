@@ -7,7 +7,7 @@ import numpy as np
 
 from fefinger.mechanics._by_force import errors as at_force
 from fefinger.plan import choose, settled
-from fefinger.records import Result, Rung
+from fefinger.results.records import Result, Rung
 from fefinger.scene.motion import Ramp
 from fefinger.studies.columns import ERRORS
 from fefinger.studies.times import SAME, until

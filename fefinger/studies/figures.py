@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fefinger import figures, quantities
-from fefinger.records import Array
+from fefinger.results.records import Array
 from fefinger.studies.columns import MEASURES, bounds, split, words
 
 

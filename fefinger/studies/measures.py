@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger import pressures
-from fefinger.records import Array, Integers, Result
+from fefinger.results import pressure as pressures
+from fefinger.results.array_sensor import response
+from fefinger.results.records import Array, Integers, Result
 from fefinger.scene.indenter import Flat
-from fefinger.sensing import response
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
@@ -25,7 +25,7 @@ from fefinger.theory.contact.pressure_moments import moments as shape_of
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.local import Touch
+    from fefinger.mesh.first_touch import Touch
 
 FELT = 4.0
 """Standard deviations of its noise above which an element of the array counts as touched."""
@@ -134,7 +134,7 @@ class View:
 
 def _view(result: Result) -> View | None:
     """Return the pad as its object sees it; None without a pressure or a known first touch."""
-    from fefinger.mesh.local import directions
+    from fefinger.mesh.first_touch import directions
 
     pad, found = result.pad, _first_touch(result)
     if pad is None or result.pressure is None or found is None:
@@ -150,7 +150,7 @@ def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
 
     On the finger's mesh it is that on its smooth skin; else the place above the end organs.
     """
-    from fefinger.mesh.local import first_touch
+    from fefinger.mesh.first_touch import first_touch
     from fefinger.mesh.recipe import Recipe
     from fefinger.scene.indenter import STANDARD, direction
 

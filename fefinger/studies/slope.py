@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.records import Array
+from fefinger.results.records import Array
 from fefinger.studies.times import at
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from fefinger.records import Rung
+    from fefinger.results.records import Rung
     from fefinger.scene.ask import Ask
 
 

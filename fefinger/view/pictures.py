@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fefinger import figures, films, indenter_pose, medial, quantities, stored
 from fefinger.marks import highest_rate
 from fefinger.quantities import round_up
-from fefinger.records import Array, Fields, Integers, Result
+from fefinger.results.records import Array, Fields, Integers, Result
 from fefinger.support.atomic_write import moved
 from fefinger.titles import titles
 from fefinger.view import bars, renderer

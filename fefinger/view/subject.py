@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fefinger import indenter_pose, marks, pieces, quantities
-from fefinger.records import Fields, Result
+from fefinger.results.records import Fields, Result
 
 
 SOFT = ("skin", "subcutaneous tissue", pieces.PAD)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fefinger import figures, indenter_pose, quantities, stored
-from fefinger.records import Array, Result
+from fefinger.results.records import Array, Result
 from fefinger.support.checks import InputError
 from fefinger.view import bars, pictures, renderer
 from fefinger.view.stage import Stage

@@ -12,7 +12,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import _hard, _placing, _press
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.support.checks import InputError
 
 

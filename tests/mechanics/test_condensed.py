@@ -11,8 +11,8 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import _evidence, _kept, _operator, condensed, linear
 from fefinger.mechanics._notes import RIGID_BONE
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 
 

@@ -16,7 +16,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import _hard, _placing, linear
 from fefinger.mechanics import solid as finite
 from fefinger.mechanics._touch import meshed_at
-from fefinger.mesh.ready import ready
+from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 

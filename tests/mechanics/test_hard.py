@@ -14,8 +14,8 @@ from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.linalg import solvers
 from fefinger.mechanics import LADDER, _hard, _limit, condensed, get, linear, solid
 from fefinger.mechanics._operator import operator
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results.records import Response
 from fefinger.run import run
 from fefinger.scene import builtin
 from fefinger.scene.ask import SOLVERS

@@ -8,7 +8,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import _axisymmetric, hertz, linear
 from fefinger.mechanics._axisymmetric import Touch, turned
-from fefinger.records import Sites
+from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting

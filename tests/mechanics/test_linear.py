@@ -12,8 +12,8 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import _evidence, _hard, _placing, _press, _timeline, linear
-from fefinger.mesh.ready import ready
-from fefinger.records import Response
+from fefinger.mesh.store import ready
+from fefinger.results.records import Response
 from fefinger.run import fire
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError

@@ -12,8 +12,8 @@ from fefinger.validation import calibration_subjects, evidence_lumped
 import fefinger as ff
 from fefinger import mechanics, report
 from fefinger.console import run_record, run_summary
-from fefinger.files import load
 from fefinger.mechanics import _evidence, lumped
+from fefinger.results.netcdf import load
 from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law
 

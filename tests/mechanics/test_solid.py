@@ -17,7 +17,7 @@ from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import _squeeze, linear, solid
 from fefinger.mechanics._limit import most_pressed
 from fefinger.neural.afferents import displacements
-from fefinger.records import Response
+from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
-from fefinger.mesh import improve
+from fefinger.mesh import smooth
 from fefinger.mesh.build import SETTINGS, build, sizes, touched
-from fefinger.mesh.mesher import Settings, tetrahedra
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.tetrahedralize import Settings, tetrahedra
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -123,9 +123,9 @@ def test_sines_are_those_of_the_angles_and_change_sign_with_orientation() -> Non
     points = np.random.default_rng(0).normal(size=(40, 4, 3))
     cells = np.arange(160).reshape(40, 4)
     angles = np.sort(np.sin(np.radians(dihedral_angles(points.reshape(-1, 3), cells))), axis=1)
-    sines = improve.sines(points)
+    sines = smooth.sines(points)
     assert np.sort(np.abs(sines), axis=1) == pytest.approx(angles, abs=1e-7)
-    assert improve.sines(points[:, [1, 0, 2, 3]]).sum() == pytest.approx(-sines.sum())
+    assert smooth.sines(points[:, [1, 0, 2, 3]]).sum() == pytest.approx(-sines.sum())
     signs = np.sign(volumes(points.reshape(-1, 3), cells))
     assert np.all(np.sign(sines) == signs[:, None])
 
@@ -138,10 +138,10 @@ def test_improving_lifts_the_worst_angle_and_leaves_planes_alone() -> None:
     cells = np.array([[a, b, c, 8] for q in squares for a, b, c in (q[:3], (q[0], *q[2:]))])
     turned = volumes(points, cells) < 0
     cells[turned] = cells[turned][:, [1, 0, 2, 3]]
-    supports = improve.Supports(np.full(9, -1), np.ones((9, 3), dtype=bool), ())
-    better = improve.improve(points, cells, supports, wanted=0.7, pinned=np.arange(8), sweeps=12)
+    supports = smooth.Supports(np.full(9, -1), np.ones((9, 3), dtype=bool), ())
+    better = smooth.improve(points, cells, supports, wanted=0.7, pinned=np.arange(8), sweeps=12)
     assert np.array_equal(better[:8], points[:8])
-    assert improve.sines(better[cells]).min() > 10 * improve.sines(points[cells]).min()
+    assert smooth.sines(better[cells]).min() > 10 * smooth.sines(points[cells]).min()
 
 
 def test_the_facets_are_fine_where_the_indenter_touches() -> None:

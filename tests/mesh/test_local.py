@@ -6,9 +6,9 @@ import pytest
 import fefinger as ff
 from fefinger.fem.body import solid
 from fefinger.mechanics import _placing
-from fefinger.mesh.local import _shape, directions, first_touch
-from fefinger.mesh.ready import ready
+from fefinger.mesh.first_touch import _shape, directions, first_touch
 from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.store import ready
 from fefinger.scene.indenter import direction
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mesh import files, ready
+from fefinger.mesh import store, vtu
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
@@ -21,7 +21,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
     """Return the smallest shipped half."""
-    return files.read(ready.data_folder() / "ah-coarse.vtu")
+    return vtu.read(store.data_folder() / "ah-coarse.vtu")
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def builds(mesh: FingerMesh, monkeypatch: pytest.MonkeyPatch) -> list[FingerMesh
 @pytest.mark.parametrize("make", [lambda mesh: mesh, whole], ids=["half", "whole"])
 def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
     given = make(mesh)
-    back = files.read(files.write(given, tmp_path / "deep" / "finger.vtu"))
+    back = vtu.read(vtu.write(given, tmp_path / "deep" / "finger.vtu"))
     for name in ("points", "cells", "region", "pad_normals"):
         assert np.array_equal(getattr(back, name), getattr(given, name)), name
     assert set(back.facets) == set(given.facets)
@@ -58,38 +58,38 @@ def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
 
 
 def test_nothing_temporary_is_left_behind(mesh: FingerMesh, tmp_path: Path) -> None:
-    files.write(mesh, tmp_path / "finger.vtu")
+    vtu.write(mesh, tmp_path / "finger.vtu")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["finger.json", "finger.vtu"]
 
 
 def test_changed_mesh_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     path.write_bytes(path.read_bytes() + b"\n")
     with pytest.raises(InputError, match=r"expected .*finger\.vtu to have the hash"):
-        files.read(path)
+        vtu.read(path)
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".json"])
 def test_missing_part_is_named(mesh: FingerMesh, tmp_path: Path, suffix: str) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     path.with_suffix(suffix).unlink()
     with pytest.raises(InputError, match=rf"expected the file .*finger\{suffix}"):
-        files.read(path)
+        vtu.read(path)
 
 
 def test_other_layout_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     sidecar = json.loads(path.with_suffix(".json").read_text())
     path.with_suffix(".json").write_text(json.dumps({**sidecar, "layout": 99}))
     with pytest.raises(InputError, match=r"expected layout 1 .* received 99"):
-        files.read(path)
+        vtu.read(path)
 
 
 def test_broken_sidecar_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     path.with_suffix(".json").write_text("{")
     with pytest.raises(InputError, match=r"expected JSON in .*finger\.json"):
-        files.read(path)
+        vtu.read(path)
 
 
 @pytest.mark.parametrize(
@@ -99,28 +99,28 @@ def test_broken_sidecar_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
 def test_sidecar_of_something_else_is_refused(
     mesh: FingerMesh, tmp_path: Path, text: str, said: str
 ) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     path.with_suffix(".json").write_text(text)
     with pytest.raises(InputError, match=said):
-        files.read(path)
+        vtu.read(path)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
 def test_hash_in_a_damaged_sidecar_counts_as_none(no_cache: Path, text: str) -> None:
     finger = Finger(15, 11)
-    sidecar = ready.cached_path(Recipe.of(finger)).with_suffix(".json")
+    sidecar = store.cached_path(Recipe.of(finger)).with_suffix(".json")
     sidecar.parent.mkdir(parents=True)
     sidecar.write_text(text)
-    assert ready.sha256(finger) is None
+    assert store.sha256(finger) is None
 
 
 def test_other_suffix_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"ends in \.vtu, received 'finger\.stl'"):
-        files.write(mesh, tmp_path / "finger.stl")
+        vtu.write(mesh, tmp_path / "finger.stl")
 
 
 def test_sidecar_says_recipe_versions_and_quality(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = files.write(mesh, tmp_path / "finger.vtu")
+    path = vtu.write(mesh, tmp_path / "finger.vtu")
     sidecar = json.loads(path.with_suffix(".json").read_text())
     assert sidecar["recipe"] == mesh.recipe
     assert {"pytetwild", "fefinger"} <= set(sidecar["versions"])
@@ -135,10 +135,10 @@ def test_surface_that_is_gone_is_named() -> None:
 
 
 def test_shipped_mesh_is_used_without_meshing(no_cache: Path) -> None:
-    half = ready.ready(Recipe(14, 10, 14, resolution="coarse"), half=True)
+    half = store.ready(Recipe(14, 10, 14, resolution="coarse"), half=True)
     assert half.name == "ah-coarse"
     assert half.half
-    assert not ready.ready(Recipe(14, 10, 14, resolution="coarse"), half=False).half
+    assert not store.ready(Recipe(14, 10, 14, resolution="coarse"), half=False).half
     assert not no_cache.exists()
 
 
@@ -154,11 +154,11 @@ def test_new_mesh_is_built_once_and_cached(
     monkeypatch.setattr("fefinger.mesh.build.build", build)
     recipe = Recipe(15, 11, 14)
     for _ in range(2):
-        assert np.array_equal(ready.ready(recipe, half=True).points, mesh.points)
+        assert np.array_equal(store.ready(recipe, half=True).points, mesh.points)
     assert calls == [recipe]
     assert sorted(path.suffix for path in (no_cache / "meshes").iterdir()) == [".json", ".vtu"]
-    ready.cached_path(recipe).write_bytes(b"damaged")
-    ready.ready(recipe, half=True)
+    store.cached_path(recipe).write_bytes(b"damaged")
+    store.ready(recipe, half=True)
     assert calls == [recipe, recipe]
 
 
@@ -168,7 +168,7 @@ def test_mesh_is_given_even_if_it_cannot_be_cached(
     no_cache.write_text("a file where the folder should be")
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
     said: list[str] = []
-    assert ready.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
+    assert store.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
     assert "could not be kept" in said[-1]
 
 
@@ -177,7 +177,7 @@ def test_mesh_that_cannot_be_cached_is_not_drawn_again(
 ) -> None:
     no_cache.write_text("a file where the folder should be")
     for _ in range(2):
-        found = ready.ready(Recipe(15, 11, 14), half=True)
+        found = store.ready(Recipe(15, 11, 14), half=True)
         assert found.fingerprint == builds[0].fingerprint
     assert len(builds) == 1
 
@@ -188,12 +188,12 @@ def test_first_mesh_that_is_kept_is_that_of_all(
     recipe, first = Recipe(15, 11, 14), replace(mesh, points=1.1 * mesh.points)
 
     def build(recipe: Recipe, **_: object) -> FingerMesh:
-        files.write(first, ready.cached_path(recipe))  # another process is done before
+        vtu.write(first, store.cached_path(recipe))  # another process is done before
         return mesh
 
     monkeypatch.setattr("fefinger.mesh.build.build", build)
     for _ in range(2):
-        assert ready.ready(recipe, half=True).fingerprint == first.fingerprint
+        assert store.ready(recipe, half=True).fingerprint == first.fingerprint
 
 
 def test_who_needs_a_mesh_that_is_being_built_waits_for_it(
@@ -218,9 +218,9 @@ def test_who_needs_a_mesh_that_is_being_built_waits_for_it(
 
     recipe = Recipe(15, 11, 14)
     with ThreadPoolExecutor(2) as pool:
-        first = pool.submit(ready.ready, recipe, half=True)
+        first = pool.submit(store.ready, recipe, half=True)
         assert building.wait(60)
-        second = pool.submit(ready.ready, recipe, half=True, progress=say)
+        second = pool.submit(store.ready, recipe, half=True, progress=say)
         assert first.result().fingerprint == second.result().fingerprint
     assert len(builds) == 1
     assert said == ["another process builds this mesh; waiting for it"]

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fefinger.geometry.scan_orientation import SLENDER, UNSURE, check, lie
-from fefinger.mesh import surface
+from fefinger.mesh import shell_triangles
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.support.checks import InputError
@@ -28,7 +28,7 @@ SUBJECTS = {  # width, thickness and pad radius in mm
 def finger(name: str, widths: float = 2.0, askew: float = 0.0) -> Any:
     """Return a closed finger, cut so many widths from its tip and askew by degrees about y."""
     width, thickness, radius = SUBJECTS[name]
-    points, faces = surface.half(parametric(Recipe(width, thickness, radius)).skin, 0.6)
+    points, faces = shell_triangles.half(parametric(Recipe(width, thickness, radius)).skin, 0.6)
     faces = faces[~np.all(points[faces][:, :, 1] == 0.0, axis=1)]
     both = np.concatenate([faces, faces[:, ::-1] + len(points)])
     whole = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)

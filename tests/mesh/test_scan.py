@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fefinger.mesh import surface
+from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.frame import PLATE_NORMAL
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.plate import PLATE_NORMAL
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
-from fefinger.mesh.shapes import Shape
 from fefinger.mesh.shell import Shell
 from fefinger.support.checks import InputError
 

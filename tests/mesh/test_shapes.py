@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from fefinger.mesh import surface
+from fefinger.mesh import shell_triangles
+from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points, radii
-from fefinger.mesh.plate import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shapes import Shape
 from fefinger.support.checks import InputError
 
 
@@ -49,7 +49,7 @@ def test_curvatures_at_first_touch_are_near_the_fitted_ones(shape: Shape) -> Non
 def test_first_touch_of_a_30_degree_plate_is_the_origin(shape: Shape) -> None:
     assert shape.skin.level(np.zeros((1, 3))) == pytest.approx(0.0, abs=1e-6)
     assert shape.skin.normals(np.zeros((1, 3)))[0] == pytest.approx(PLATE_NORMAL, abs=1e-6)
-    assert (surface.half(shape.skin, 0.3)[0] @ PLATE_NORMAL).max() < 1e-6
+    assert (shell_triangles.half(shape.skin, 0.3)[0] @ PLATE_NORMAL).max() < 1e-6
 
 
 def test_size_is_the_given_one(shape: Shape, recipe: Recipe) -> None:
@@ -69,10 +69,10 @@ def test_pad_gets_sharper_towards_the_tip(shape: Shape) -> None:
 
 
 def test_skin_is_equally_thick(shape: Shape, recipe: Recipe) -> None:
-    points = surface.half(shape.subcutaneous, 0.5)[0]
+    points = shell_triangles.half(shape.subcutaneous, 0.5)[0]
     points = points[(shape.subcutaneous.level(points) > -0.01) & (points[:, 0] < shape.skin.tip)]
     points = points[points[:, 0] > shape.skin.cut + 1.5]
-    outer = surface.half(shape.skin, 0.1)[0]
+    outer = shell_triangles.half(shape.skin, 0.1)[0]
     outer = outer[np.abs(shape.skin.level(outer)) < 1e-6]
     outer = np.concatenate([outer, outer * [1, -1, 1]])
     distance = cKDTree(outer).query(points)[0]
@@ -85,26 +85,26 @@ def test_skin_is_equally_thick(shape: Shape, recipe: Recipe) -> None:
 
 def test_shells_are_nested_with_room_for_an_element(shape: Shape) -> None:
     for outer, inner in zip(shape.shells, shape.shells[1:], strict=False):
-        points = surface.half(inner, 0.5)[0]
+        points = shell_triangles.half(inner, 0.5)[0]
         assert outer.level(points).max() < -0.4
 
 
 @pytest.mark.parametrize("step", [0.8, 0.4])
 def test_half_surfaces_are_closed_and_point_outward(shape: Shape, step: float) -> None:
     for shell in shape.shells:
-        points, faces = surface.half(shell, step)
+        points, faces = shell_triangles.half(shell, step)
         sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
         assert len(np.unique(sides, axis=0)) == len(sides)
         assert set(map(tuple, sides.tolist())) == set(map(tuple, sides[:, ::-1].tolist()))
         x = np.linspace(shell.cut, shell.tip, 4001)
         wide, low, high = shell.heights(x)
         exact = np.trapezoid(np.pi / 4 * wide * (low + high), x)
-        assert surface.volume((points, faces)) == pytest.approx(exact, rel=0.02)
+        assert shell_triangles.volume((points, faces)) == pytest.approx(exact, rel=0.02)
 
 
 def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) -> None:
     random = np.random.default_rng(3)
-    points = surface.half(shape.skin, 1.0)[0]
+    points = shell_triangles.half(shape.skin, 1.0)[0]
     points = points[np.abs(shape.skin.level(points)) < 1e-6]
     moved = points + random.uniform(-0.1, 0.1, points.shape)
     free = np.tile([True, False, True], (len(points), 1))
@@ -117,7 +117,7 @@ def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) ->
 
 def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
     x, y = shape.nail.edge(200)
-    skin = surface.half(shape.skin, 0.2)[0]
+    skin = shell_triangles.half(shape.skin, 0.2)[0]
     covered = skin[shape.nail.covers(skin) & (np.abs(shape.skin.level(skin)) < 1e-6)]
     assert np.all(covered[:, 2] > shape.skin.middle)
     assert x.min() <= covered[:, 0].min() < covered[:, 0].max() <= x.max()

@@ -5,10 +5,11 @@ import pytest
 from fefinger.validation.calibration_report import rows
 
 from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
-from fefinger.mesh import files
+from fefinger.mesh import vtu
 from fefinger.mesh.build import touched
+from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.parametric import parametric, radii
-from fefinger.mesh.plate import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.quality import (
     MIN_DIHEDRAL,
     RADIUS_ERROR,
@@ -17,9 +18,8 @@ from fefinger.mesh.quality import (
     gate,
     measured_radii,
 )
-from fefinger.mesh.ready import data_folder
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shapes import Shape
+from fefinger.mesh.store import data_folder
 
 
 NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))
@@ -28,7 +28,7 @@ NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))
 @pytest.fixture(scope="module", params=NAMES)
 def mesh(request: pytest.FixtureRequest) -> FingerMesh:
     """Return each shipped mesh."""
-    return files.read(data_folder() / f"{request.param}.vtu")
+    return vtu.read(data_folder() / f"{request.param}.vtu")
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def test_subjects_have_coarse_and_standard_meshes_and_one_has_a_fine_one() -> No
 def test_calibrated_fingers_have_the_meshes_they_were_fitted_on(subject: str) -> None:
     report = rows()[f"{subject[0]}.{subject[1]}."]["calibration"]["finger"]
     for mesh in ("coarse", "standard"):
-        recipe = files.read(data_folder() / f"{subject}-calibrated-{mesh}.vtu").recipe
+        recipe = vtu.read(data_folder() / f"{subject}-calibrated-{mesh}.vtu").recipe
         assert recipe["pad_radius"] == report["pad_radius"]
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
-from fefinger.mesh import files
-from fefinger.mesh.ready import data_folder
+from fefinger.mesh import vtu
+from fefinger.mesh.store import data_folder
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import InputError
 
@@ -13,7 +13,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def half() -> FingerMesh:
     """Return the smallest shipped half."""
-    return files.read(data_folder() / "ah-coarse.vtu")
+    return vtu.read(data_folder() / "ah-coarse.vtu")
 
 
 def test_volume_doubles_in_every_region_and_cells_stay_positive(half: FingerMesh) -> None:

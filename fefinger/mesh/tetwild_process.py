@@ -1,4 +1,4 @@
-"""pytetwild in a process of its own: `python -m fefinger.mesh.tetwild FOLDER`.
+"""pytetwild in a process of its own: `python -m fefinger.mesh.tetwild_process FOLDER`.
 
 In ours it would hold the interpreter, take Ctrl-C for itself, print, and end us where it fails.
 """

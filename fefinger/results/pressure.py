@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.records import Array, Pad
+from fefinger.results.records import Array, Pad
 
 
 if TYPE_CHECKING:

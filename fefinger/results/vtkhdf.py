@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.records import Fields
+from fefinger.results.records import Fields
 
 
 VERSION = (2, 2)

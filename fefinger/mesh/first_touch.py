@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.mesh.build import FOREMOST, PALMAR
+from fefinger.mesh.finger_shape import Shape, Surface
+from fefinger.mesh.frame import FIT_RADIUS
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.plate import FIT_RADIUS
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
-from fefinger.mesh.shapes import Shape, Surface
 from fefinger.mesh.shell import Array
 
 

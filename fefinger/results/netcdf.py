@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fefinger import records
 from fefinger.neural.trains import SpikeTrains
+from fefinger.results import records
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
@@ -156,7 +156,8 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     spikes; files of these names from an earlier result are removed. An interruption or an error
     leaves the folder as it was. Raises InputError when the folder cannot be written, or is full.
     """
-    from fefinger import report, vtkhdf
+    from fefinger import report
+    from fefinger.results import vtkhdf
     from fefinger.support import atomic_write
 
     target = output_folder(folder)

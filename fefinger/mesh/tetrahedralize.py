@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh import tetwild
-from fefinger.mesh.surface import Triangles
+from fefinger.mesh import tetwild_process
+from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support import processes
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.checks import ConvergenceError
@@ -71,9 +71,9 @@ def tetrahedra(
 def _apart(**given: Any) -> tuple[Array, Index]:
     """Return the vertices and cells of what is `given` to `tetwild`, run beside this process."""
     with temporary_folder() as folder:
-        np.savez(folder / tetwild.GIVEN, **given)
+        np.savez(folder / tetwild_process.GIVEN, **given)
         with processes.running(
-            processes.command("-m", tetwild.__name__, str(folder)),
+            processes.command("-m", tetwild_process.__name__, str(folder)),
             cwd=folder,  # fTetWild writes __tracked_surface.stl into its working folder
             env=processes.environment(),
             stdin=subprocess.DEVNULL,
@@ -87,7 +87,7 @@ def _apart(**given: Any) -> tuple[Array, Index]:
             said = (text.strip().splitlines() or ["nothing"])[-1]
             message = f"mesher: it ended with status {mesher.returncode} and said: {said}"
             raise ConvergenceError(message)
-        with np.load(folder / tetwild.FOUND) as found:
+        with np.load(folder / tetwild_process.FOUND) as found:
             return found["vertices"], found["cells"]
 
 

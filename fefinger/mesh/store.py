@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mesh import files
+from fefinger.mesh import vtu
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
@@ -36,7 +36,7 @@ def ready(
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
-    mesh = files.read(path) if path else _cached(recipe) or _made(recipe, progress)
+    mesh = vtu.read(path) if path else _cached(recipe) or _made(recipe, progress)
     return mesh if half else whole(mesh)
 
 
@@ -70,7 +70,7 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
 def sha256(finger: "Finger") -> str | None:
     """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
     recipe = Recipe.of(finger)
-    sidecar = files.sidecar_path(shipped_path(recipe) or cached_path(recipe))
+    sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
     try:
         return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
     except (OSError, ValueError, KeyError, TypeError):  # none, or a damaged one
@@ -112,7 +112,7 @@ def _cached(recipe: Recipe) -> FingerMesh | None:
     """Return the mesh of a recipe from the cache; one that is damaged counts as none."""
     place = cached_path(recipe)
     try:
-        return files.read(place)
+        return vtu.read(place)
     except (InputError, OSError):
         return _unkept.get(place)
 
@@ -136,7 +136,7 @@ def _built(recipe: Recipe, say: Callable[[str], None]) -> FingerMesh:
         return found
     place = cached_path(recipe)
     try:
-        return files.read(files.write(mesh, place))
+        return vtu.read(vtu.write(mesh, place))
     except (InputError, OSError) as error:
         say(f"the mesh could not be kept for the next time: {error}")
         return _unkept.setdefault(place, mesh)

@@ -11,10 +11,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh.plate import PLATE
+from fefinger.mesh.frame import PLATE
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Array, Shell
-from fefinger.mesh.surface import Triangles
+from fefinger.mesh.shell_triangles import Triangles
 from fefinger.scene.finger import BONE
 from fefinger.support.checks import InputError
 

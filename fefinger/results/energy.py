@@ -7,7 +7,7 @@ between lies between the two. Relaxation lowers neither: both are functions of t
 
 import numpy as np
 
-from fefinger.records import Array, Fields
+from fefinger.results.records import Array, Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.vocabulary import SHARES

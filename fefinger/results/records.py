@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.scene.scene import Scene
-from fefinger.strains import green_lagrange
 
 
 if TYPE_CHECKING:
@@ -22,6 +21,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+
+def green_lagrange(logs: Array) -> Array:
+    """Return (C - I) / 2 (..., 3, 3) of the logarithmic strain ln(C) / 2, C = F'F."""
+    values, vectors = np.linalg.eigh(logs)
+    return np.asarray(
+        (vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    )
 
 
 @dataclass(frozen=True)
@@ -290,13 +297,13 @@ class Result:
 
     def to_xarray(self) -> "xr.Dataset":
         """Return everything as a Dataset with units, as `result.nc` holds it."""
-        from fefinger.files import dataset
+        from fefinger.results.netcdf import dataset
 
         return dataset(self)
 
     def save(self, folder: str | PathLike[str]) -> list[str]:
         """Write `result.nc`, `result.vtkhdf`, `spikes.csv` and `report.html` into `folder`."""
-        from fefinger.files import save
+        from fefinger.results.netcdf import save
 
         return save(self, folder)
 

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.pressures import cuts, net
+from fefinger.results.pressure import cuts, net
 from fefinger.scene.indenter import Flat, Indenter, direction
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.records import Array, Pad, Result
+    from fefinger.results.records import Array, Pad, Result
     from fefinger.theory.array.sensor import ArraySensor, Reading
 
 

@@ -1,0 +1,1 @@
+"""Records of an answer, their files, and what is computed from them."""
