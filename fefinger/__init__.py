@@ -19,13 +19,14 @@ from fefinger.support.version import VERSION
 if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
+    from fefinger.mechanics.realtime.condensed import Condensed as Condensed
+    from fefinger.mechanics.realtime.rolling import Rolling as Rolling
+    from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
-    from fefinger.realtime import Condensed as Condensed
     from fefinger.results.netcdf import load as load
     from fefinger.results.records import Plan as Plan
     from fefinger.results.records import Result as Result
-    from fefinger.rolling import Rolling as Rolling
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenter import Bar as Bar
@@ -54,7 +55,6 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.tissue import Hard as Hard
     from fefinger.scene.tissue import Tissue as Tissue
-    from fefinger.stiffening import Stiffening as Stiffening
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
     from fefinger.support.checks import Stopped as Stopped
@@ -77,12 +77,12 @@ _HOMES = {
         "ForceSampled",
     ),
     "plan": ("choose", "explain"),
-    "realtime": ("Condensed",),
+    "mechanics.realtime.condensed": ("Condensed",),
     "results.records": ("Plan", "Result"),
-    "rolling": ("Rolling",),
+    "mechanics.realtime.rolling": ("Rolling",),
     "scene.scene": ("Scene",),
     "theory.relaxation": ("Prony",),
-    "stiffening": ("Stiffening",),
+    "mechanics.realtime.stiffening": ("Stiffening",),
     "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

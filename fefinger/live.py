@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from fefinger import films
 from fefinger.fem.body import Solid
 from fefinger.fem.elements.probe import inside, tensors
-from fefinger.mechanics import _operator
+from fefinger.mechanics.press import operator
+from fefinger.mechanics.realtime.condensed import afferents
+from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.neural.streaming import Afferents
-from fefinger.realtime import afferents
 from fefinger.results.records import Sites
-from fefinger.rolling import Rolling
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 
@@ -69,7 +69,7 @@ class Show:
     """The finger, its units, and the section of it that is drawn."""
 
     def __init__(self, finger: Finger) -> None:
-        solid = _operator.operator(finger, half=True)
+        solid = operator.operator(finger, half=True)
         self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
         self.organs = end_organs(solid)
         angles = [angle for _, _, angle in SCRIPT]

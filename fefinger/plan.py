@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from fefinger import machine
 from fefinger import mechanics as ladder
-from fefinger.mechanics import _by_force, _tradeoff
+from fefinger.mechanics.evidence import force_control, machine, tradeoff
 from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
@@ -149,10 +148,10 @@ def _rung(name: str, resolution: str | None, scene: Scene, refusals: tuple[Refus
         reason = f"expected time = {beyond(seconds, asked.seconds, ' s')} (ask.seconds)"
         refusals = (*refusals, Refusal(name, "time", reason))
     label = f"{name} {resolution or ''}".strip()
-    errors = _tradeoff.others(label, scene)
+    errors = tradeoff.others(label, scene)
     if scene.motion.control == "force" and math.isfinite(error):
-        errors = _by_force.errors(errors, error, scene)
-    errors |= _tradeoff.spikes(label, scene) if asked.spikes else {}
+        errors = force_control.errors(errors, error, scene)
+    errors |= tradeoff.spikes(label, scene) if asked.spikes else {}
     return Rung(name, seconds, error, evidence, refusals, resolution, errors)
 
 
@@ -224,8 +223,8 @@ def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
 
 def _settings(scene: Scene, chosen: Rung) -> Settings:
     """Return what of the scene the chosen mechanics builds."""
-    from fefinger.mechanics._symmetry import symmetric
-    from fefinger.mechanics._timeline import time_grid
+    from fefinger.mechanics.press.discretization import symmetric
+    from fefinger.mechanics.press.time_steps import time_grid
 
     ask, meshed = scene.ask, chosen.resolution is not None
     fast = chosen.mechanics != "lumped" and "FAII" in ask.spikes
@@ -259,7 +258,7 @@ def _expectation(scene: Scene, rung: Rung) -> str:
     said = f"{error} ({rung.evidence}), about {duration(rung.seconds)}"
     if rung.resolution is None:
         return said
-    from fefinger.mechanics._evidence import once
+    from fefinger.mechanics.evidence.reports import once
 
     finger = replace(scene.finger, resolution=rung.resolution)
     first = once(rung.mechanics, replace(scene, finger=finger))

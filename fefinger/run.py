@@ -94,12 +94,12 @@ def fire(scene: "Scene", response: "Response") -> "SpikeTrains":
     """Return what the population fires, or one unit of each type asked, under the strain."""
     from dataclasses import replace
 
-    from fefinger import population
+    from fefinger import afferents
     from fefinger.neural.afferents import from_strain
     from fefinger.support.checks import InputError
 
     if scene.ask.population is not None:
-        return population.fire(response, scene.ask)
+        return afferents.fire(response, scene.ask)
 
     if response.strain is None or response.sites is None or response.reference is None:
         msg = f"ask.spikes: {response.mechanics!r} gives no strain under the skin to make them from"

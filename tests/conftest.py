@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from fefinger import machine
+from fefinger.mechanics.evidence import machine
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results.records import (
     Fields,

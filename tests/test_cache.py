@@ -18,7 +18,8 @@ from fefinger.__main__ import main
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Compliance
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
-from fefinger.mechanics import _kept, _operator
+from fefinger.mechanics.press import operator as _operator
+from fefinger.mechanics.press import operator_cache
 from fefinger.mesh import store, vtu
 from fefinger.mesh.recipe import Recipe
 from fefinger.support import cache
@@ -126,7 +127,7 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / name))
     assert cache.entries() == ()
     finger, recipe = ff.Finger.subject("a.h."), Recipe(15, 11, 14)
-    assert not _kept.at_hand(finger, half=True)
+    assert not operator_cache.at_hand(finger, half=True)
     assert not store.at_hand(ff.Finger(15, 11))
     mesh = store.ready(finger, half=True)
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
@@ -174,7 +175,7 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
 ) -> None:
     finger = ff.Finger.subject("a.h.", resolution="coarse")
     built = _operator.operator(finger, half=True)
-    place = _kept.folder(_kept.identity(finger, odd=False))
+    place = operator_cache.folder(operator_cache.identity(finger, odd=False))
     os.utime(place, (0, 0))
     read = _operator.read
 
@@ -208,7 +209,7 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     old = store.sha256(finger)
     found = _operator.operator(finger, half=True)
     assert old != store.sha256(finger)
-    assert not _kept.at_hand(finger, half=True)
+    assert not operator_cache.at_hand(finger, half=True)
     assert [known["mesh_file_sha256"] for known in found.known] == [old]
 
 

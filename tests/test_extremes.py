@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 import fefinger as ff
 from fefinger import validation_report
 from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
-from fefinger.mechanics._timeline import time_grid, too_long
+from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError

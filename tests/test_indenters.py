@@ -8,7 +8,8 @@ import pytest
 
 import fefinger as ff
 from fefinger import indenter_pose
-from fefinger.mechanics import _evidence, hertz, layered, linear, lumped
+from fefinger.mechanics import hertz, layered, linear, lumped
+from fefinger.mechanics.evidence import reports
 from fefinger.report import _touch
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Indenter
@@ -138,13 +139,13 @@ def test_mechanics_without_such_an_object_say_so(indenter: Indenter) -> None:
 
 
 def test_the_smallest_radius_of_an_object_is_that_of_its_sharpest_crest() -> None:
-    assert _evidence.smallest_radius(ff.Cylinder(4.0)) == 4
-    assert _evidence.smallest_radius(ff.Bar(4.0, 0.7)) == 0.7
+    assert reports.smallest_radius(ff.Cylinder(4.0)) == 4
+    assert reports.smallest_radius(ff.Bar(4.0, 0.7)) == 0.7
     ridge = 10 / np.sqrt(3) * 0.5 / 1.0**2  # largest S'' = 10 / sqrt(3)
-    assert _evidence.smallest_radius(ff.Grating(3, 1, 0.5)) == pytest.approx(1 / ridge, rel=0.01)
+    assert reports.smallest_radius(ff.Grating(3, 1, 0.5)) == pytest.approx(1 / ridge, rel=0.01)
     wave = 0.2 * (2 * np.pi / 3) ** 2
     fine = np.linspace(-3, 3, 61)
-    assert _evidence.smallest_radius(ff.Relief.of(dots, fine, fine)) == pytest.approx(
+    assert reports.smallest_radius(ff.Relief.of(dots, fine, fine)) == pytest.approx(
         1 / wave, rel=0.05
     )
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from fefinger import machine
+from fefinger.mechanics.evidence import machine
 
 
 MEASURE = machine.measure  # the tests of other modules take that of the reports

@@ -12,8 +12,9 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, machine, mechanics, plan
+from fefinger import console, mechanics, plan
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence import machine
 from fefinger.results.records import Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.support import package_data, text
@@ -349,14 +350,14 @@ def test_a_scene_without_spikes_loads_no_membrane():
 
 @pytest.mark.parametrize("name", ["hertz", "linear"])
 def test_strain_is_computed_only_where_it_is_asked(name, monkeypatch):
-    from fefinger.mechanics import _axisymmetric, _press, _squeeze
+    from fefinger.mechanics.press import axisymmetric, finite_strain, reference, small_strain
 
     def forbidden(*args, **kwargs):
         pytest.fail("sites were placed without being asked for")
 
-    for module in (_axisymmetric, _press, _squeeze):
+    for module in (axisymmetric, small_strain, finite_strain):
         monkeypatch.setattr(module, "organs", forbidden)
-    monkeypatch.setattr(_press, "reference_press", forbidden)
+    monkeypatch.setattr(reference, "reference_press", forbidden)
     result = ff.run(asked(pressure=True, depth=0.2, resolution="coarse"), mechanics=name)
     assert result.pressure is not None
     assert (result.strain, result.sites, result.response.reference) == (None, None, None)
@@ -383,7 +384,7 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
 
 
 def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
-    from fefinger.mechanics import _evidence
+    from fefinger.mechanics.evidence import reports
     from fefinger.mesh import store
 
     scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
@@ -391,7 +392,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = _evidence.MESH_SECONDS["coarse"]
+    build = reports.MESH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "of it for what is built once and kept" in made.sentence
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import population, report
+from fefinger import afferents, report
 from fefinger.mechanics import get
-from fefinger.mechanics._skin import meshed, spherical
-from fefinger.mechanics._touch import folded, unfolded
+from fefinger.mechanics.press import population
+from fefinger.mechanics.press.sites import folded, unfolded
+from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.neural.endorgans import TYPES
 from fefinger.run import fire
 from fefinger.scene import builtin, library
@@ -158,18 +159,18 @@ def test_spread_noise_and_distance_reach_the_units():
 
 
 def test_delays_are_distance_over_velocity():
-    slow, fast = population.delays(("FAII", "FAI"), 800.0)
+    slow, fast = afferents.delays(("FAII", "FAI"), 800.0)
     assert slow == pytest.approx(0.8 / 46.9)
     assert fast == pytest.approx(0.8 / 55.3)
     with pytest.raises(InputError, match="distance: expected"):
-        population.delays(("FAI",), -1.0)
+        afferents.delays(("FAI",), -1.0)
 
 
 def test_a_response_without_these_end_organs_is_refused(synthetic):
     with pytest.raises(InputError, match="'linear' has no end organs of a population"):
-        population.fire(synthetic.response, asked(LINE))
+        afferents.fire(synthetic.response, asked(LINE))
     with pytest.raises(InputError, match="gives no strain"):
-        population.fire(replace(synthetic.response, strain=None), asked(LINE))
+        afferents.fire(replace(synthetic.response, strain=None), asked(LINE))
 
 
 REFUSED = [

@@ -15,8 +15,8 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry.profiles import Ellipsoid
 from fefinger.mechanics import condensed
+from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.realtime import Condensed
 from fefinger.results.records import Sites
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError

@@ -11,9 +11,9 @@ import fefinger as ff
 from fefinger.fem.contact import lcp_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.viscoelastic import Relaxation
-from fefinger.realtime import Condensed
+from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.results.records import Sites
-from fefinger.rolling import Rolling
 from fefinger.support.checks import InputError
 
 

@@ -8,9 +8,9 @@ import pytest
 from scipy import optimize
 
 import fefinger as ff
-from fefinger.realtime import Condensed
+from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.library import pawluk_bulk
-from fefinger.stiffening import Stiffening
 from fefinger.support.checks import ConvergenceError, InputError
 
 

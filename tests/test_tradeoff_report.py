@@ -13,7 +13,8 @@ from fefinger.validation import tradeoff, tradeoff_scenes
 from fefinger.validation.tradeoff_held_out import label, summary
 
 from fefinger import plan
-from fefinger.mechanics import _tradeoff, get
+from fefinger.mechanics import get
+from fefinger.mechanics.evidence import tradeoff as _tradeoff
 from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

@@ -16,10 +16,10 @@ from fefinger.calibration import press
 from fefinger.calibration.calibrate import SMALLER, calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
-from fefinger.realtime import Condensed
+from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Ramp, RampSinusoid
-from fefinger.stiffening import Stiffening
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 from fefinger.theory.relaxation import Prony

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled
 from fefinger.mechanics import condensed, linear
-from fefinger.mechanics._press import WHOLE_MESH, press
-from fefinger.realtime import Condensed
+from fefinger.mechanics.press.small_strain import WHOLE_MESH, press
+from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask

@@ -16,8 +16,8 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import linear
-from fefinger.mechanics._evidence import LINEAR_REPORT
-from fefinger.mechanics._timeline import moving
+from fefinger.mechanics.evidence.reports import LINEAR_REPORT
+from fefinger.mechanics.press.time_steps import moving
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError

@@ -18,7 +18,7 @@ from fefinger.validation.evidence import PRESSES, costs
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import condensed
-from fefinger.mechanics._evidence import CONDENSED_REPORT, linear
+from fefinger.mechanics.evidence.reports import CONDENSED_REPORT, linear
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError

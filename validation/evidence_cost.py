@@ -14,7 +14,7 @@ from typing import Any
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import solid
-from fefinger.mechanics._solid_cost import REPORT
+from fefinger.mechanics.evidence.solid_cost import REPORT
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Bar, Flat, Indenter, Sphere

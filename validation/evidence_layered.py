@@ -13,7 +13,7 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import layered, linear
-from fefinger.mechanics._evidence import LAYERED_PRESSES, LAYERED_REPORT
+from fefinger.mechanics.evidence.reports import LAYERED_PRESSES, LAYERED_REPORT
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger

@@ -18,10 +18,10 @@ from fefinger.validation.tradeoff_errors import law, spring
 from numpy.typing import NDArray
 
 from fefinger.mechanics import solid
-from fefinger.mechanics._crept import REPORT
-from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT, read
-from fefinger.mechanics._tradeoff import REPORT as TRADEOFF
-from fefinger.mechanics._tradeoff import rules
+from fefinger.mechanics.evidence.reached_depth import REPORT
+from fefinger.mechanics.evidence.reports import SOLID_REPORT, SOLID_SUBJECT, read
+from fefinger.mechanics.evidence.tradeoff import REPORT as TRADEOFF
+from fefinger.mechanics.evidence.tradeoff import rules
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

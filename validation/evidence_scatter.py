@@ -19,8 +19,8 @@ from fefinger.validation import tradeoff_runs as runs
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff_runs import Run
 
-from fefinger.mechanics._scatter import REPORT
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence.mesh_scatter import REPORT
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results import pressure
 
 

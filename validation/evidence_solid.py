@@ -26,7 +26,7 @@ from fefinger.validation.evidence import ORDER
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import solid
-from fefinger.mechanics._evidence import SOLID_REPORT, SOLID_SUBJECT
+from fefinger.mechanics.evidence.reports import SOLID_REPORT, SOLID_SUBJECT
 from fefinger.results.records import Response
 from fefinger.support.checks import ConvergenceError, InputError
 

@@ -7,7 +7,7 @@ from fefinger.validation.extremes_trial import Findings
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics._evidence import smallest_radius
+from fefinger.mechanics.evidence.reports import smallest_radius
 from fefinger.results.pressure import net, pressed
 from fefinger.results.records import Pad, Response
 from fefinger.scene.indenter import STANDARD, Flat, Indenter, direction

@@ -15,10 +15,11 @@ from fefinger.fem.body import body, reduce
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics import _placing, linear, solid
-from fefinger.mechanics._hard import held, with_nail
-from fefinger.mechanics._press import press, tissues
-from fefinger.mechanics._squeeze import squeeze
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.finite_strain import squeeze
+from fefinger.mechanics.press.materials import held, tissues, with_nail
+from fefinger.mechanics.press.small_strain import press
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.run import fire
@@ -57,7 +58,7 @@ def pressed(
     finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
     mesh = with_nail(finger, ready(finger, half=True))
     whole = body(mesh, tissues(finger), held(finger))
-    touch = _placing.obstacle(Flat(30), whole)
+    touch = placement.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
     small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))
     pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)

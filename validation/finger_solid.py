@@ -15,10 +15,10 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
-from fefinger.mechanics import _placing, solid
-from fefinger.mechanics._hard import held
-from fefinger.mechanics._press import tissues
-from fefinger.mechanics._squeeze import laws, squeeze
+from fefinger.mechanics import solid
+from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.finite_strain import squeeze
+from fefinger.mechanics.press.materials import held, laws, tissues
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
@@ -66,7 +66,7 @@ def plate() -> Pressed:
     """Return the finger of flat-press under its plate."""
     finger = scene("a.h.", "flat-30", "coarse").finger
     rigid = body(ready(finger, half=True), tissues(finger), held(finger))
-    touch = _placing.obstacle(Flat(30), rigid)
+    touch = placement.obstacle(Flat(30), rigid)
     contact = sliding(rigid.space, rigid.pad, rigid.normals, touch, REACH)
     return Pressed(rigid, continuum(rigid.space, laws(finger)), touch, contact)
 

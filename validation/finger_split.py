@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.chain import DEPTHS, SUBJECTS, Array, models, scene
 
-from fefinger.mechanics._evidence import SOLID_REPORT
+from fefinger.mechanics.evidence.reports import SOLID_REPORT
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report

@@ -14,10 +14,10 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.mechanics import _placing
-from fefinger.mechanics._hard import held
-from fefinger.mechanics._press import tissues
-from fefinger.mechanics._touch import meshed_at, sites
+from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.materials import held, tissues
+from fefinger.mechanics.press.sites import sites
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.indenter import Flat, Indenter, Sphere
@@ -36,7 +36,7 @@ def strains(resolution: str, name: str) -> Array:
     finger = replace(scene.finger, resolution=resolution)
     mesh = ready(finger, half=True, touch=meshed_at(scene.indenter))
     whole = body(mesh, tissues(finger), held(finger))
-    touch = _placing.obstacle(scene.indenter, whole)
+    touch = placement.obstacle(scene.indenter, whole)
     points = sites(scene, touch.origin, touch.axis).points
     probes = (
         recovered_strain_at(whole.space, points, whole.planes),

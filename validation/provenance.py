@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
-from fefinger import machine
+from fefinger.mechanics.evidence import machine
 from fefinger.support.provenance import commit
 
 

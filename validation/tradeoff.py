@@ -19,8 +19,8 @@ from fefinger.validation import tradeoff_rules, tradeoff_runs, tradeoff_scenes, 
 from fefinger.validation.case import Case, Outcome
 from fefinger.validation.provenance import provenance
 
-from fefinger.mechanics import _tradeoff
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.support.atomic_write import moved
 from fefinger.support.text import SAID, finite
 
@@ -94,7 +94,7 @@ def fresh() -> dict[str, Any]:
 @cache
 def committed() -> dict[str, Any]:
     """Return the report that the planner reads."""
-    return _tradeoff.read()
+    return tradeoff.read()
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
@@ -253,7 +253,7 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
             known = old["presses"][name]["candidates"][candidate]
             for quantity in STATED:
                 if quantity in own["model"]:
-                    totals = [_tradeoff.total(each, quantity) for each in (own, known)]
+                    totals = [tradeoff.total(each, quantity) for each in (own, known)]
                     largest = max(largest, float(np.abs(totals[0] - totals[1]).max()))
     return largest
 
@@ -282,13 +282,13 @@ def write(folder: Path) -> None:
     complete(lambda stage, fraction: print(f"{100 * fraction:3.0f} % {stage}", file=sys.stderr))
     made = {"provenance": provenance(COMMAND)}
     said = {"rules_read": RULES, "shared": SHARED, "rules": tradeoff_rules.rules()}
-    target = folder / _tradeoff.REPORT
+    target = folder / tradeoff.REPORT
     _put(target, made | said)
-    for kept in (_tradeoff.read, committed, fresh):
+    for kept in (tradeoff.read, committed, fresh):
         kept.cache_clear()
     said |= fresh()
     _put(target, made | said)
-    _tradeoff.read.cache_clear()
+    tradeoff.read.cache_clear()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
     record = suites.as_json({"tradeoff": outcomes}) | finite(said)

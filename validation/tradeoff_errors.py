@@ -13,7 +13,7 @@ from fefinger.validation.evidence import ORDER
 from fefinger.validation.tradeoff_runs import DEPTHS, Run
 from numpy.typing import NDArray
 
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError

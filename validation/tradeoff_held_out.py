@@ -14,8 +14,8 @@ from fefinger.validation import tradeoff_scenes as scenes
 from fefinger.validation.tradeoff_errors import Press, converged
 from fefinger.validation.tradeoff_rules import answers, off
 
-from fefinger.mechanics import _tradeoff
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.plan import rungs
 from fefinger.results.records import Rung
 from fefinger.scene.scene import Scene
@@ -49,7 +49,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
         actual = off(name, motion.passage(found[name], scene), reference)
-        paced = _tradeoff.rules()["steps"][rung.mechanics]
+        paced = tradeoff.rules()["steps"][rung.mechanics]
         known = {"force": rung.error, **rung.errors}
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),

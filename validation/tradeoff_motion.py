@@ -12,8 +12,8 @@ from fefinger.validation.tradeoff_errors import Press, norm
 from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
-from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene.scene import Scene
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes

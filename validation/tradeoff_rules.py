@@ -32,9 +32,10 @@ from fefinger.validation.tradeoff_errors import (
 from fefinger.validation.tradeoff_runs import Run
 from numpy.typing import NDArray
 
-from fefinger.mechanics import _evidence, _tradeoff, hertz
-from fefinger.mechanics._identified import between
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics import hertz
+from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.evidence.lumped_law import between
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
 
@@ -77,7 +78,7 @@ def springs(name: str) -> tuple[float, float]:
     as the planner has them.
     """
     own = identified(name)
-    if name in scenes.BASE or scenes.PRESSES[name].subject != _evidence.SOLID_SUBJECT:
+    if name in scenes.BASE or scenes.PRESSES[name].subject != reports.SOLID_SUBJECT:
         return own.b, own.m
     plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
     rows = [
@@ -213,15 +214,15 @@ def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -
     """Give the error in a press less that which the other presses tell, at every depth."""
     own = presses[name]
     others = {key: value for key, value in presses.items() if key != name}
-    place = _tradeoff.place(own["angle"], own["radius"])
-    if candidate not in own["candidates"] or len(_tradeoff.neighbors(others, place)) < 2:
+    place = tradeoff.place(own["angle"], own["radius"])
+    if candidate not in own["candidates"] or len(tradeoff.neighbors(others, place)) < 2:
         return
     if candidate == "lumped":
         actual = _between(own, others)
     else:
-        actual = _tradeoff.total(own["candidates"][candidate], quantity)
+        actual = tradeoff.total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = _tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
+        told = tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
         if told is not None:
             yield error - sum(told)
 
@@ -241,7 +242,7 @@ def _between(own: dict[str, Any], others: dict[str, Any]) -> Array:
 
 def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any], quantity: str) -> float:
     """Return the error of a quantity in a press at the depth of a motion."""
-    errors_ = _tradeoff.total(row["candidates"][candidate], quantity)
+    errors_ = tradeoff.total(row["candidates"][candidate], quantity)
     return float(np.interp(moved["depth_mm"], row["depth_mm"], errors_))
 
 
@@ -279,11 +280,11 @@ def fingers() -> dict[str, float]:
     The largest over presses and depths at which it is above LEAST on the measured finger, of the
     force; of the rest none is known.
     """
-    rows = _evidence.read(_evidence.SOLID_REPORT)["rows"]
+    rows = reports.read(reports.SOLID_REPORT)["rows"]
     found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
     for mechanics in found:
         for kind in ("flat-30", "sphere-5"):
-            own = _relative(rows[f"{_evidence.SOLID_SUBJECT}/{kind}"], mechanics)
+            own = _relative(rows[f"{reports.SOLID_SUBJECT}/{kind}"], mechanics)
             for subject in FINGERS:
                 other = _relative(rows[f"{subject}/{kind}"], mechanics)
                 known = (own > LEAST) & np.isfinite(other)
@@ -376,7 +377,7 @@ def rules() -> dict[str, Any]:
     measured = [finger, *(Finger.subject(name) for name in FINGERS)]
     shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
-        "quantities": _tradeoff.MEANT,
+        "quantities": tradeoff.MEANT,
         "tissue": {
             "skin_over_subcutaneous": finger.skin.modulus / finger.subcutaneous.modulus,
             "skin_over_thickness": [min(shares), max(shares)],

@@ -23,7 +23,7 @@ from fefinger.validation import tradeoff_scenes as scenes
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get
-from fefinger.mechanics._touch import meshed_at
+from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mesh.store import ready
 from fefinger.results import pressure as pressures
 from fefinger.results.records import Response
@@ -117,10 +117,10 @@ def respond(run: Run, scene: Scene) -> Response:
     if run.refine == 1:
         return get(run.mechanics).respond(scene)
     if run.mechanics == "solid":
-        from fefinger.mechanics._squeeze import squeeze
+        from fefinger.mechanics.press.finite_strain import squeeze
 
         return squeeze(scene, mechanics="solid", notes=(), refine=run.refine)
-    from fefinger.mechanics._press import press
+    from fefinger.mechanics.press.small_strain import press
 
     return press(scene, mechanics="linear", notes=(), refine=run.refine)
 

@@ -19,8 +19,8 @@ from fefinger.validation.tradeoff_errors import (
 from fefinger.validation.tradeoff_rules import LIMIT, answers, identified
 from fefinger.validation.tradeoff_runs import Run
 
-from fefinger import machine
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence import machine
 from fefinger.neural.membranes import LARGEST_STEP
 from fefinger.results.records import green_lagrange
 from fefinger.scene.scene import Scene

@@ -4,8 +4,8 @@ from typing import Any
 
 from fefinger.validation.tradeoff_held_out import ENOUGH
 
-from fefinger.mechanics import _tradeoff
-from fefinger.mechanics._tradeoff import STATED
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
@@ -99,7 +99,7 @@ def _stated() -> dict[str, Any]:
         finger = Finger.subject("a.h.", resolution=mesh)
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
-        found = [_tradeoff.stated(candidate, scene, name) for name in STATED]
+        found = [tradeoff.stated(candidate, scene, name) for name in STATED]
         rows.append([candidate, *("-" if each is None else percent(each.error) for each in found)])
     caption = (
         f"Stated errors of a press by a plate at 30 degrees, {DEPTH:g} mm deep, with margins: "

@@ -26,12 +26,13 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.fem.linalg import system
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics import _hard, _kept, _operator, _press, _touch
+from fefinger.mechanics.press import materials, operator, operator_cache
+from fefinger.mechanics.press import sites as _touch
+from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import ready
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.realtime import Condensed
 from fefinger.results.records import Sites
-from fefinger.rolling import Rolling
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
@@ -100,10 +101,10 @@ def _building(finger: Finger) -> list[Figure]:
     mesh, seconds, processor = ready(finger, half=True), 0.0, time.process_time()
     for odd in (False, True):
         started = time.perf_counter()
-        built = _operator.build(finger, mesh, odd=odd)
-        identity = _kept.identity(finger, odd=odd, mesh=mesh)
+        built = operator.build(finger, mesh, odd=odd)
+        identity = operator_cache.identity(finger, odd=odd, mesh=mesh)
         assert identity is not None
-        _operator.write(built, _kept.folder(identity), identity)
+        operator.write(built, operator_cache.folder(identity), identity)
         seconds += time.perf_counter() - started
     processor = time.process_time() - processor
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -123,7 +124,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, _press.tissues(finger), _hard.held(finger))
+    solid = body(mesh, materials.tissues(finger), materials.held(finger))
     own, space = solid.system, solid.space
     found, factoring = timed(lambda: system.factor(space, own.matrix, own.fixed, "superlu"))
     count = 3 * len(palmar(solid))
@@ -139,7 +140,7 @@ def _entries(built: Compliance) -> int:
 
 def _loading(finger: Finger) -> list[Figure]:
     begun = time.process_time()
-    seconds = _seconds(lambda: _operator.operator(finger, half=False))
+    seconds = _seconds(lambda: operator.operator(finger, half=False))
     processor = time.process_time() - begun
     return [
         Figure("operator, whole finger: wall, loaded with its mesh", seconds, "s"),

@@ -19,7 +19,7 @@ from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.threads import one_thread
-from fefinger.mechanics import _hard, _placing, _press
+from fefinger.mechanics.press import materials, placement
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
@@ -46,7 +46,7 @@ def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(builtin.load("flat-press").finger, resolution=RESOLUTION)
     mesh = ready(finger, half=True)
-    tissues, held = _press.tissues(finger), _hard.held(finger)
+    tissues, held = materials.tissues(finger), materials.held(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)
@@ -94,7 +94,7 @@ def hertz_figures() -> list[Figure]:
 
 def contact(solid: body.Body, finger: Finger) -> float:
     """Return the CPU seconds of STEPS steps of a press to DEPTH and back on a reduced finger."""
-    touch = _placing.obstacle(STANDARD, solid)
+    touch = placement.obstacle(STANDARD, solid)
     on_pad = patch(solid.space, solid.pad, solid.normals, touch, REACH)
     small = body.reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
     prony, size = finger.prony, len(on_pad.vertices)

@@ -192,8 +192,8 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
     What is not in contact is left out.
     """
-    from fefinger.mechanics._stride import memories, stride
-    from fefinger.mechanics._timeline import time_grid
+    from fefinger.mechanics.press.load_steps import memories, stride
+    from fefinger.mechanics.press.time_steps import time_grid
 
     if mechanics == "solid":
         time = time_grid(scene.motion, fast=False)

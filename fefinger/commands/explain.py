@@ -38,7 +38,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
 
 def _too_fast(scene: "Scene") -> tuple[str, ...]:
     """Return the warnings of an answer to a motion, as far as it prescribes the depth."""
-    from fefinger.mechanics._timeline import time_grid
+    from fefinger.mechanics.press.time_steps import time_grid
     from fefinger.scene.inertia import jump, quasistatic
 
     motion = scene.motion

@@ -8,8 +8,9 @@ mesh of `linear` follows the touch.
 
 from dataclasses import replace
 
-from fefinger.mechanics import _evidence, _tradeoff, linear
-from fefinger.mechanics._notes import RIGID_BONE, yielding
+from fefinger.mechanics import linear
+from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.press.notes import RIGID_BONE, yielding
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -42,16 +43,16 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s, less where the finger's operator is in the cache."""
-    return _evidence.condensed_seconds(scene)
+    return reports.condensed_seconds(scene)
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
     candidate = f"{name} {scene.finger.mesh}"
-    found = _tradeoff.stated(candidate, scene)
+    found = tradeoff.stated(candidate, scene)
     if found is not None:
         return found.error, found.source
-    return _tradeoff.instead(candidate, scene, *_evidence.condensed_error(scene))
+    return tradeoff.instead(candidate, scene, *reports.condensed_error(scene))
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -73,8 +74,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         If a contact solution is not reached.
     """
     from fefinger.fem.condensation import OutsideError
-    from fefinger.mechanics._operator import METHOD
-    from fefinger.mechanics._press import WHOLE_MESH, press
+    from fefinger.mechanics.press.operator import METHOD
+    from fefinger.mechanics.press.small_strain import WHOLE_MESH, press
 
     try:
         return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.machine import slowness
-from fefinger.mechanics import _axisymmetric, _tradeoff
-from fefinger.mechanics._axisymmetric import Array
-from fefinger.mechanics._evidence import smallest_radius
-from fefinger.mechanics._notes import apart, normalized, yielding
-from fefinger.mechanics._timeline import time_grid, too_long
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.reports import smallest_radius
+from fefinger.mechanics.press import axisymmetric
+from fefinger.mechanics.press.axisymmetric import Array
+from fefinger.mechanics.press.notes import apart, normalized, yielding
+from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD, Ellipsoid, Flat, Sphere
@@ -141,7 +142,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     depth, radius = scene.motion.peak, half_space(scene).relative_radius
     if scene.motion.control == "depth" and depth > radius:
         unable.append(f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there")
-    measured = not unable and _tradeoff.stated(name, scene) is not None
+    measured = not unable and tradeoff.stated(name, scene) is not None
     doubts = [] if measured else [*_doubts_of_size(scene), *doubts_of_place(scene)]
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
@@ -157,7 +158,7 @@ def lacking(scene: Scene) -> list[str]:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
-    elif _axisymmetric.touch(scene) is None:
+    elif axisymmetric.touch(scene) is None:
         unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
     return unable
 
@@ -175,7 +176,7 @@ def error(scene: Scene) -> tuple[float, str]:
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    found = _tradeoff.stated(name, scene)
+    found = tradeoff.stated(name, scene)
     if found is not None:
         return found.error, found.source
     stiffer = STIFFENING * _thinness(scene)
@@ -213,7 +214,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "poisson": body.poisson,
         "contact_radius_over_thickness": _thinness(scene),
     }
-    return _axisymmetric.press(
+    return axisymmetric.press(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 

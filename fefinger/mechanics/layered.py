@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.mechanics import _axisymmetric, _evidence, _tradeoff, hertz
-from fefinger.mechanics._notes import normalized
-from fefinger.mechanics._touch import REFERENCE_DEPTH
+from fefinger.mechanics import hertz
+from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.press import axisymmetric
+from fefinger.mechanics.press.notes import normalized
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.indenter import Ellipsoid
@@ -23,7 +25,7 @@ from fefinger.theory.contact.stack import Layer, Stack
 
 
 if TYPE_CHECKING:
-    from fefinger.mechanics._stack import Layered
+    from fefinger.mechanics.press.layered_contact import Layered
 
 
 name = "layered"
@@ -86,7 +88,7 @@ def contact(scene: Scene) -> "Layered":
     InputError
         If the contact becomes wider than its relative radius.
     """
-    from fefinger.mechanics._stack import Layered
+    from fefinger.mechanics.press.layered_contact import Layered
 
     radius, peak = hertz.half_space(scene).relative_radius, scene.motion.peak
     try:
@@ -108,7 +110,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     deepest = max(dict(scene.ask.depths).values(), default=0)
     if deepest >= bone:
         unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
-    measured = not unable and _tradeoff.stated(name, scene) is not None
+    measured = not unable and tradeoff.stated(name, scene) is not None
     doubts = [] if unable or measured else _doubts(scene)
     return (
         *(Refusal(name, "ability", reason) for reason in unable),
@@ -118,15 +120,15 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    return _evidence.layered_seconds(scene)
+    return reports.layered_seconds(scene)
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against `solid`, else against `linear`."""
-    found = _tradeoff.stated(name, scene)
+    found = tradeoff.stated(name, scene)
     if found is not None:
         return found.error, found.source
-    return _evidence.layered_error(scene.indenter, hertz.deepest(scene))
+    return reports.layered_error(scene.indenter, hertz.deepest(scene))
 
 
 def coarser(scene: Scene) -> None:
@@ -141,7 +143,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     InputError
         If the indenter is placed beyond the pad, or the contact becomes wider than its radius.
     """
-    from fefinger.mechanics._stack import Layered
+    from fefinger.mechanics.press.layered_contact import Layered
 
     body = contact(scene)
     # The plate is asked for one depth, at the end of its table, where few contacts are exact.
@@ -159,7 +161,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "relative_radius_mm": body.table.radius,
         "contact_radius_over_thickness": widest / body.table.stack.thickness,
     }
-    return _axisymmetric.press(
+    return axisymmetric.press(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 
@@ -170,13 +172,13 @@ def _doubts(scene: Scene) -> list[str]:
     Under force control the depth is that of the half-space, which is softer: no less deep.
     """
     doubts = [*hertz.doubts_of_place(scene), *_doubts_of_tissue(scene.finger)]
-    depth, measured = hertz.deepest(scene), _evidence.layered_depth(scene.indenter)
+    depth, measured = hertz.deepest(scene), reports.layered_depth(scene.indenter)
     if depth > measured:
         reason = (
             f"depth / measured depth = {depth:.3g} / {measured:.3g} mm = {depth / measured:.3g}"
         )
         doubts.append(f"{reason} > 1: the force is not measured there")
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.LINEAR_RADIUS
+    radius, least = reports.smallest_radius(scene.indenter), reports.LINEAR_RADIUS
     if radius < least:
         doubts.append(f"radius = {radius:.3g} mm < {least:g} mm: the force is not measured there")
     return doubts
@@ -184,7 +186,7 @@ def _doubts(scene: Scene) -> list[str]:
 
 def _doubts_of_tissue(finger: Finger) -> list[str]:
     """Return in what the tissues differ from the measured ones; their common modulus cancels."""
-    doubts, measured = [], _evidence.layered()["tissue"]
+    doubts, measured = [], reports.layered()["tissue"]
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]
     if max(contrast / known, known / contrast) > hertz.CONTRAST:

@@ -4,10 +4,12 @@ The body is solved once under a unit pressure on every candidate vertex of the p
 relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
 """
 
-from fefinger.mechanics import _cut, _evidence, _tradeoff, hertz
-from fefinger.mechanics._notes import apart, hard
-from fefinger.mechanics._timeline import too_long
-from fefinger.mechanics._touch import meshed_at
+from fefinger.mechanics import hertz
+from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.notes import apart, hard
+from fefinger.mechanics.press.time_steps import too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
@@ -53,17 +55,17 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     )
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
-    found = list(_cut.reached(name, scene))
+    found = list(proximal_cut.reached(name, scene))
     doubts = (*too_small(scene), *too_soft(scene.finger), *unmeasured(scene.finger))
     found += [Refusal(name, "accuracy", reason) for reason in doubts]
-    if _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
+    if tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(found)
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
+    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         found.append(Refusal(name, "accuracy", reason))
-    press = _evidence.solid_press(scene)
-    part, limit = _evidence.small_strain_part(scene), _evidence.solid_reach(press)
+    press = reports.solid_press(scene)
+    part, limit = reports.small_strain_part(scene), reports.solid_reach(press)
     if part > limit:
         reason = f"depth / thickness = {beyond(part, limit)}: small strain is not measured there"
         found.append(Refusal(name, "accuracy", reason))
@@ -106,13 +108,13 @@ def too_small(scene: Scene) -> tuple[str, ...]:
     """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
     if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
         return ()
-    facet = _evidence.FACETS[scene.finger.mesh]
+    facet = reports.FACETS[scene.finger.mesh]
     facets = hertz.widest(scene) / facet
-    if facets >= _evidence.FEWEST:
+    if facets >= reports.FEWEST:
         return ()
     reason = (
         f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
-        f"{_evidence.FEWEST:g}: the mesh is too coarse for it"
+        f"{reports.FEWEST:g}: the mesh is too coarse for it"
     )
     return (reason,)
 
@@ -133,16 +135,16 @@ def too_soft(finger: Finger) -> list[str]:
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    return _evidence.linear_seconds(scene)
+    return reports.linear_seconds(scene)
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
     candidate = f"{name} {scene.finger.mesh}"
-    found = _tradeoff.stated(candidate, scene)
+    found = tradeoff.stated(candidate, scene)
     if found is not None:
         return found.error, found.source
-    return _tradeoff.instead(candidate, scene, *_evidence.linear_error(scene))
+    return tradeoff.instead(candidate, scene, *reports.linear_error(scene))
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
@@ -172,6 +174,6 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ConvergenceError
         If a linear or contact solution is not reached.
     """
-    from fefinger.mechanics._press import press
+    from fefinger.mechanics.press.small_strain import press
 
     return press(scene, progress, mechanics=name, notes=(*NOTES, *hard(scene.finger)))

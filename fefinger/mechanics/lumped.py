@@ -4,11 +4,11 @@ The formula is in `theory/lumped.py`, its proof in the tests of it; whose b and 
 `_identified.py`.
 """
 
-from fefinger.machine import slowness
-from fefinger.mechanics._identified import Law, law
-from fefinger.mechanics._notes import apart, yielding
-from fefinger.mechanics._timeline import time_grid, too_long
-from fefinger.mechanics._touch import check_reached
+from fefinger.mechanics.evidence.lumped_law import Law, law
+from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.notes import apart, yielding
+from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene

@@ -6,9 +6,11 @@ small strain. What it still leaves out is in `NOTES`.
 
 from typing import TYPE_CHECKING
 
-from fefinger.mechanics import _cut, _evidence, _solid_cost, _tradeoff, linear
-from fefinger.mechanics._notes import hard
-from fefinger.mechanics._timeline import too_long
+from fefinger.mechanics import linear
+from fefinger.mechanics.evidence import reports, solid_cost, tradeoff
+from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics.press.notes import hard
+from fefinger.mechanics.press.time_steps import too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -38,29 +40,29 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))
-    measured = _tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None
-    radius, least = _evidence.smallest_radius(scene.indenter), _evidence.linear_radius(scene)
+    measured = tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None
+    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
     if radius < least and not measured:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         doubts = (reason, *doubts)
     return (
-        *_cut.reached(name, scene),
+        *proximal_cut.reached(name, scene),
         *(Refusal(name, "accuracy", reason) for reason in doubts),
     )
 
 
 def cost(scene: Scene) -> float:
     """Return the expected wall time in s."""
-    return _solid_cost.seconds(scene)
+    return solid_cost.seconds(scene)
 
 
 def error(scene: Scene) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
     candidate = f"{name} {scene.finger.mesh}"
-    found = _tradeoff.stated(candidate, scene)
+    found = tradeoff.stated(candidate, scene)
     if found is not None:
         return found.error, found.source
-    return _tradeoff.instead(candidate, scene, *_evidence.solid_error(scene))
+    return tradeoff.instead(candidate, scene, *reports.solid_error(scene))
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -82,7 +84,7 @@ def respond(
     ConvergenceError
         If an equilibrium is not reached by steps however short, or not within the allowance.
     """
-    from fefinger.mechanics._squeeze import squeeze
+    from fefinger.mechanics.press.finite_strain import squeeze
 
     notes = (*NOTES, *hard(scene.finger))
     return squeeze(scene, progress, mechanics=name, notes=notes, allowance=allowance)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fefinger.mechanics._by_force import errors as at_force
+from fefinger.mechanics.evidence.force_control import errors as at_force
 from fefinger.plan import choose, settled
 from fefinger.results.records import Result, Rung
 from fefinger.scene.motion import Ramp

@@ -11,13 +11,13 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics import _hard, _placing, _press
+from fefinger.mechanics.press import materials, placement
 from fefinger.mesh.store import ready
 from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
-TISSUES = _press.tissues(FINGER)
+TISSUES = materials.tissues(FINGER)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def parts() -> tuple[condensation.Compliance, condensation.Compliance]:
     """Return the even and the odd compliance of the half."""
     mesh = ready(FINGER, half=True)
     own = solid(mesh, TISSUES)
-    held = _hard.held(FINGER)
+    held = materials.held(FINGER)
     even, odd = (
         condensation.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
         for odd in (False, True)
@@ -37,7 +37,7 @@ def parts() -> tuple[condensation.Compliance, condensation.Compliance]:
 def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condensation.Operator]:
     """Return a factored body and its operator."""
     half = request.param == "half"
-    exact = body(ready(FINGER, half=half), TISSUES, _hard.held(FINGER))
+    exact = body(ready(FINGER, half=half), TISSUES, materials.held(FINGER))
     own = solid(ready(FINGER, half=True), TISSUES)
     if half:
         pieces = [condensation.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
@@ -54,7 +54,7 @@ def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condensati
 def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points: int) -> None:
     exact, operator = both
     place = None if exact.half else (1.0, 1.5)
-    touch = _placing.obstacle(ff.Sphere(6, at=place), exact)
+    touch = placement.obstacle(ff.Sphere(6, at=place), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, points)[:, None] * touch.axis
     probe = strain_at(exact.space, inside, exact.planes)
@@ -66,7 +66,7 @@ def test_flexibility_and_strains_are_those_of_the_whole_mesh(both: tuple, points
 
 def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) -> None:
     exact, operator = both
-    touch = _placing.obstacle(ff.Flat(45), exact)
+    touch = placement.obstacle(ff.Flat(45), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 1.25)
     assert not np.isin(on_pad.seen.vertices, condensation.palmar(exact)).all()
     probe = strain_at(exact.space, touch.origin[None] + touch.axis, exact.planes)
@@ -78,7 +78,7 @@ def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) ->
 
 def test_displacements_everywhere_are_those_of_the_whole_mesh(both: tuple) -> None:
     exact, operator = both
-    touch = _placing.obstacle(ff.Flat(20), exact)
+    touch = placement.obstacle(ff.Flat(20), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     pressure = np.random.default_rng(0).uniform(size=(len(on_pad.vertices), 2))
     loads = np.asarray(on_pad.loads @ pressure)
@@ -99,13 +99,13 @@ def test_a_load_beyond_the_palmar_part_is_refused(both: tuple) -> None:
 
 @pytest.mark.parametrize("poisson", [(0.5, 0.48), (0.499999, 0.5)])
 def test_an_incompressible_body_is_reduced_as_well(poisson: tuple[float, float]) -> None:
-    mesh, held = ready(FINGER, half=True), _hard.held(FINGER)
+    mesh, held = ready(FINGER, half=True), materials.held(FINGER)
     stiff = {1: Elastic(80.0, poisson[0]), 2: Elastic(34.0, poisson[1])}
     exact = body(mesh, stiff, held)
     even = condensation.condense(exact, stiff, prescribed(exact, mesh, held))
     pieces = (condensation.Part(even, sparse.eye(exact.space.n_unknowns, format="csr"), 1.0),)
     shape = (exact.space, exact.pad, exact.normals, exact.original, exact.half)
-    touch = _placing.obstacle(ff.Flat(30), exact)
+    touch = placement.obstacle(ff.Flat(30), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 0.8)
     inside = touch.origin + np.linspace(0.4, 3.0, 40)[:, None] * touch.axis
     probe = strain_at(exact.space, inside, exact.planes)

@@ -7,7 +7,8 @@ import pytest
 
 import fefinger as ff
 from fefinger import plan
-from fefinger.mechanics import _by_force, _tradeoff, linear
+from fefinger.mechanics import linear
+from fefinger.mechanics.evidence import force_control, tradeoff
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
@@ -30,28 +31,28 @@ def pressed(name: str, force: float, **parts: object) -> ff.Scene:
 def test_the_depth_is_as_wrong_as_the_inverse_of_a_wrong_force_or_less(
     name: str, sign: int
 ) -> None:
-    row = _tradeoff.rules()["presses"][name]
+    row = tradeoff.rules()["presses"][name]
     forces, depths = np.log(row["force_N"]), np.log(row["depth_mm"])
     for force in forces[3:-2]:
         for error in (0.01, 0.06):
             wrong = np.interp(force, forces + np.log1p(sign * error), depths)
             actual = abs(np.expm1(wrong - np.interp(force, forces, depths)))
-            stated = _by_force.errors({}, error, pressed(name, np.exp(force)))["depth"]
+            stated = force_control.errors({}, error, pressed(name, np.exp(force)))["depth"]
             assert 0.6 * stated < actual < 1.001 * stated
             assert stated < 0.9 * error
 
 
 def test_of_a_scene_like_no_press_the_depth_is_as_wrong_as_the_force() -> None:
     strange = replace(pressed("flat-30", 0.5), indenter=ff.Bar(3.0, 1.0))
-    assert _by_force.steepness(strange) == 1.0
-    found = _by_force.errors({"area": 0.1}, 0.2, strange)
+    assert force_control.steepness(strange) == 1.0
+    found = force_control.errors({"area": 0.1}, 0.2, strange)
     assert found == {"depth": pytest.approx(0.25), "area": pytest.approx(0.3)}
-    assert _by_force.errors({}, 1.0, strange)["depth"] == np.inf
+    assert force_control.errors({}, 1.0, strange)["depth"] == np.inf
 
 
 def test_at_a_force_all_else_is_as_wrong_as_at_its_depth_and_as_the_force() -> None:
     by_force = pressed("flat-30", 0.5, ask=ff.Ask(rel_error=0.9))
-    depth = _tradeoff.part(by_force, "flat-30") * FINGER.thickness
+    depth = tradeoff.part(by_force, "flat-30") * FINGER.thickness
     by_depth = replace(by_force, motion=ff.Ramp(60.0, depth, corner=0.0))
     at_force, at_depth = (plan.choose(scene, "linear").chosen for scene in (by_force, by_depth))
     assert at_force.error == pytest.approx(at_depth.error)

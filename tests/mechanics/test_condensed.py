@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import _evidence, _kept, _operator, condensed, linear
-from fefinger.mechanics._notes import RIGID_BONE
+from fefinger.mechanics import condensed, linear
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.press import operator, operator_cache
+from fefinger.mechanics.press.notes import RIGID_BONE
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError
@@ -84,19 +86,23 @@ def test_what_decides_the_operator_decides_its_folder() -> None:
         replace(FINGER, subcutaneous=replace(FINGER.subcutaneous, poisson=0.45)),
         replace(FINGER, resolution="standard"),
     ]
-    folders = {_kept.folder(_kept.identity(f, odd=odd)) for f in changed for odd in (False, True)}
+    folders = {
+        operator_cache.folder(operator_cache.identity(f, odd=odd))
+        for f in changed
+        for odd in (False, True)
+    }
     assert len(folders) == 10
     slower = replace(FINGER, prony=ff.Prony((0.5, 0.5), (1.0,)))
-    assert _kept.identity(slower, odd=False) == _kept.identity(FINGER, odd=False)
+    assert operator_cache.identity(slower, odd=False) == operator_cache.identity(FINGER, odd=False)
 
 
 def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
-    built = _operator.build(FINGER, ready(FINGER, half=True), odd=False)
-    identity = _kept.identity(FINGER, odd=False)
-    _operator.write(built, tmp_path / "kept", identity)
-    _operator.write(built, tmp_path / "kept", identity)  # the second one changes nothing
+    built = operator.build(FINGER, ready(FINGER, half=True), odd=False)
+    identity = operator_cache.identity(FINGER, odd=False)
+    operator.write(built, tmp_path / "kept", identity)
+    operator.write(built, tmp_path / "kept", identity)  # the second one changes nothing
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]
-    found = _operator.read(tmp_path / "kept", identity)
+    found = operator.read(tmp_path / "kept", identity)
     assert np.array_equal(found.matrix, built.matrix)
     assert np.array_equal(found.order, built.order)
     for a, b in zip(found.fronts, built.fronts, strict=True):
@@ -107,8 +113,8 @@ def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
 
 def test_another_operator_in_its_place_is_refused_with_a_sentence(operators: Path) -> None:
     condensed.respond(scene("hold"))
-    identity = _kept.identity(FINGER, odd=False)
-    place = _kept.folder(identity)
+    identity = operator_cache.identity(FINGER, odd=False)
+    place = operator_cache.folder(identity)
     original = (place / "identity.json").read_text()
     try:
         strange = json.loads(original) | {"modulus_ratio": 0.1}
@@ -137,21 +143,21 @@ def test_a_damaged_patch_is_made_anew(
 
 def test_a_damaged_operator_is_refused_with_a_sentence(tmp_path: Path) -> None:
     condensed.respond(scene("hold"))
-    identity = _kept.identity(FINGER, odd=False)
+    identity = operator_cache.identity(FINGER, odd=False)
     place = tmp_path / "damaged"
-    shutil.copytree(_kept.folder(identity), place)
+    shutil.copytree(operator_cache.folder(identity), place)
     content = (place / "values.npy").read_bytes()
     (place / "values.npy").write_bytes(content[: len(content) // 2])
     with pytest.raises(InputError, match="delete the folder"):
-        _operator.read(place, identity)
+        operator.read(place, identity)
     told = (place / "identity.json").read_text()
     (place / "identity.json").write_text("[1]")
     with pytest.raises(InputError, match="delete the folder"):
-        _operator.read(place, identity)
+        operator.read(place, identity)
     (place / "identity.json").write_text(told)
     (place / "matrix.npy").unlink()
     with pytest.raises(InputError, match="delete the folder"):
-        _operator.read(place, identity)
+        operator.read(place, identity)
 
 
 def test_contact_beyond_the_palmar_part_is_solved_on_the_whole_mesh() -> None:
@@ -185,9 +191,9 @@ def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
 
 def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     finger = replace(FINGER, resolution="standard")
-    row = _evidence.condensed()["standard"]
+    row = reports.condensed()["standard"]
     asked = scene("hold", finger=finger)
     assert condensed.cost(asked) > row["build_seconds"]
-    _kept.folder(_kept.identity(finger, odd=False)).mkdir(parents=True)
+    operator_cache.folder(operator_cache.identity(finger, odd=False)).mkdir(parents=True)
     assert condensed.cost(asked) < row["build_seconds"]
-    assert not _kept.at_hand(replace(finger, width=60.0), half=True)
+    assert not operator_cache.at_hand(replace(finger, width=60.0), half=True)

@@ -3,8 +3,9 @@
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import _cut, linear, solid
-from fefinger.mechanics._cut import FAR, NEAR
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics.press.proximal_cut import FAR, NEAR
 from fefinger.support.checks import InputError
 
 
@@ -18,15 +19,15 @@ def pressed(subject: str, depth: float, angle: float = 0.0) -> ff.Scene:
 @pytest.mark.parametrize("subject", ["a.h.", "d.p."])
 def test_contact_reaches_the_cut_where_the_undeformed_gap_says(subject: str) -> None:
     scene = pressed(subject, 1.0)
-    gap = _cut._gap(scene.finger, ff.Flat(0.0))
-    assert _cut.reached("linear", pressed(subject, 0.99 * NEAR * gap)) == ()
+    gap = proximal_cut._gap(scene.finger, ff.Flat(0.0))
+    assert proximal_cut.reached("linear", pressed(subject, 0.99 * NEAR * gap)) == ()
     assert linear.respond(pressed(subject, 0.99 * NEAR * gap)).force[-1] > 0
-    (doubt,) = _cut.reached("linear", pressed(subject, 1.05 * gap))
+    (doubt,) = proximal_cut.reached("linear", pressed(subject, 1.05 * gap))
     assert doubt.about == "accuracy"
     assert "contact may reach the cut" in doubt.reason
     with pytest.raises(InputError, match="it reaches the proximal cut"):
         linear.respond(pressed(subject, 1.01 * FAR * gap))  # from 1.05 on, by the draw of the mesh
-    (sure,) = _cut.reached("solid", pressed(subject, 1.01 * FAR * gap))
+    (sure,) = proximal_cut.reached("solid", pressed(subject, 1.01 * FAR * gap))
     assert sure.about == "ability"
     assert "contact reaches the cut" in sure.reason
     assert sure in solid.refuse(pressed(subject, 1.01 * FAR * gap))
@@ -34,6 +35,6 @@ def test_contact_reaches_the_cut_where_the_undeformed_gap_says(subject: str) -> 
 
 def test_steeper_plates_and_other_objects_are_not_asked_about_it() -> None:
     deep = pressed("a.h.", 2.0, angle=30.0)
-    assert _cut.reached("linear", deep) == ()
+    assert proximal_cut.reached("linear", deep) == ()
     ball = ff.Scene(finger=deep.finger, indenter=ff.Sphere(5.0), motion=deep.motion)
-    assert _cut.reached("linear", ball) == ()
+    assert proximal_cut.reached("linear", ball) == ()

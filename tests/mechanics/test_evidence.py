@@ -9,9 +9,9 @@ from fefinger.validation import evidence_cost
 from fefinger.validation.evidence import costs
 
 import fefinger as ff
-from fefinger import machine
-from fefinger.mechanics import _evidence, _solid_cost, condensed, linear, solid
-from fefinger.mechanics._timeline import moving, time_grid
+from fefinger.mechanics import condensed, linear, solid
+from fefinger.mechanics.evidence import machine, reports, solid_cost
+from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mesh.build import SETTINGS
 from fefinger.scene import builtin
 from fefinger.scene.motion import Ramp
@@ -29,40 +29,40 @@ def at(depth: float) -> Scene:
 
 
 def test_facets_are_as_long_as_the_mesher_is_asked_to_make_them() -> None:
-    assert _evidence.FACETS == {name: each.pad for name, each in SETTINGS.items()}
+    assert reports.FACETS == {name: each.pad for name, each in SETTINGS.items()}
 
 
 def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
-    row = _evidence.solid()["flat-30"]
+    row = reports.solid()["flat-30"]
     last = row["depth_mm"][-1]
-    error, source = _evidence.linear_error(at(last))
+    error, source = reports.linear_error(at(last))
     small, finite = (row["relaxing_N"][name][-1] for name in ("linear", "solid"))
-    mesh, _ = _evidence.linear_mesh_error(at(last))
+    mesh, _ = reports.linear_mesh_error(at(last))
     assert error == pytest.approx(mesh + 1 - small / finite, rel=1e-12)
     assert "of the mesh" in source
     assert f"flat-30: {percent(1 - small / finite)} of small strain" in source
 
 
 def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> None:
-    assert _evidence.small_strain_error(
+    assert reports.small_strain_error(
         replace(at(1.0), motion=Ramp(60.0, 1e-9, corner=0.0))
     ) == pytest.approx(0.0, abs=1e-8)
-    errors = [_evidence.small_strain_error(at(depth)) for depth in (0.8, 1.2, 1.6, 2.0)]
+    errors = [reports.small_strain_error(at(depth)) for depth in (0.8, 1.2, 1.6, 2.0)]
     assert errors == sorted(errors)
     larger = replace(at(2.4), finger=replace(at(1.0).finger, thickness=20.0))
-    assert _evidence.small_strain_error(larger) == pytest.approx(errors[1], rel=1e-12)
+    assert reports.small_strain_error(larger) == pytest.approx(errors[1], rel=1e-12)
 
 
 def test_a_force_is_turned_into_the_depth_of_the_finger_that_has_crept() -> None:
-    row = _evidence.solid()["flat-30"]
+    row = reports.solid()["flat-30"]
     force, depth = row["force_N"]["solid"][7], row["depth_mm"][7]
     motion = {"kind": "force-ramp-hold", "loading_rate": 1.0, "force": force, "hold": 1.0}
     pressed = scene(motion=motion)
-    assert _evidence.small_strain_part(pressed) == pytest.approx(depth / row["thickness_mm"])
+    assert reports.small_strain_part(pressed) == pytest.approx(depth / row["thickness_mm"])
     motion["force"] = 4 * force
     twice = replace(pressed.finger, width=28.0, thickness=2 * row["thickness_mm"])
     larger = replace(scene(motion=motion), finger=twice)
-    assert _evidence.small_strain_part(larger) == pytest.approx(depth / row["thickness_mm"])
+    assert reports.small_strain_part(larger) == pytest.approx(depth / row["thickness_mm"])
 
 
 def test_linear_refuses_what_small_strain_was_not_measured_at() -> None:
@@ -84,12 +84,12 @@ def test_linear_refuses_what_small_strain_was_not_measured_at() -> None:
 def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
     ball = {"kind": "sphere", "radius": 1.5}
     assert (
-        _evidence.solid_press(scene(indenter=ball, motion__depth=0.5, motion__corner=0.0))
+        reports.solid_press(scene(indenter=ball, motion__depth=0.5, motion__corner=0.0))
         == "sphere-2"
     )
-    assert _evidence.solid_press(scene(indenter=ball, motion__depth=1.0)) == "sphere-5"
-    assert _evidence.solid_press(scene(indenter=ball, motion__depth=2.2)) == "flat-30"
-    assert _evidence.solid_press(builtin.load("edge-press")) == "flat-30"
+    assert reports.solid_press(scene(indenter=ball, motion__depth=1.0)) == "sphere-5"
+    assert reports.solid_press(scene(indenter=ball, motion__depth=2.2)) == "flat-30"
+    assert reports.solid_press(builtin.load("edge-press")) == "flat-30"
 
 
 def pressed_to(row: dict[str, Any]) -> str:
@@ -111,38 +111,38 @@ def test_the_cost_of_solid_grows_with_the_mesh_the_depth_and_the_spikes() -> Non
     )
 
 
-@pytest.mark.parametrize("row", _evidence.read(_solid_cost.REPORT)["rows"], ids=pressed_to)
+@pytest.mark.parametrize("row", reports.read(solid_cost.REPORT)["rows"], ids=pressed_to)
 def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str, Any]) -> None:
     kinds = {"flat": ff.Flat, "sphere": ff.Sphere, "bar": ff.Bar}
     indenter = kinds[row["kind"]](**row["indenter"])
     named = (row["mesh"], row["subject"], row["tissue"])
     pressed = evidence_cost.scene(*named, indenter, row["depth_mm"])
-    here = machine.slowness(_evidence.read(_solid_cost.REPORT))
-    built = _evidence.mesh_seconds(pressed)
+    here = machine.slowness(reports.read(solid_cost.REPORT))
+    built = reports.mesh_seconds(pressed)
     assert 1 / 1.4 < (solid.cost(pressed) - built) / (here * row["seconds"]) < 1.4
 
 
 @pytest.mark.parametrize(
     ("mechanics", "name"),
-    [(linear, _evidence.LINEAR_REPORT), (condensed, _evidence.CONDENSED_REPORT)],
+    [(linear, reports.LINEAR_REPORT), (condensed, reports.CONDENSED_REPORT)],
 )
 def test_what_is_measured_of_flat_press_is_what_is_expected_of_it(
     mechanics: Any, name: str, monkeypatch: pytest.MonkeyPatch, operators: Path
 ) -> None:
     named = scene(finger__resolution="coarse")
     response = mechanics.respond(named)
-    report, whole = _evidence.read(name), sum(response.seconds.values())
+    report, whole = reports.read(name), sum(response.seconds.values())
     monkeypatch.setitem(report["resolutions"], "coarse", costs(response, whole))
     assert mechanics.cost(named) == pytest.approx(machine.slowness(report) * whole, rel=0.01)
 
 
 def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_asked() -> None:
-    row = _evidence.linear()["coarse"]
+    row = reports.linear()["coarse"]
     short = replace(at(1.0), motion=Ramp(60.0, 1.0, corner=0.0))
     short = replace(short, finger=replace(short.finger, resolution="coarse"))
     held = replace(short, motion=ff.RampHold(60.0, 1.0, hold=1.0, corner=0.0))
     alone = replace(short, ask=replace(short.ask, pressure=False, fields=False))
-    here = machine.slowness(_evidence.read(_evidence.LINEAR_REPORT))
+    here = machine.slowness(reports.read(reports.LINEAR_REPORT))
     steps = [len(time_grid(each.motion, fast=True)) for each in (short, held)]
     assert linear.cost(held) - linear.cost(short) == pytest.approx(
         here * (steps[1] - steps[0]) * row["step_seconds"]
@@ -156,8 +156,8 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
 
 
 def test_the_error_of_solid_is_that_of_its_mesh() -> None:
-    errors = _evidence.solid()["flat-30"]["mesh_error"]
-    assert _evidence.solid_error(at(1.5))[0] == errors["standard"]
-    assert "of the mesh" in _evidence.solid_error(at(1.5))[1]
+    errors = reports.solid()["flat-30"]["mesh_error"]
+    assert reports.solid_error(at(1.5))[0] == errors["standard"]
+    assert "of the mesh" in reports.solid_error(at(1.5))[1]
     fine = replace(at(1.5), finger=replace(at(1.5).finger, resolution="fine"))
-    assert _evidence.solid_error(fine)[0] == errors["standard"]
+    assert reports.solid_error(fine)[0] == errors["standard"]

@@ -13,16 +13,17 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics import _hard, _placing, linear
+from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
-from fefinger.mechanics._touch import meshed_at
+from fefinger.mechanics.press import materials, placement
+from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
-HELD = _hard.held(FINGER)
+HELD = materials.held(FINGER)
 DEPTH = 0.6
 
 
@@ -67,7 +68,7 @@ def test_force_and_moment_balance_to_1e8_at_any_moduli(
     mesh: FingerMesh, skin: float, pulp: float, poisson: float
 ) -> None:
     finger = solid(mesh, skin, pulp, poisson)
-    force, off, turning = pressed(finger, _placing.obstacle(ff.Flat(30), finger), DEPTH)
+    force, off, turning = pressed(finger, placement.obstacle(ff.Flat(30), finger), DEPTH)
     assert force > 0
     assert off < 1e-8
     assert turning < 1e-8
@@ -75,7 +76,7 @@ def test_force_and_moment_balance_to_1e8_at_any_moduli(
 
 def test_the_moment_of_a_whole_finger_balances_about_every_axis(mesh: FingerMesh) -> None:
     finger = solid(whole(mesh), 136, 80)
-    _, off, turning = pressed(finger, _placing.obstacle(ff.Flat(30, 10), finger), DEPTH)
+    _, off, turning = pressed(finger, placement.obstacle(ff.Flat(30, 10), finger), DEPTH)
     assert off < 1e-8
     assert turning < 1e-8
 
@@ -85,12 +86,12 @@ def test_an_incompressible_skin_a_billion_times_stiffer_than_the_pulp_is_refused
 ) -> None:
     finger = solid(mesh, 80e9, 80, 0.5)
     with pytest.raises(ConvergenceError, match=r"relative residual of 1e-10, reached .*moduli"):
-        pressed(finger, _placing.obstacle(ff.Flat(30), finger), DEPTH)
+        pressed(finger, placement.obstacle(ff.Flat(30), finger), DEPTH)
 
 
 def test_an_indenter_that_starts_inside_the_body_is_a_press_to_that_depth(mesh: FingerMesh) -> None:
     finger = solid(mesh, 136, 80)
-    touch = _placing.obstacle(ff.Flat(30), finger)
+    touch = placement.obstacle(ff.Flat(30), finger)
     inside = replace(touch, origin=touch.origin + 0.4 * touch.axis)
     assert pressed(finger, inside, DEPTH - 0.4)[0] == pytest.approx(
         pressed(finger, touch, DEPTH)[0], rel=1e-9
@@ -168,14 +169,14 @@ def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut()
 
 def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:
     finger = solid(mesh, 136, 80)
-    border = _placing.border(finger)
+    border = placement.border(finger)
     x, z = finger.space.points[border][:, 0], finger.space.points[border][:, 2]
     ends = {"proximal cut": border[np.argmin(x)], "nail": border[np.argmax(z + 0.5 * x)]}
     for name, vertex in ends.items():
         with pytest.raises(InputError, match=f"at a depth of 1.5 mm it reaches the {name}"):
-            _placing.check_inside(finger, np.array([vertex]), 1.5)
+            placement.check_inside(finger, np.array([vertex]), 1.5)
     within = np.setdiff1d(np.unique(finger.pad), border)
-    _placing.check_inside(finger, within, 1.5)
+    placement.check_inside(finger, within, 1.5)
 
 
 def test_gap_and_moment_are_those_of_the_contact() -> None:

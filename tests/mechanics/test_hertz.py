@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import _axisymmetric, hertz, linear
-from fefinger.mechanics._axisymmetric import Touch, turned
+from fefinger.mechanics import hertz, linear
+from fefinger.mechanics.press import axisymmetric
+from fefinger.mechanics.press.axisymmetric import Touch, turned
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
@@ -120,7 +121,7 @@ def test_components_turn_into_the_tensors_of_the_frame_of_the_finger():
     across[0] = 0
     points = first.origin + across + depths[:, None] * first.axis
     organs = Sites(points, np.tile(-first.axis, (6, 1)), depths, ("SAI",) * 6)
-    r, _, frames = _axisymmetric._cylinder(first, organs)
+    r, _, frames = axisymmetric._cylinder(first, organs)
     assert r == pytest.approx(np.linalg.norm(across, axis=1))
     assert frames @ np.moveaxis(frames, 1, 2) == pytest.approx(np.tile(np.eye(3), (6, 1, 1)))
     components = rng.normal(size=(2, 6, 4))

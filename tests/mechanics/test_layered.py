@@ -7,9 +7,10 @@ import pytest
 from fefinger.validation import evidence_layered
 
 import fefinger as ff
-from fefinger import machine, mechanics
-from fefinger.mechanics import _evidence, hertz, layered, linear
-from fefinger.mechanics._stack import Layered
+from fefinger import mechanics
+from fefinger.mechanics import hertz, layered, linear
+from fefinger.mechanics.evidence import machine, reports
+from fefinger.mechanics.press.layered_contact import Layered
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.indentation import paraboloid
@@ -229,13 +230,13 @@ def test_a_doubt_quotes_the_number_that_broke(parts, reason):
     assert any(reason in item.reason for item in found)
 
 
-PRESSES = pytest.mark.parametrize("press", _evidence.LAYERED_PRESSES)
+PRESSES = pytest.mark.parametrize("press", reports.LAYERED_PRESSES)
 
 
 @PRESSES
 def test_the_report_still_holds_for_what_it_measured(press):
     """Its forces are those of today's code, and its errors are those of its forces."""
-    row = _evidence.layered()["presses"][press]
+    row = reports.layered()["presses"][press]
     assert tuple(row["depth_mm"]) == evidence_layered.DEPTHS[press]
     assert tuple(row["subjects"]) == evidence_layered.SUBJECTS
     for subject, measured in row["subjects"].items():
@@ -245,7 +246,7 @@ def test_the_report_still_holds_for_what_it_measured(press):
         apart = np.abs(np.divide(measured["layered_N"], measured["linear_N"]) - 1)
         assert measured["force_error"] == pytest.approx(apart, abs=1e-5)
         assert (np.array(measured["force_error"]) <= row["force_error"]).all()
-    tissue = _evidence.layered()["tissue"]
+    tissue = reports.layered()["tissue"]
     assert tissue["skin_over_stack"] == pytest.approx(evidence_layered.tissue()["skin_over_stack"])
     assert {**tissue, "skin_over_stack": []} == {
         **evidence_layered.tissue(),
@@ -256,12 +257,12 @@ def test_the_report_still_holds_for_what_it_measured(press):
 @PRESSES
 def test_the_stated_error_is_linear_between_the_measured_depths_and_constant_beyond(press):
     indenter = evidence_layered.scene(press).indenter
-    row = _evidence.layered()["presses"][press]
+    row = reports.layered()["presses"][press]
     first, second, *_, last = row["force_error"]
     at = [0.1, 0.2, 0.35, row["depth_mm"][-1], 3.0]
-    stated = [_evidence.layered_error(indenter, depth)[0] for depth in at]
+    stated = [reports.layered_error(indenter, depth)[0] for depth in at]
     assert stated == pytest.approx([first, first, (first + second) / 2, last, last])
-    assert f"reports/layered-force.json, {press}" in _evidence.layered_error(indenter, 1.0)[1]
+    assert f"reports/layered-force.json, {press}" in reports.layered_error(indenter, 1.0)[1]
 
 
 @pytest.mark.parametrize(
@@ -275,11 +276,11 @@ def test_the_stated_error_is_linear_between_the_measured_depths_and_constant_bey
     ],
 )
 def test_the_error_is_that_of_the_next_blunter_object(indenter, press):
-    assert _evidence.layered_press(indenter) == press
+    assert reports.layered_press(indenter) == press
 
 
 def test_the_expected_time_is_that_of_the_report():
-    measured, motion = _evidence.layered(), ff.RampHold(20, 0.5, hold=1.0)
+    measured, motion = reports.layered(), ff.RampHold(20, 0.5, hold=1.0)
     setup = measured["setup_seconds"] * machine.slowness(measured)
     assert layered.cost(scene(motion=motion)) > setup
     more = layered.cost(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))

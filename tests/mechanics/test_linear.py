@@ -11,7 +11,9 @@ from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics import _evidence, _hard, _placing, _press, _timeline, linear
+from fefinger.mechanics import linear
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.press import materials, placement, problem, small_strain, time_steps
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.run import fire
@@ -33,7 +35,7 @@ def scene(**parts: object) -> ff.Scene:
 @pytest.fixture(scope="module")
 def half() -> Body:
     mesh = ready(FINGER, half=True)
-    return body(mesh, _press.tissues(FINGER), _hard.held(FINGER))
+    return body(mesh, materials.tissues(FINGER), materials.held(FINGER))
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,7 @@ INDENTERS = [ff.Flat(angle=30), ff.Flat(angle=10), ff.Flat(angle=45), ff.Sphere(
 def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
     half: Body, indenter: ff.Flat | ff.Sphere
 ) -> None:
-    touch = _placing.obstacle(indenter, half)
+    touch = placement.obstacle(indenter, half)
     on_pad = patch(half.space, half.pad, half.normals, touch, 1.0)
     small = reduce(half, on_pad, strain_at(half.space, np.empty((0, 3))))
     pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.travel)
@@ -68,7 +70,7 @@ def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
 def test_a_whole_finger_made_of_two_halves_equals_the_half(
     press: Response, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_press, "symmetric", lambda scene: False)
+    monkeypatch.setattr(small_strain, "symmetric", lambda scene: False)
     whole = linear.respond(scene())
     assert whole.force == pytest.approx(press.force, rel=1e-8, abs=1e-10)
     assert whole.contact_area == pytest.approx(press.contact_area, rel=1e-8)
@@ -96,7 +98,7 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
     asked = scene(indenter=ff.Flat(30, tilt), ask=ff.Ask(fields=False, strain=False))
     found = []
     for reach in (1.1, 2.0):
-        monkeypatch.setattr(_press, "REACH", reach)
+        monkeypatch.setattr(problem, "REACH", reach)
         found.append(linear.respond(asked))
     near, far = found
     assert near.numbers["candidates"] < far.numbers["candidates"]
@@ -156,7 +158,7 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     pressed = scene(motion=ff.RampHold(speed=60, depth=1.5, hold=1.0), ask=asked)
     counts = []
     for refine in (1, 2):
-        response = _press.press(pressed, mechanics="linear", notes=(), refine=refine)
+        response = small_strain.press(pressed, mechanics="linear", notes=(), refine=refine)
         counts.append(fire(pressed, response).count().tolist())
     assert counts[0] == counts[1]
     assert min(counts[0]) >= 1
@@ -193,12 +195,12 @@ def test_what_is_not_asked_is_none() -> None:
 
 
 def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
-    for resolution, row in _evidence.linear().items():
+    for resolution, row in reports.linear().items():
         mesh = ready(replace(FINGER, resolution=resolution), half=True)
         assert row["mesh"]["mesh_sha256"] == mesh.fingerprint
     motion = ff.RampHold(speed=60, depth=1.5, hold=5)
     pressed = linear.respond(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
-    stated = _evidence.linear()["coarse"]["peak_force_N"]["flat-30"]
+    stated = reports.linear()["coarse"]["peak_force_N"]["flat-30"]
     assert pressed.force.max() == pytest.approx(stated, rel=1e-6)
 
 
@@ -232,13 +234,13 @@ def motion(request: pytest.FixtureRequest) -> Iterator[Motion]:
 
 @pytest.mark.parametrize("fast", [True, False])
 def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
-    grid = _timeline.time_grid(motion, fast=fast)
+    grid = time_steps.time_grid(motion, fast=fast)
     assert grid[0] == 0
     assert grid[-1] == pytest.approx(motion.duration)
     assert (np.diff(grid) > 0).all()
-    assert np.diff(grid).max() <= _timeline.RESTING_STEP * 1.001
+    assert np.diff(grid).max() <= time_steps.RESTING_STEP * 1.001
     middle = (grid[1:] + grid[:-1]) / 2
-    limit = _timeline.FAST_STEP if fast else _timeline.MOVING_STEP
+    limit = time_steps.FAST_STEP if fast else time_steps.MOVING_STEP
     for start, stop in motion.moving:
         moving = (middle > start) & (middle < stop)
         assert np.diff(grid)[moving].max() <= limit * 1.001

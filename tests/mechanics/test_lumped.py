@@ -12,7 +12,8 @@ from fefinger.validation import calibration_subjects, evidence_lumped
 import fefinger as ff
 from fefinger import mechanics, report
 from fefinger.console import run_record, run_summary
-from fefinger.mechanics import _evidence, lumped
+from fefinger.mechanics import lumped
+from fefinger.mechanics.evidence import reports
 from fefinger.results.netcdf import load
 from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law
@@ -168,7 +169,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
 def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
     """Its relaxed force is that of `solid`, within twice what the spring of Eq. 2.1 leaves."""
     finger = ff.Finger.subject(subject)
-    row = _evidence.read("solid-force.json")["rows"][f"{subject}/flat-30"]
+    row = reports.read("solid-force.json")["rows"][f"{subject}/flat-30"]
     depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))
     deepest = depth <= 0.18 * finger.thickness
     for x, known in zip(depth[deepest], force[deepest], strict=True):
@@ -179,7 +180,7 @@ def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
 
 
 def test_the_laws_are_those_of_the_presses_that_the_reports_hold():
-    kept = _evidence.read("lumped-force.json")
+    kept = reports.read("lumped-force.json")
     for row, fresh in zip(kept["rows"], evidence_lumped.rows(), strict=True):
         for key, value in fresh.items():
             close = value if isinstance(value, str) else pytest.approx(value, rel=1e-3)
@@ -274,5 +275,5 @@ def test_a_run_of_force_alone_loads_no_mesh_no_elements_and_no_membranes():
     parts = ("afferents", "membranes", "_hodgkin_huxley", "gains")
     ours = [f"fefinger.neural.{part}" for part in parts]
     assert "fefinger.mechanics.lumped" in loaded
-    assert not loaded & {*heavy, *ours, "fefinger.mechanics._press"}
+    assert not loaded & {*heavy, *ours, "fefinger.mechanics.press.small_strain"}
     assert not [name for name in loaded if name.startswith(("fefinger.mesh", "fefinger.fem"))]

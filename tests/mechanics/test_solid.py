@@ -14,8 +14,9 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
-from fefinger.mechanics import _squeeze, linear, solid
-from fefinger.mechanics._limit import most_pressed
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.press import finite_strain
+from fefinger.mechanics.press.limits import most_pressed
 from fefinger.neural.afferents import displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -47,7 +48,7 @@ def test_the_answer_does_not_depend_on_which_vertices_may_touch(
     """With more of them up the sides of the pad the area used to lose a fifth."""
     scene = press(ff.Ramp(60, 1.2, corner=0), strain=True)
     usual = solid.respond(scene)
-    monkeypatch.setattr(_squeeze, "SPREAD", 1.4 * _squeeze.SPREAD)
+    monkeypatch.setattr(finite_strain, "SPREAD", 1.4 * finite_strain.SPREAD)
     wider = solid.respond(scene)
     assert wider.numbers["candidates"] > usual.numbers["candidates"]
     assert wider.force == pytest.approx(usual.force, rel=1e-6, abs=1e-9)
@@ -228,7 +229,7 @@ def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
 def test_a_contact_that_meets_the_rim_is_solved_again_with_more_candidates(monkeypatch):
     scene = press(ff.Ramp(60, 0.3, corner=0))
     plain = solid.respond(scene)
-    monkeypatch.setattr(_squeeze, "SPREAD", 0.3)
+    monkeypatch.setattr(finite_strain, "SPREAD", 0.3)
     again = solid.respond(scene)
     assert again.numbers["candidates"] != plain.numbers["candidates"]
     assert again.force == pytest.approx(plain.force, rel=1e-5, abs=1e-9)

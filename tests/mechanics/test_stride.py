@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fefinger.mechanics._stride import STRIDES, heaviest, memories, stride
-from fefinger.mechanics._timeline import time_grid
+from fefinger.mechanics.press.load_steps import STRIDES, heaviest, memories, stride
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import (

@@ -5,7 +5,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.body import solid
-from fefinger.mechanics import _placing
+from fefinger.mechanics.press import placement
 from fefinger.mesh.first_touch import _shape, directions, first_touch
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.store import ready
@@ -44,7 +44,7 @@ def test_a_plate_meets_a_mesh_where_it_meets_the_smooth_skin(angle: float, resol
     """On the mesh of another plate; the foremost vertex is up to 1.4 mm away."""
     finger = ff.Finger.subject("a.h.", resolution=resolution)
     body = solid(ready(finger, half=True, touch=None), (1, 2))
-    touch = _placing.obstacle(ff.Flat(angle), body)
+    touch = placement.obstacle(ff.Flat(angle), body)
     expected = first_touch(Recipe.of(finger), touch.axis).point
     assert touch.origin == pytest.approx(expected, abs=0.06)
     assert touch.origin[1] == 0

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics import _tradeoff
+from fefinger.mechanics.evidence import tradeoff
 from fefinger.scene.scene import Scene
 
 
@@ -25,12 +25,12 @@ def steepness(scene: Scene) -> float:
 
     Of a scene that is like none of them it is 1: a contact only stiffens as it grows.
     """
-    place = _tradeoff.where(scene)
-    if place is None or not _tradeoff.like(scene.finger):
+    place = tradeoff.where(scene)
+    if place is None or not tradeoff.like(scene.finger):
         return 1.0
-    presses = _tradeoff.rules()["presses"]
-    names = _tradeoff.neighbors(presses, place)
-    return max(1.0, min(_power(presses[name], _tradeoff.part(scene, name)) for name in names))
+    presses = tradeoff.rules()["presses"]
+    names = tradeoff.neighbors(presses, place)
+    return max(1.0, min(_power(presses[name], tradeoff.part(scene, name)) for name in names))
 
 
 def _power(press: Mapping[str, Any], part: float) -> float:

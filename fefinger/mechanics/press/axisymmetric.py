@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mechanics._skin import spherical
-from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import REFERENCE_DEPTH, check_reached, organs, sites
+from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH, organs, sites
+from fefinger.mechanics.press.skin import spherical
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Reference, Response, Sites
 from fefinger.scene.indenter import STANDARD, Flat, direction
 from fefinger.scene.scene import Scene

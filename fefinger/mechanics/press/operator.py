@@ -20,10 +20,10 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Array
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics._hard import held
-from fefinger.mechanics._kept import folder, identity, parities
-from fefinger.mechanics._notes import apart, yielding
-from fefinger.mechanics._press import Method
+from fefinger.mechanics.press.materials import held
+from fefinger.mechanics.press.notes import apart, yielding
+from fefinger.mechanics.press.operator_cache import folder, identity, parities
+from fefinger.mechanics.press.problem import Method
 from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger

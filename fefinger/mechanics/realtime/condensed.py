@@ -26,10 +26,13 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import ODD, VOIGT
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.mechanics import _missed, _operator, _placing, _press, condensed
-from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import folded
-from fefinger.mechanics._touch import sites as central_sites
+from fefinger.mechanics import condensed
+from fefinger.mechanics.press import limits as _missed
+from fefinger.mechanics.press import operator, placement, problem, response
+from fefinger.mechanics.press.reference import reference_of, reference_press
+from fefinger.mechanics.press.sites import folded
+from fefinger.mechanics.press.sites import sites as central_sites
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
@@ -107,9 +110,9 @@ class Condensed:
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         choice("precision", precision, ("double", "single"))
         half = isinstance(indenter, Indenter) and indenter.mirrored
-        solid = _operator.operator(finger, half=half)
+        solid = operator.operator(finger, half=half)
         if isinstance(indenter, Indenter):
-            touch: Rigid = _placing.obstacle(indenter, solid)
+            touch: Rigid = placement.obstacle(indenter, solid)
         else:
             touch = indenter
         if sites is None:
@@ -258,14 +261,14 @@ class Condensed:
         stages, solid = Stages(), self.solid
         with stages.stage("contact"):
             time = time_grid(motion, fast=fast)
-            contact = _press.Contact(
+            contact = problem.Contact(
                 self._touch, self._reduced, self.sites, time, self._history(motion, time)
             )
         scene = _scene(self.finger, self.indenter, motion, self.sites.types)
         with stages.stage("reference"):
-            reference = _press.reference_of(scene, solid, contact, _operator.METHOD)
+            reference = reference_of(scene, solid, contact, operator.METHOD)
         with stages.stage("pressure"):
-            answer = _press.answer(scene, solid, contact, reference, None)
+            answer = response.answer(scene, solid, contact, reference, None)
         return Response(
             mechanics=condensed.name,
             **answer,
@@ -296,13 +299,13 @@ def _answering(
     """
     probe, found = partial(recovered_strain_at, solid.space, where, solid.planes), None
     within = faces_down(solid)
-    for rings in range(_press.ATTEMPTS):
-        reach = _press.REACH * deepest
+    for rings in range(problem.ATTEMPTS):
+        reach = problem.REACH * deepest
         on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings, within)
         if len(on_pad.vertices) == 0:
             raise InputError(_missed.NOTHING_UNDER)
         try:
-            found = _operator.reduced(finger, solid, on_pad, where, probe)
+            found = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:
             break
         pressure = Complementarity(found.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
@@ -319,10 +322,10 @@ def _answering(
 
 def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
     """Return one unit per site; `options` as for `neural.streaming.Afferents`."""
-    touch = _placing.obstacle(STANDARD, solid)
+    touch = placement.obstacle(STANDARD, solid)
     scene = _scene(finger, STANDARD, types=sites.types)
     central = central_sites(scene, touch.origin, touch.axis)
-    reference = _press.reference_press(solid, central, _operator.METHOD)
+    reference = reference_press(solid, central, operator.METHOD)
     return Afferents.of(
         sites.types,
         sites.normals,
@@ -361,13 +364,13 @@ def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
 def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> step_compiled.Output:
     """Return what is read off the pad, and at points (n, 3), in every step."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
-    pad, column = _press.whole_pad(
+    pad, column = response.whole_pad(
         solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
     )
     areas = np.bincount(column, pad.areas, minlength=count)
-    first = _press.first_moments(pad)
+    first = response.first_moments(pad)
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
-    edge = on_pad.edge | np.isin(on_pad.vertices, _placing.border(solid))
+    edge = on_pad.edge | np.isin(on_pad.vertices, placement.border(solid))
     kind = np.float32 if precision == "single" else np.float64
     return step_compiled.Output(
         areas=np.asarray(areas, dtype=np.float64),

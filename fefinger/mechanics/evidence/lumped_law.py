@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics import _crept, _evidence, _tradeoff
-from fefinger.mechanics._crept import REPORT
+from fefinger.mechanics.evidence import reached_depth, reports, tradeoff
+from fefinger.mechanics.evidence.reached_depth import REPORT
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
@@ -48,10 +48,10 @@ class Law(NamedTuple):
 
 def law(scene: Scene) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    fitted = _crept.calibrated(scene.finger)
+    fitted = reached_depth.calibrated(scene.finger)
     if fitted is not None:
         return _table(scene, *_misfit(scene, fitted))
-    rows = [row for row in _evidence.read(REPORT)["rows"] if _same(scene.finger, row)]
+    rows = [row for row in reports.read(REPORT)["rows"] if _same(scene.finger, row)]
     if not rows:
         return _table(scene, doubt=_strange(scene.finger))
     if isinstance(scene.indenter, Flat) and not scene.indenter.tilt:
@@ -80,7 +80,7 @@ def _own(scene: Scene, rows: Sequence[Mapping[str, Any]], b: float, m: float) ->
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
     source = f"reports/{REPORT}: identified from {' and '.join(row['source'] for row in rows)}"
-    stated = _tradeoff.stated("lumped", scene)
+    stated = tradeoff.stated("lumped", scene)
     if stated is None:
         return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
     evidence = f"{stated.source}, identified from presses of the same finger (reports/{REPORT})"
@@ -106,20 +106,20 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     skin = finger.skin.thickness or 0.0
     own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
-    return _tradeoff.like(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
+    return tradeoff.like(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
 def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    indenter, angle, unknown = scene.indenter, _crept.read()["angle"], float("nan")
+    indenter, angle, unknown = scene.indenter, reached_depth.read()["angle"], float("nan")
     if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != angle:
         return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
-    depth = scene.finger.thickness * _crept.part(scene, row, row["force_N"])
+    depth = scene.finger.thickness * reached_depth.part(scene, row, row["force_N"])
     if depth > row["depth_mm"][-1]:
         return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
     error = float(np.interp(depth, row["depth_mm"], row["error"]))
-    shares = _tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
-    error *= 1 + _tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
+    shares = tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
+    error *= 1 + tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
     more = float(row["relaxing"]) if scene.finger.prony.v else 0.0
     source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
     return error + more, f"{source}, and {percent(more)} for what relaxation adds"

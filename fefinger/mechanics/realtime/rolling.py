@@ -21,8 +21,8 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
-from fefinger.mechanics import _operator, _placing, _press
-from fefinger.realtime import Step
+from fefinger.mechanics.press import operator, placement, problem
+from fefinger.mechanics.realtime.condensed import Step
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, direction
@@ -70,7 +70,7 @@ class Rolling:
             raise InputError(message)
         turned = [Flat(angle).angle for angle in angles]
         self.sites, self.angles = sites, (min(turned), max(turned))
-        solid = self.solid = _operator.operator(finger, half=True)
+        solid = self.solid = operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
         skin = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(-1, 2)
         self._outline = skin[ConvexHull(skin).vertices]
@@ -78,7 +78,7 @@ class Rolling:
             patch(solid.space, solid.pad, solid.normals, Obstacle(axis, np.zeros(3)), np.inf)
             for axis in np.eye(3)[list(PLANE)]
         ]
-        chosen = self._candidates(every[0], _press.REACH * deepest)
+        chosen = self._candidates(every[0], problem.REACH * deepest)
         self.vertices = every[0].vertices[chosen]
         weights = every[0].areas[chosen]
         moments = np.array([each.gap[chosen] for each in every])
@@ -169,4 +169,4 @@ class Rolling:
         pad = self.solid.pad
         inside = np.isin(pad, self.vertices)
         beside = pad[inside.any(axis=1) & ~inside.all(axis=1)]
-        return np.isin(self.vertices, beside) | np.isin(self.vertices, _placing.border(self.solid))
+        return np.isin(self.vertices, beside) | np.isin(self.vertices, placement.border(self.solid))

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.realtime import Condensed
+from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import STANDARD, Indenter
 from fefinger.support.checks import ConvergenceError, InputError, number

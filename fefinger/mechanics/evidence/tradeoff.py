@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mechanics import _crept
-from fefinger.mechanics._scatter import DRAWN, scatter
+from fefinger.mechanics.evidence import reached_depth
+from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter, Sphere
 from fefinger.scene.motion import Ramp
@@ -255,7 +255,7 @@ def like(finger: Finger) -> bool:
 def part(scene: Scene, press: str) -> float:
     """Return depth over thickness, of a motion under force control when the finger has crept."""
     row = rules()["presses"][press]
-    return _crept.part(scene, row, row["force_N"])
+    return reached_depth.part(scene, row, row["force_N"])
 
 
 def stated(candidate: str, scene: Scene, quantity: str = "force") -> Stated | None:

@@ -10,8 +10,8 @@ from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.mechanics import _placing, _press
-from fefinger.mechanics._touch import REFERENCE_DEPTH, sites
+from fefinger.mechanics.press import placement, problem
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH, sites
 from fefinger.results.records import Reference
 from fefinger.scene.indenter import STANDARD
 from fefinger.scene.scene import Scene
@@ -30,8 +30,8 @@ def reference(scene: Scene, finger: Body, elements: Continuum) -> Reference:
     ConvergenceError
         If the plate finds no equilibrium, or its contact leaves the candidates.
     """
-    touch = _placing.obstacle(STANDARD, finger)
-    reach = 2 * _press.REACH * REFERENCE_DEPTH
+    touch = placement.obstacle(STANDARD, finger)
+    reach = 2 * problem.REACH * REFERENCE_DEPTH
     contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
     equilibrium = Equilibrium(elements, contact, finger.system)
     states: list[State] = []

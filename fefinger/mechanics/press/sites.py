@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.records import Sites
-from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
+from fefinger.scene.indenter import STANDARD, direction
 from fefinger.scene.library import receptors
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
@@ -22,32 +22,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MESHED_ANGLE = 15.0
-"""Degrees between the plates for which meshes differ."""
-
-MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
-"""mm between the places for which meshes differ, and from the origin where none is needed."""
 
 REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
-
-
-def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:
-    """Return where the mesh has to be fine: the angle of a plate, a place (x, y) mm, or None.
-
-    Angles and places are rounded, so that neighboring scenes share a mesh; None is the mesh that is
-    fine around the touch of the 30 degree plate.
-    """
-    if isinstance(indenter, Flat | Grating | Relief):
-        angle = MESHED_ANGLE * round(indenter.angle / MESHED_ANGLE)
-        return None if angle == STANDARD.angle else float(angle)
-    x, y = getattr(indenter, "at", None) or (0.0, 0.0)
-    if np.hypot(x, y) <= MESHED_NEAR:
-        return None
-    return (
-        float(MESHED_PLACE * round(x / MESHED_PLACE)),
-        float(MESHED_PLACE * round(abs(y) / MESHED_PLACE)),
-    )
 
 
 def sites(scene: Scene, origin: Array, axis: Array) -> Sites:
@@ -75,17 +52,6 @@ def check_sites(scene: Scene, depths: Array) -> None:
         raise InputError(message)
 
 
-def check_reached(scene: Scene, deepest: float) -> None:
-    """Raise InputError for a force that presses the tissue to nothing, to `deepest` mm."""
-    if scene.motion.control == "force" and deepest >= scene.finger.pulp:
-        message = (
-            f"motion.force: expected one that presses less deep than the {scene.finger.pulp:g} mm "
-            f"of tissue under the pad, received {scene.motion.peak:g} N, which presses "
-            f"{deepest:.3g} mm deep; press less"
-        )
-        raise InputError(message)
-
-
 def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface]") -> Sites:
     """Return the sites of the scene's population under its skin, or without one the central ones.
 
@@ -93,7 +59,7 @@ def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface
     """
     if scene.ask.population is None:
         return sites(scene, origin, axis)
-    from fefinger import population
+    from fefinger.mechanics.press import population
 
     return population.sites(population.place(scene.ask, skin(), direction(STANDARD)))
 

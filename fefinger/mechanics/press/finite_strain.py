@@ -15,22 +15,21 @@ from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.probe import gradient_at_vertices
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
-from fefinger.fem.hyperelastic.load_path import Allowance, Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, follow
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics import _missed, _placing, _press
-from fefinger.mechanics._finite_reference import reference
-from fefinger.mechanics._limit import told
-from fefinger.mechanics._stride import Stride, heaviest, memories, stride
-from fefinger.mechanics._symmetry import symmetric
-from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._touch import folded, meshed_at, organs, unfolded
+from fefinger.mechanics.press import limits, placement, problem, response, small_strain
+from fefinger.mechanics.press.discretization import meshed_at, symmetric
+from fefinger.mechanics.press.finite_reference import reference
+from fefinger.mechanics.press.limits import told
+from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
+from fefinger.mechanics.press.materials import laws, relaxations
+from fefinger.mechanics.press.sites import folded, organs, unfolded
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
 from fefinger.results.records import Fields, Pad, Reference, Response, Sites
-from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
@@ -72,10 +71,10 @@ def squeeze(
     with stages.stage("mesh"):
         mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
     with stages.stage("factor"):
-        finger = _press.factored(scene, mesh)
+        finger = small_strain.factored(scene, mesh)
         elements = continuum(finger.space, laws(scene.finger), soft=(1, 2))
-    touch = _placing.obstacle(scene.indenter, finger)
-    _press.check_depth(scene, mesh, touch)
+    touch = placement.obstacle(scene.indenter, finger)
+    limits.check_depth(scene, mesh, touch)
     time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     steps = stride(scene.motion, time, memories(scene.finger), refine)
     passage = _passage(scene, finger, elements, touch, steps, stages, allowance)
@@ -87,7 +86,7 @@ def squeeze(
         fields = _fields(passage, finger, mesh) if scene.ask.fields else None
     with stages.stage("pressure"):
         answer = _answer(scene, finger, passage, steps)
-    response = Response(
+    answered = Response(
         mechanics=mechanics,
         time=steps.time,
         **answer,
@@ -95,12 +94,12 @@ def squeeze(
         reference=pressed,
         fields=fields,
         seconds=stages.seconds,
-        notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources=_press.origins(mesh, finger, stages),
+        notes=(*notes, *response.scene_notes(scene), *mesh.quality.get("notes", ())),
+        sources=response.origins(mesh, finger, stages),
     )
     if passage.halt:
-        raise Stopped(passage.halt, response)
-    return response
+        raise Stopped(passage.halt, answered)
+    return answered
 
 
 def _reference(
@@ -115,25 +114,6 @@ def _reference(
         if passage.halt:
             return None
         raise
-
-
-def laws(finger: Finger) -> dict[int, Law]:
-    """Return the relaxed hyperelastic laws of the regions that deform."""
-    layers = {1: finger.skin, 2: finger.subcutaneous}
-    elastic = _press.tissues(finger)
-    found = {region: neo_hookean(elastic[region]) for region in elastic.keys() - layers.keys()}
-    for region, layer in layers.items():
-        found[region] = law(layer.law, elastic[region], layer.exponent, layer.share)
-    return found
-
-
-def relaxations(finger: Finger) -> dict[int, Series]:
-    """Return how the soft regions relax."""
-    layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
-    own = {region: prony or finger.prony for region, prony in layers.items()}
-    return {
-        region: Series(np.array(prony.weights), np.array(prony.v)) for region, prony in own.items()
-    }
 
 
 @dataclass(frozen=True)
@@ -170,7 +150,7 @@ class _Recorder:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = finger.space.node_points
         on = contact.on
-        self.rim = on.edge | np.isin(on.vertices, _placing.border(finger))
+        self.rim = on.edge | np.isin(on.vertices, placement.border(finger))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -213,22 +193,22 @@ def _passage(
     allowance: Allowance | None,
 ) -> _Passage:
     """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
-    skin = partial(_press.skin, finger)
+    skin = partial(small_strain.skin, finger)
     found = organs(scene, touch.origin, touch.axis, skin) if _asked(scene) else None
     motion = scene.motion
     deepest = motion.peak
     if motion.control != "depth":
-        deepest = _press.FORCE_DEPTH * scene.finger.thickness
-    reach = SPREAD * _press.REACH * deepest
-    for _ in range(_press.ATTEMPTS):
+        deepest = problem.FORCE_DEPTH * scene.finger.thickness
+    reach = SPREAD * problem.REACH * deepest
+    for _ in range(problem.ATTEMPTS):
         contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
-        _missed.check_under(scene, len(contact))
+        limits.check_under(scene, len(contact))
         passage = _followed(scene, finger, elements, contact, found, steps, stages, allowance)
         pressed = np.asarray((passage.pressure > 0).any(axis=0))
         _check_contact(finger, contact.on, pressed, passage.depth)
         if not (pressed & contact.on.edge).any():
             return passage
-        reach *= _press.GROW
+        reach *= problem.GROW
     message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
     raise ConvergenceError(message)
 
@@ -251,7 +231,7 @@ def _followed(
     where = sites.points if sites else np.empty((0, 3))
     where = folded(where) if finger.half else where
     probe = recovered_gradient_at(finger.space, where, finger.planes)
-    frames = set(_press.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    frames = set(response.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     frames |= heaviest(motion, steps, memories(scene.finger))
     equilibrium = Equilibrium(elements, contact, finger.system)
     deviatoric = scene.finger.relaxation == "deviatoric"
@@ -307,11 +287,11 @@ def _asked(scene: Scene) -> bool:
 
 
 def _check_contact(finger: Body, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
-    _placing.check_inside(finger, on.vertices[pressed], float(depth.max()))
+    placement.check_inside(finger, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
-        raise InputError(_missed.unresolved(float(depth.max())))
+        raise InputError(limits.unresolved(float(depth.max())))
     if (pressed & on.rim).any():
-        raise InputError(_missed.rim_reached(len(pressed)))
+        raise InputError(limits.rim_reached(len(pressed)))
 
 
 def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
@@ -334,15 +314,15 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
     if not scene.ask.pressure:
         return answer | dict.fromkeys(on_pad)
     seen = passage.contact.seen
-    pad, column = _press.whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
-    pressure = _press.on_seen(pressure, seen)[:, column]
+    pad, column = response.whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
+    pressure = response.on_seen(pressure, seen)[:, column]
     return answer | {
         "contact_area": steps.bounded(_areas(passage, pad, column)),
-        "centroid": _press.centroid(pad, pressure),
+        "centroid": response.centroid(pad, pressure),
         "pad": pad,
         "pressure": pressure,
         "gap": steps.smooth(passage.gap)[:, column],
-        "moment": _press.whole_moment(steps.smooth(passage.moment), finger.half),
+        "moment": response.whole_moment(steps.smooth(passage.moment), finger.half),
     }
 
 
@@ -350,7 +330,7 @@ def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
     touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
     sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
-    pressed = _press.on_seen(passage.pressure, seen)[:, column] > 0
+    pressed = response.on_seen(passage.pressure, seen)[:, column] > 0
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
         surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.machine import slowness
-from fefinger.mechanics import _crept
-from fefinger.mechanics._kept import at_hand
-from fefinger.mechanics._symmetry import symmetric
-from fefinger.mechanics._timeline import moving, time_grid
-from fefinger.mechanics._touch import meshed_at
+from fefinger.mechanics.evidence import reached_depth
+from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.press.discretization import meshed_at, symmetric
+from fefinger.mechanics.press.operator_cache import at_hand
+from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.scene.finger import RESOLUTIONS
 from fefinger.scene.indenter import (
     Bar,
@@ -330,7 +329,7 @@ def small_strain_error(scene: Scene) -> float:
 
 def _part(scene: Scene, press: str) -> float:
     row = solid()[press]
-    return _crept.part(scene, row, row["force_N"]["solid"])
+    return reached_depth.part(scene, row, row["force_N"]["solid"])
 
 
 def solid_error(scene: Scene) -> tuple[float, str]:

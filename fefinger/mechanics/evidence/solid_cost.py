@@ -5,12 +5,12 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
-from fefinger.machine import slowness
-from fefinger.mechanics import _evidence
-from fefinger.mechanics._stride import memories, stride
-from fefinger.mechanics._symmetry import symmetric
-from fefinger.mechanics._timeline import time_grid
-from fefinger.mechanics._tradeoff import LAW
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.tradeoff import LAW
+from fefinger.mechanics.press.discretization import symmetric
+from fefinger.mechanics.press.load_steps import memories, stride
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene.indenter import Bar, Grating, Relief
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
@@ -47,7 +47,7 @@ class Cost(NamedTuple):
 @cache
 def cost(mesh: str) -> Cost:
     """Return the cost on a mesh: medians of the presses, of the steps by least squares."""
-    rows = _evidence.read(REPORT)["rows"]
+    rows = reports.read(REPORT)["rows"]
     basis = [
         [
             *(row["mesh"] == name for name in MESHES),
@@ -65,7 +65,7 @@ def cost(mesh: str) -> Cost:
         for stage in ("setup_seconds", "reference_seconds")
     ]
     costs = np.array([*known, np.exp(found[: len(MESHES)])])
-    sizes = np.log([_evidence.linear()[name]["unknowns"] for name in (*MESHES, mesh)])
+    sizes = np.log([reports.linear()[name]["unknowns"] for name in (*MESHES, mesh)])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])
     setup, reference, step = (costs[:, 1] * np.exp(power * (sizes[2] - sizes[1]))).tolist()
     deepest = max(row["depth_mm"] / row["thickness_mm"] for row in rows)
@@ -82,10 +82,10 @@ def seconds(scene: Scene) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(scene.finger.mesh), scene.finger
     steps = _steps(scene.motion, memories(finger), fast="FAII" in scene.ask.spikes)
-    deep = min(_evidence.small_strain_part(scene), spent.deepest)
+    deep = min(reports.small_strain_part(scene), spent.deepest)
     harder = spent.growth * deep + spent.sharp * isinstance(scene.indenter, SHARP)
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
     whole = spent.setup + steps * spent.step * np.exp(harder)
     whole += spent.reference if scene.ask.spikes else 0.0
-    whole *= 1.0 if symmetric(scene) else _evidence.WHOLE
-    return float(whole * slowness(_evidence.read(REPORT))) + _evidence.mesh_seconds(scene)
+    whole *= 1.0 if symmetric(scene) else reports.WHOLE
+    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(scene)

@@ -1,0 +1,37 @@
+"""Which scenes are their own mirror image, so that half a finger answers them."""
+
+import numpy as np
+
+from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief
+from fefinger.scene.scene import Scene
+
+
+def symmetric(scene: Scene) -> bool:
+    """Return whether the scene is its own mirror image in the medial plane y = 0."""
+    return scene.indenter.mirrored
+
+
+MESHED_ANGLE = 15.0
+"""Degrees between the plates for which meshes differ."""
+
+
+MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
+"""mm between the places for which meshes differ, and from the origin where none is needed."""
+
+
+def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:
+    """Return where the mesh has to be fine: the angle of a plate, a place (x, y) mm, or None.
+
+    Angles and places are rounded, so that neighboring scenes share a mesh; None is the mesh that is
+    fine around the touch of the 30 degree plate.
+    """
+    if isinstance(indenter, Flat | Grating | Relief):
+        angle = MESHED_ANGLE * round(indenter.angle / MESHED_ANGLE)
+        return None if angle == STANDARD.angle else float(angle)
+    x, y = getattr(indenter, "at", None) or (0.0, 0.0)
+    if np.hypot(x, y) <= MESHED_NEAR:
+        return None
+    return (
+        float(MESHED_PLACE * round(x / MESHED_PLACE)),
+        float(MESHED_PLACE * round(abs(y) / MESHED_PLACE)),
+    )

@@ -1,0 +1,100 @@
+"""Units of a population placed on the skin, and the end organs below them."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fefinger.scene import library
+from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import InputError
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.populations import Population, Surface
+    from fefinger.results.records import Sites
+    from fefinger.scene.ask import Ask
+
+
+def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
+    """Return the units that a scene asks for, under a skin.
+
+    axis (3,): the inward normal at the first touch, which is the origin. InputError for places
+    beside the skin, and as `neural.populations`.
+    """
+    from fefinger.neural.populations import populate
+
+    layout, known = ask.population, library.innervation()
+    if layout is None:
+        msg = "ask.population: expected one, received none"
+        raise InputError(msg)
+    types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
+    depths = {kind: row.depth for kind, row in library.receptors().items()}
+    return populate(
+        skin,
+        types,
+        places,
+        depths=depths | dict(ask.depths),
+        organs={kind: row.organs for kind, row in known.items()} if layout.branched else None,
+        fields={kind: row.field for kind, row in known.items() if row.field is not None},
+        numbers=numbers,
+        seed=layout.seed,
+    )
+
+
+def _places(
+    layout: Layout, types: Sequence[str], skin: "Surface", axis: Array
+) -> tuple[tuple[str, ...], Array, Integers]:
+    """Return type, place (n, 3) mm and number of every unit.
+
+    The number is its place among all units that are asked, wherever the skin ends.
+    """
+    from fefinger.neural import populations
+
+    if isinstance(layout, Scatter):
+        known = library.innervation()
+        wanted = {kind: layout.densities.get(kind, known[kind].density) for kind in types}
+        kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
+        points, on = populations.settled(skin, flat, axis)
+        if not on.all():
+            msg = (
+                f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
+                f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
+            )
+            raise InputError(msg)
+        return kinds, points, np.arange(len(kinds))
+    if isinstance(layout, Grid):
+        points, which = populations.grid(skin, layout.spacing, layout.radius)
+        numbers = which[:, None] * len(types) + np.arange(len(types))
+        return _each(types, points), np.repeat(points, len(types), axis=0), numbers.ravel()
+    if isinstance(layout, Line):
+        points = populations.line(skin, layout.start, layout.stop, layout.count)
+    elif isinstance(layout, Places):
+        name = "ask.population.places"
+        points = populations.over(skin, layout.places, name, "move them towards the first touch")
+    else:
+        msg = f"ask.population: expected a layout of the package, received {layout!r}"
+        raise InputError(msg)
+    kinds = _each(types, points)
+    return kinds, np.repeat(points, len(types), axis=0), np.arange(len(kinds))
+
+
+def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
+    """Return the types of units of which each point (n, 3) has one of each."""
+    return tuple(types) * len(points)
+
+
+def sites(population: "Population") -> "Sites":
+    """Return the sites of all end organs: what a mechanics gives the strain at."""
+    from fefinger.results.records import Sites
+
+    return Sites(
+        points=population.sites,
+        normals=population.organ_normals,
+        depths=population.organ_depths,
+        types=population.organ_types,
+        unit=population.unit,
+        number=population.numbers[population.unit],
+    )

@@ -1,0 +1,1 @@
+"""Fingers that are stepped one instant at a time."""
