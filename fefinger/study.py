@@ -52,7 +52,7 @@ class Study:
         """
         import pandas as pd
 
-        from fefinger.page import flat
+        from fefinger.pages.page import flat
 
         plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
         columns = list(dict.fromkeys(key for row in plain for key in row))

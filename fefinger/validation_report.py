@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fefinger import page
+from fefinger.pages import page
 from fefinger.support import atomic_write
 from fefinger.support.text import shown
 

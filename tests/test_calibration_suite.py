@@ -18,11 +18,11 @@ from fefinger.validation import (
 )
 from fefinger.validation.calibration_report import calibrated, rows
 
-from fefinger import figures
 from fefinger.calibration import pad, target
 from fefinger.calibration.outcome import line
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.view import figures
 
 
 SUBJECTS = ("a.h.", "d.s.", "d.p.", "p.w.")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fefinger import report
+from fefinger.pages import report
 from fefinger.results import netcdf
 from fefinger.results.netcdf import LAYOUT, RECORDS, load, save
 from fefinger.results.records import Result

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import films, view
+from fefinger import view
 from fefinger.results.records import Result
 from fefinger.support.checks import InputError
+from fefinger.view import film as films
 
 
 def test_a_gif_has_no_bands(tmp_path: Path) -> None:

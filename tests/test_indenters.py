@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import indenter_pose
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.evidence import reports
-from fefinger.report import _touch
+from fefinger.pages.report import _touch
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Indenter
 from fefinger.support.checks import InputError
+from fefinger.view import indenter_pose
 
 
 LINE = tuple(np.linspace(-6, 6, 25).tolist())

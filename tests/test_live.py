@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import live
 from fefinger.__main__ import main
 from fefinger.fem.elements.probe import strain_at
-from fefinger.live_window import Window, watch
+from fefinger.mechanics.realtime import show as shows
+from fefinger.mechanics.realtime.show import Show
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
-from fefinger.view import renderer_lacking
+from fefinger.view import live, renderer_lacking
+from fefinger.view.live_window import Window, watch
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse")
@@ -23,11 +24,11 @@ SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 @pytest.fixture(autouse=True)
 def _short_and_own_cache(operators: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Play a tenth of a second, with the operators of this session."""
-    monkeypatch.setattr(live, "SCRIPT", SHORT)
+    monkeypatch.setattr(shows, "SCRIPT", SHORT)
 
 
 def test_a_frame_has_what_is_drawn() -> None:
-    show = live.Show(FINGER)
+    show = Show(FINGER)
     strain_at(show.rolling.solid.space, show.organs.points, (1,))  # all inside
     frames = list(show.frames())
     assert [frame.time for frame in frames] == pytest.approx([0.0, 0.04, 0.08, 0.12])
@@ -78,7 +79,7 @@ def test_a_window_shows_what_is_recorded() -> None:
     lacking = renderer_lacking()
     if lacking:
         pytest.skip(lacking)  # a library of the system, which no Python package brings
-    show = live.Show(FINGER)
+    show = Show(FINGER)
     window = Window(show, off_screen=True)
     pictures = []
     for frame in show.frames():

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fefinger import indenter_pose, marks
 from fefinger.results.records import Result, Sites
+from fefinger.view import frames, markers
 
 
 @pytest.fixture
@@ -27,34 +27,34 @@ def crowd(synthetic: Result) -> Result:
 
 
 def test_few_end_organs_are_marked_each_and_none_on_the_skin(synthetic: Result) -> None:
-    found = marks.in_section(synthetic)
+    found = markers.in_section(synthetic)
     assert found is not None
     assert found.labels == ("SAI 0.8 mm", "SAII 1.8 mm", "FAI 0.6 mm", "FAII 3 mm")
-    assert marks.on_skin(synthetic) is None
+    assert markers.on_skin(synthetic) is None
 
 
 def test_of_a_population_those_near_the_cut_are_marked(crowd: Result) -> None:
-    found = marks.in_section(crowd)
+    found = markers.in_section(crowd)
     assert found is not None
     assert len(found.types) == 4 * 3
-    assert np.abs(found.followed.points[:, 1]).max() <= marks.OFF_PLANE
+    assert np.abs(found.followed.points[:, 1]).max() <= markers.OFF_PLANE
     assert found.units.tolist() == np.repeat(np.arange(4), 3).tolist()
 
 
 def test_a_unit_is_marked_on_the_skin_above_its_end_organs(crowd: Result) -> None:
-    both = indenter_pose.whole(crowd.fields)
+    both = frames.whole(crowd.fields)
     whole = dataclasses.replace(crowd, response=dataclasses.replace(crowd.response, fields=both))
-    found = marks.on_skin(whole)
+    found = markers.on_skin(whole)
     assert found is not None
     assert found.types == ("SAI", "SAII", "FAI", "FAII")
     np.testing.assert_allclose(found.followed.points, 0.0, atol=1e-12)  # all below first touch
 
 
 def test_rates_are_those_of_the_unit_of_each_mark(crowd: Result) -> None:
-    found = marks.in_section(crowd)
+    found = markers.in_section(crowd)
     assert found is not None
     assert crowd.spikes is not None
     expected = [float(crowd.spikes.rate(unit, 2.5)) for unit in range(4)]
     np.testing.assert_allclose(found.rates(2.5), np.repeat(expected, 3))
-    assert marks.highest_rate(crowd) >= max(expected) > 0
-    assert marks.highest_rate(dataclasses.replace(crowd, spikes=None)) == 0
+    assert markers.highest_rate(crowd) >= max(expected) > 0
+    assert markers.highest_rate(dataclasses.replace(crowd, spikes=None)) == 0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import indenter_pose, pieces
 from fefinger.results.records import Fields, Result
+from fefinger.view import frames, surfaces
 
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ def half(synthetic: Result) -> Fields:
 @pytest.fixture
 def shifted(half: Fields) -> Fields:
     """Return a whole finger whose mesh has no points in the medial plane."""
-    both = indenter_pose.whole(half)
+    both = frames.whole(half)
     return dataclasses.replace(both, points=both.points + np.array([0.0, 0.137, 0.0]))
 
 
@@ -40,13 +40,13 @@ def cells_volume(fields: Fields, region: int) -> float:
 def enclosed(fields: Fields, *names: str) -> float:
     return sum(
         volume(piece.at(fields.points), piece.triangles)
-        for piece in pieces.cut_open(fields)
+        for piece in surfaces.cut_open(fields)
         if piece.name in names
     )
 
 
 def test_the_pieces_of_each_tissue_enclose_its_volume(half: Fields) -> None:
-    names = {piece.name for piece in pieces.cut_open(half)}
+    names = {piece.name for piece in surfaces.cut_open(half)}
     assert names == {"skin", "pad", "subcutaneous tissue"}
     assert enclosed(half, "skin", "pad") == pytest.approx(cells_volume(half, 1), rel=1e-4)
     assert enclosed(half, "subcutaneous tissue") == pytest.approx(cells_volume(half, 2), rel=1e-4)
@@ -59,29 +59,29 @@ def test_a_whole_finger_is_cut_through_its_cells(shifted: Fields) -> None:
         parts = enclosed(shifted, *names), enclosed(other, *names)
         assert min(parts) > 0
         assert sum(parts) == pytest.approx(cells_volume(shifted, region), rel=1e-4)
-    for piece in pieces.cut_open(shifted):
+    for piece in surfaces.cut_open(shifted):
         y = piece.at(shifted.points)[:, 1]
         assert y.min() >= -1e-3
         assert not piece.flat or y.max() <= 1e-3
 
 
 def test_the_pad_is_the_skin_that_is_ever_touched(half: Fields) -> None:
-    pad = next(piece for piece in pieces.cut_open(half) if piece.name == "pad")
+    pad = next(piece for piece in surfaces.cut_open(half) if piece.name == "pad")
     touched = pad.at(half.pressure.max(axis=0))[pad.triangles].max(axis=1)
     assert (touched > 0).all()
-    skin = next(piece for piece in pieces.cut_open(half) if piece.name == "skin")
+    skin = next(piece for piece in surfaces.cut_open(half) if piece.name == "skin")
     assert (skin.at(half.pressure.max(axis=0))[skin.triangles].max(axis=1) == 0).any()
 
 
 def test_the_entire_finger_encloses_all_of_it(half: Fields) -> None:
-    both = indenter_pose.whole(half)
-    (skin,) = pieces.entire(both)
+    both = frames.whole(half)
+    (skin,) = surfaces.entire(both)
     expected = 2 * (cells_volume(half, 1) + cells_volume(half, 2))
     assert volume(skin.at(both.points), skin.triangles) == pytest.approx(expected)
 
 
 def test_outlines_lie_on_the_cut(half: Fields) -> None:
-    lines = pieces.outlines(half)
+    lines = surfaces.outlines(half)
     assert lines.triangles.shape[1] == 2
     assert np.abs(lines.at(half.points)[:, 1]).max() < 1e-3
 
@@ -93,7 +93,7 @@ def test_points_follow_a_linear_displacement_exactly_on_both_sides(half: Fields)
     corners = half.points[half.cells[rng.integers(len(half.cells), size=20)]]
     inside = np.einsum("nk,nkj->nj", rng.dirichlet(np.ones(4), 20), corners)
     mirrored = inside * [1.0, -1.0, 1.0]
-    followed = pieces.follow(half, np.concatenate([inside, mirrored]))
+    followed = surfaces.follow(half, np.concatenate([inside, mirrored]))
     moved = followed.moved(half.points @ slope)
     expected = inside + inside @ slope
     np.testing.assert_allclose(moved[:20], expected, atol=1e-9)

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import afferents, report
+from fefinger import afferents
 from fefinger.mechanics import get
 from fefinger.mechanics.press import population
 from fefinger.mechanics.press.sites import folded, unfolded
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.neural.endorgans import TYPES
+from fefinger.pages import report
 from fefinger.run import fire
 from fefinger.scene import builtin, library
 from fefinger.scene.indenter import STANDARD, direction

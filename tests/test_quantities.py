@@ -8,13 +8,13 @@ import pytest
 from matplotlib import colormaps
 from numpy.typing import NDArray
 
-from fefinger import quantities
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import laws, stress_kernels
 from fefinger.results.records import Fields, Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError
+from fefinger.view import quantities
 
 
 Array = NDArray[np.float64]

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fefinger import figures, report
+from fefinger.pages import report
 from fefinger.results.records import Result, Rung
 from fefinger.scene.motion import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
-from fefinger.view import renderer
+from fefinger.view import figures, renderer
 
 
 def page(result: Result, folder: Path) -> str:

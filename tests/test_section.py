@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger import indenter_pose, quantities
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.view import frames, indenter_pose, quantities
 
 
 def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic: Result) -> None:
     half = synthetic.fields
     assert half is not None
-    both = indenter_pose.whole(half)
+    both = frames.whole(half)
     on_plane = int((half.points[:, 1] == 0).sum())
     assert len(both.points) == 2 * len(half.points) - on_plane
-    assert indenter_pose.whole(both) is both
+    assert frames.whole(both) is both
     # The made-up displacement is a closed form, so the mirrored strain has one too.
     u = both.displacement[1]
     gradient = -2 * u[:, :, None] * both.points[:, None, :] / 25
@@ -38,7 +38,7 @@ def test_a_cut_has_the_area_of_the_section_and_keeps_linear_fields(
     face = fields.cells[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
     medial = face[(fields.points[face][:, :, 1] == 0).all(axis=1)]
     if mirrored:
-        fields = indenter_pose.whole(fields)
+        fields = frames.whole(fields)
     cut = section.cut(fields.points, fields.cells, fields.region)
     places = cut.at(fields.points)
     assert np.abs(places[:, 1]).max() < 1e-3

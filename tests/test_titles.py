@@ -7,7 +7,7 @@ from fefinger.results.records import Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Sphere
 from fefinger.scene.motion import Sinusoid
-from fefinger.titles import titles
+from fefinger.view.titles import titles
 
 
 def turned(result: Result, angle: float) -> Result:

@@ -9,8 +9,9 @@ import pytest
 from fefinger.validation import suites
 from fefinger.validation.case import Case, Outcome
 
-from fefinger import console, figures, validation_report
+from fefinger import console, validation_report
 from fefinger.support.checks import InputError
+from fefinger.view import figures
 
 
 def case(name: str, verdict: str, **changes: Any) -> dict[str, Any]:

@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fefinger import indenter_pose, quantities, stored, view, webview
+from fefinger import view
 from fefinger.__main__ import main
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.pages import viewer
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Flat
 from fefinger.support.checks import InputError
-from fefinger.view import pictures, renderer, stage, window
-from fefinger.view.subject import colors, subject
+from fefinger.view import frames, indenter_pose, pictures, quantities, renderer, window
+from fefinger.view import plot3d as stage
+from fefinger.view.drawing import colors, subject
 
 
 needs_renderer = pytest.mark.skipif(
@@ -77,7 +79,7 @@ def test_without_a_renderer_the_command_ends_with_the_sentence(
 
 def straddling(result: Result) -> Result:
     """Return the result on a whole finger whose cells the medial plane passes through."""
-    fields = indenter_pose.whole(result.response.fields)
+    fields = frames.whole(result.response.fields)
     fields = dataclasses.replace(fields, points=fields.points - np.array([0.0, 0.4, 0.0]))
     return dataclasses.replace(result, response=dataclasses.replace(result.response, fields=fields))
 
@@ -331,7 +333,7 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(
 
 def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
     assert synthetic.fields is not None
-    assert [indenter_pose.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [
+    assert [frames.nearest_frame(synthetic.fields, t) for t in (-1, 0.1, 2.4, 99)] == [
         0,
         0,
         1,
@@ -339,7 +341,7 @@ def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
     ]
 
 
-@pytest.mark.parametrize("draw", [view.screenshot, webview.write])
+@pytest.mark.parametrize("draw", [view.screenshot, viewer.write])
 def test_a_time_after_the_end_is_refused(
     synthetic: Result, tmp_path: Path, draw: Callable[..., Any]
 ) -> None:
@@ -350,8 +352,8 @@ def test_a_time_after_the_end_is_refused(
 
 def test_a_time_a_step_after_the_end_is_that_of_the_end(synthetic: Result) -> None:
     step = synthetic.time[-1] - synthetic.time[-2]
-    stored.check("time", [synthetic], synthetic.time[-1] + 0.9 * step)
-    assert "the last of its 3" in stored.told([synthetic], ["out"], 5.0 + 0.5 * step)[0]
+    frames.check("time", [synthetic], synthetic.time[-1] + 0.9 * step)
+    assert "the last of its 3" in frames.told([synthetic], ["out"], 5.0 + 0.5 * step)[0]
 
 
 @pytest.mark.parametrize("limits", [(-2.0, 6.0), (-6.0, 2.0), (-3.0, 3.0), (0.0, 5.0)])

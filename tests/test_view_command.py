@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from fefinger import quantities
 from fefinger.__main__ import main
 from fefinger.results.records import Result
+from fefinger.view import quantities
 
 
 def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixture[str]) -> None:

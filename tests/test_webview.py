@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fefinger import indenter_pose, pieces, quantities, webview
+from fefinger.pages import viewer
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
+from fefinger.view import indenter_pose, quantities, surfaces
 
 
 def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:
     """Return the page, its record and its unpacked arrays."""
-    webview.write(results, folder / "a.html", **options)
+    viewer.write(results, folder / "a.html", **options)
     html = (folder / "a.html").read_text(encoding="utf-8")
     (record,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', html)
     (blob,) = re.findall(r'<script type="text/plain" id="blob">(.*?)</script>', html)
@@ -46,10 +47,10 @@ def test_the_page_holds_points_and_values_of_every_field_and_time(
 ) -> None:
     _, record, blob = page(synthetic, tmp_path)
     (scene,) = record["scenes"]
-    whole = webview._whole(synthetic)
+    whole = viewer._whole(synthetic)
     fields = whole.fields
     assert fields is not None
-    back = pieces.cut_open(fields)
+    back = surfaces.cut_open(fields)
     count = sum(len(piece.edges) for piece in back)
     points = read(blob, scene["points"]).reshape(len(fields.times), -1, 3)
     assert points.shape[1] == scene["vertices"] > count
@@ -69,7 +70,7 @@ def test_the_page_holds_points_and_values_of_every_field_and_time(
     # The other half is the mirror image, so together they look alike from both sides.
     assert points[..., 1].min() == pytest.approx(-points[..., 1].max(), rel=1e-5)
     assert {each["name"] for each in scene["pieces"]} == {
-        "skin", "pad", "subcutaneous tissue", webview.FRONT
+        "skin", "pad", "subcutaneous tissue", viewer.FRONT
     }  # fmt: skip
 
 
@@ -117,9 +118,9 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic: Result, tmp_pa
         synthetic, response=dataclasses.replace(synthetic.response, fields=None)
     )
     with pytest.raises(InputError, match=r"ask\.fields=true"):
-        webview.write(bare, tmp_path / "a.html")
+        viewer.write(bare, tmp_path / "a.html")
     with pytest.raises(InputError, match="Did you mean 'pressure'"):
-        webview.write(synthetic, tmp_path / "a.html", field="presure")
+        viewer.write(synthetic, tmp_path / "a.html", field="presure")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -136,5 +137,5 @@ def test_a_ball_is_drawn_round_and_a_plate_with_its_rim(
             center = np.array([0.0, 0.0, 0.0]) - 3.0 * np.array(shown["axis"])
             away = np.linalg.norm(points - center, axis=1)
             np.testing.assert_allclose(away, 3.0, rtol=1e-5)
-            assert shown["triangles"]["count"] == 3 * 2 * (webview.GRID - 1) ** 2
+            assert shown["triangles"]["count"] == 3 * 2 * (viewer.GRID - 1) ** 2
     assert not recwarn.list

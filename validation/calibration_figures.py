@@ -9,8 +9,8 @@ from fefinger.validation.calibration_split import PARTS
 
 from fefinger.calibration import target
 from fefinger.calibration.force import stiffness
-from fefinger.figures import INK, WIDE, figure, style
 from fefinger.scene import library
+from fefinger.view.figures import INK, WIDE, figure, style
 
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499")

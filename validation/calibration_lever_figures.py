@@ -6,7 +6,7 @@ from typing import Any
 from fefinger.validation.calibration_report import calibrated, levers
 
 from fefinger.calibration import pad
-from fefinger.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
 BLUE, ORANGE = "#0072B2", "#D55E00"

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL, figure, style
 
 
 ORANGE = "#D55E00"

@@ -20,11 +20,11 @@ from fefinger.validation.contact_angle_rows import (
 )
 from fefinger.validation.contact_angle_sure import experiment, sure
 
-from fefinger import page
-from fefinger.figures import COLORS
+from fefinger.pages import page
 from fefinger.studies import figures
 from fefinger.studies.measures import READINGS
 from fefinger.studies.report import ARRAY, MEANING, errors, part, table
+from fefinger.view.figures import COLORS
 
 
 def html(rows: Rows, provenance: Mapping[str, Any]) -> str:

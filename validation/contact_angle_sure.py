@@ -17,7 +17,7 @@ from fefinger.validation.contact_angle_rows import (
     percent,
 )
 
-from fefinger import page
+from fefinger.pages import page
 from fefinger.studies import figures
 from fefinger.studies.report import part
 from fefinger.theory.array.sensor import ArraySensor

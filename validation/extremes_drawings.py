@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.extremes_trial import ANSWERED, FAILED, REFUSED, Kind
 
-from fefinger.figures import INK, WIDE, figure, style
+from fefinger.view.figures import INK, WIDE, figure, style
 
 
 COLORS: dict[Kind, str] = {ANSWERED: "#009E73", REFUSED: "#56B4E9", FAILED: "#D55E00"}

@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.validation import element_kinds, fem_exact, fem_hertz, fem_history, fem_solid
 from fefinger.validation.peers import PEERS, Peer
 
-from fefinger.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL, figure, style
 
 
 WIDE = 6.2  # inches; two stand side by side

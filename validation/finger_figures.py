@@ -21,7 +21,7 @@ from fefinger.validation.finger_split import (
     unexplained,
 )
 
-from fefinger.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
 COLORS = {

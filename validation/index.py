@@ -14,7 +14,7 @@ from typing import Any
 
 from fefinger.validation import suites
 
-from fefinger import page
+from fefinger.pages import page
 from fefinger.validation_report import VERDICTS, save
 
 

@@ -8,12 +8,12 @@ from fefinger.validation import neural_gains, neural_ramps, neural_skin
 from fefinger.validation.neural_filters import SLOW, same_rate
 from fefinger.validation.neural_sweep import MODELS, SLOWED, STANDARD, Array, impulses, swing
 
-from fefinger.figures import COLORS, INK, STEEL, figure, style
-from fefinger.figures_units import frequency_response
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.view.figures import COLORS, INK, STEEL, figure, style
+from fefinger.view.unit_figures import frequency_response
 
 
 SIZE = (5.6, 3.6)  # inches; two stand side by side

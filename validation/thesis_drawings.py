@@ -11,9 +11,9 @@ from fefinger.validation.thesis_pressure import PROFILES, ball, pad
 from fefinger.validation.thesis_sensor import ball_pressure, felt
 from numpy.typing import NDArray
 
-from fefinger.figures import INK, STEEL, figure, style
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.curvature import at_depth, goodwin, goodwin_radius
+from fefinger.view.figures import INK, STEEL, figure, style
 
 
 Array = NDArray[np.float64]

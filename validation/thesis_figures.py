@@ -7,9 +7,9 @@ import numpy as np
 from fefinger.validation.thesis_lumped import OFFSETS, finger, sinusoid, vibrated
 from numpy.typing import NDArray
 
-from fefinger.figures import INK, STEEL, figure, style
 from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.theory.lumped.spring import constant_velocity
+from fefinger.view.figures import INK, STEEL, figure, style
 
 
 Array = NDArray[np.float64]

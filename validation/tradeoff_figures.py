@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.validation.tradeoff_held_out import ENOUGH
 from fefinger.validation.tradeoff_study import front
 
-from fefinger.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
 COLORS = {

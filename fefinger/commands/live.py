@@ -15,20 +15,21 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     Pressure, strain in the medial section and spikes as they are computed. The first time, the
     finger is condensed, which takes about a minute.
     """
-    from fefinger import films
-    from fefinger import live as shows
-    from fefinger.live_window import watch
+    from fefinger.mechanics.realtime import show
     from fefinger.scene.finger import Finger
     from fefinger.support.outputs import output_file
+    from fefinger.view import film
+    from fefinger.view import live as shows
+    from fefinger.view.live_window import watch
 
     finger = Finger.subject(subject, resolution=resolution)
     if output is None:
         last = watch(finger)
     else:
-        films.check(output, "-o")
+        film.check(output, "-o")
         output_file(output, "-o")
         last = shows.record(finger, Path(output))
     click.echo(
-        f"{last.steps} steps of {1e3 * shows.DT:g} ms at {last.rate:.0f} steps/s, "
+        f"{last.steps} steps of {1e3 * show.DT:g} ms at {last.rate:.0f} steps/s, "
         f"{len(last.spikes)} spikes" + (f": {output}" if output else "")
     )

@@ -27,10 +27,11 @@ def view(
     DIR is a folder that `fefinger run -o` wrote; several stand side by side with the same colors.
     Without --screenshot, --movie or --html a window opens.
     """
-    from fefinger import films, quantities, stored, webview
     from fefinger import view as pictures
+    from fefinger.pages import viewer
     from fefinger.results.netcdf import load
     from fefinger.support.outputs import check_ending, output_file
+    from fefinger.view import film, frames, quantities
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
@@ -42,15 +43,15 @@ def view(
         if option in files:
             check_ending(files[option], option, ending)
     if movie is not None:
-        films.check(movie, "--movie")
+        film.check(movie, "--movie")
     span = None if limits is None else quantities.limits(limits)
     results = [load(folder) for folder in folders]
     for folder, result in zip(folders, results, strict=True):
         if result.fields is None:
             click.echo(f"{folder} has nothing to view:", err=True)
         quantities.fields_of(result)
-    stored.check("--time", results, at)
-    for sentence in [] if at is None else stored.told(results, folders, at):
+    frames.check("--time", results, at)
+    for sentence in [] if at is None else frames.told(results, folders, at):
         click.echo(sentence, err=True)
     for option, path in files.items():
         output_file(path, option)
@@ -60,7 +61,7 @@ def view(
     if movie is not None:
         pictures.movie(results, movie, **how)
     if html is not None:
-        webview.write(results, html, time=at, **how)
+        viewer.write(results, html, time=at, **how)
     for path in files.values():
         click.echo(path)
     if not files:

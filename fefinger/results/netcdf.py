@@ -156,7 +156,7 @@ def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
     spikes; files of these names from an earlier result are removed. An interruption or an error
     leaves the folder as it was. Raises InputError when the folder cannot be written, or is full.
     """
-    from fefinger import report
+    from fefinger.pages import report
     from fefinger.results import vtkhdf
     from fefinger.support import atomic_write
 

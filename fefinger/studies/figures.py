@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, quantities
 from fefinger.results.records import Array
 from fefinger.studies.columns import MEASURES, bounds, split, words
+from fefinger.view import figures, quantities
 
 
 Rows = Sequence[Mapping[str, Any]]

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fefinger import page
+from fefinger.pages import page
 from fefinger.studies import figures
 from fefinger.studies.columns import ERRORS, MEASURES
 from fefinger.studies.grid import remarks

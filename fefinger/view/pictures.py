@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import figures, films, indenter_pose, medial, quantities, stored
-from fefinger.marks import highest_rate
-from fefinger.quantities import round_up
 from fefinger.results.records import Array, Fields, Integers, Result
 from fefinger.support.atomic_write import moved
-from fefinger.titles import titles
-from fefinger.view import bars, renderer
-from fefinger.view.bars import add_bars
-from fefinger.view.stage import Scales, Stage
-from fefinger.view.subject import colors, subject
+from fefinger.view import color_bars, figures, film, frames, quantities, renderer
+from fefinger.view import section_figure as medial
+from fefinger.view.color_bars import add_bars
+from fefinger.view.drawing import colors, subject
+from fefinger.view.markers import highest_rate
+from fefinger.view.plot3d import Scales, Stage
+from fefinger.view.quantities import round_up
+from fefinger.view.titles import titles
 
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ def section_figure(
     InputError if the result has no fields or the field is unknown.
     """
     fields = quantities.fields_of(result)
-    moment = indenter_pose.peak_time(result) if time is None else time
-    frame = indenter_pose.nearest_frame(fields, moment)
+    moment = frames.peak_time(result) if time is None else time
+    frame = frames.nearest_frame(fields, moment)
     cut = medial.medial(result, field, frame)
     missing = renderer.renderer_lacking()
     raster = None if missing else _raster(fields, frame, cut)
@@ -101,7 +101,7 @@ def compose(
 
 def size(columns: int) -> tuple[int, int]:
     """Return width and height in pixels of views in space side by side, and their color bars."""
-    return PANEL[0] * columns + bars.WIDTH, PANEL[1]
+    return PANEL[0] * columns + color_bars.WIDTH, PANEL[1]
 
 
 def screenshot(
@@ -121,10 +121,10 @@ def screenshot(
     no fields, the field is unknown or the time is after the end.
     """
     shown = [results] if isinstance(results, Result) else list(results)
-    stored.check("time", shown, time)
+    frames.check("time", shown, time)
     plotter, stages = _stages(shown, field, limits, folders)
     for stage in stages:
-        stage.at(indenter_pose.peak_time(stage.shown.result) if time is None else time)
+        stage.at(frames.peak_time(stage.shown.result) if time is None else time)
     _finish(plotter, path)
 
 
@@ -139,7 +139,7 @@ def movie(
 
     Otherwise as `screenshot`. Times are not evenly spaced; every picture says its own.
     """
-    films.check(path, "--movie")
+    film.check(path, "--movie")
     shown = [results] if isinstance(results, Result) else list(results)
     plotter, stages = _stages(shown, field, limits, folders)
     times = np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
@@ -155,7 +155,7 @@ def movie(
             yield picture
 
     try:
-        films.write(path, pictures(), FPS)
+        film.write(path, pictures(), FPS)
     finally:
         plotter.close()
 
@@ -171,7 +171,7 @@ def _stages(
         quantities.fields_of(result)
     quantities.named("field", field)
     renderer.require()
-    plotter = renderer.plotter(size(len(results)), len(results), aside=bars.WIDTH)
+    plotter = renderer.plotter(size(len(results)), len(results), aside=color_bars.WIDTH)
     return plotter, compose(plotter, results, field, limits, folders)
 
 
@@ -196,7 +196,7 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
         n_colors=len(kinds),
         show_edges=True,
         edge_color="#6b5d52",
-        scalar_bar_args=bars.LOOK | LEGEND,
+        scalar_bar_args=color_bars.LOOK | LEGEND,
         ambient=0.6,
         diffuse=0.45,
     )

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, indenter_pose, quantities, stored
 from fefinger.results.records import Array, Result
 from fefinger.support.checks import InputError
-from fefinger.view import bars, pictures, renderer
-from fefinger.view.stage import Stage
+from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer
+from fefinger.view.plot3d import Stage
 
 
 SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
@@ -39,7 +38,7 @@ class Controls:
     ) -> None:
         self.plotter, self.results, self.limits = plotter, list(results), limits
         self.folders = tuple(folders)
-        self.time = indenter_pose.peak_time(self.results[0]) if time is None else time
+        self.time = frames.peak_time(self.results[0]) if time is None else time
         self.stages: list[Stage] = pictures.compose(
             plotter, self.results, field, limits, self.folders
         )
@@ -143,10 +142,10 @@ def show(
     for result in shown:
         quantities.fields_of(result)
     quantities.named("field", field)
-    stored.check("time", shown, time)
+    frames.check("time", shown, time)
     renderer.require()
     size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
-    plotter = renderer.plotter(size, len(shown), aside=bars.WIDTH, off_screen=None)
+    plotter = renderer.plotter(size, len(shown), aside=color_bars.WIDTH, off_screen=None)
     if not (plotter.notebook or plotter.off_screen or renderer.has_display()):
         message = (
             "show: expected a display for the window, found none; "

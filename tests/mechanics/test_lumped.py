@@ -10,10 +10,11 @@ import pytest
 from fefinger.validation import calibration_subjects, evidence_lumped
 
 import fefinger as ff
-from fefinger import mechanics, report
+from fefinger import mechanics
 from fefinger.console import run_record, run_summary
 from fefinger.mechanics import lumped
 from fefinger.mechanics.evidence import reports
+from fefinger.pages import report
 from fefinger.results.netcdf import load
 from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results.records import Integers, Pad, Result
+from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 
 
 BIN = 60  # bins of the histogram over the whole time

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from importlib import resources
 from typing import Any
 
-from fefinger import figures
+from fefinger.view import figures
 
 
-TEMPLATES = "fefinger.templates"
+TEMPLATES = "fefinger.pages.templates"
 
 
 def render(template: str, **values: Any) -> str:

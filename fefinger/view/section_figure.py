@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, indenter_pose, quantities
 from fefinger.geometry import section
 from fefinger.neural.trains import FEW
 from fefinger.results.records import Array, Integers, Result
+from fefinger.view import figures, indenter_pose, quantities
 
 
 MARGIN = 1.2  # mm about the section

@@ -7,19 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.live import (
-    COLORS,
-    LARGEST_PRESSURE,
-    LARGEST_STRAIN,
-    WINDOW,
-    Frame,
-    Show,
-    compressive,
-    said,
-    section_triangles,
-)
+from fefinger.mechanics.realtime.show import Frame, Show, compressive, said
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
+from fefinger.view.live import COLORS, LARGEST_PRESSURE, LARGEST_STRAIN, WINDOW, section_triangles
 
 
 Array = NDArray[np.float64]

@@ -3,51 +3,17 @@
 numpy only, so that a picture of the medial section exists where no renderer does.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.geometry.profiles import Ellipsoid, Profile, frame
-from fefinger.geometry.section import is_half
-from fefinger.results.records import Array, Fields, Result
+from fefinger.results.records import Array, Result
 from fefinger.scene.indenter import STANDARD, Flat, Grating, Relief, direction
+from fefinger.view.frames import whole
 
 
 SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
-_MIRROR = np.array([1.0, -1.0, 1.0])
-_MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-
-
-def nearest_frame(fields: Fields, time: float) -> int:
-    """Return the index of the stored time next to `time` s."""
-    return int(np.argmin(np.abs(fields.times - time)))
-
-
-def peak_time(result: Result) -> float:
-    """Return the time in s of the largest force."""
-    return float(result.time[int(np.argmax(result.response.force))])
-
-
-def whole(fields: Fields) -> Fields:
-    """Return the fields of the whole finger, mirrored in the medial plane if they are half."""
-    points = fields.points
-    if not is_half(points):
-        return fields
-    off = np.flatnonzero(points[:, 1] > 1e-9 * np.ptp(points))
-    image = np.arange(len(points))
-    image[off] = len(points) + np.arange(len(off))
-    return replace(
-        fields,
-        points=np.concatenate([points, points[off] * _MIRROR]),
-        cells=np.concatenate([fields.cells, image[fields.cells][:, [0, 2, 1, 3]]]),
-        region=np.concatenate([fields.region, fields.region]),
-        displacement=np.concatenate(
-            [fields.displacement, fields.displacement[:, off] * _MIRROR], axis=1
-        ),
-        strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
-        pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
-    )
 
 
 class Pose(NamedTuple):

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger import figures, indenter_pose, pieces, quantities
 from fefinger.geometry.profiles import Ellipsoid, Plane
-from fefinger.marks import Marks
 from fefinger.neural.trains import FEW
 from fefinger.support.checks import choice
-from fefinger.view.subject import SOFT, Subject
+from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
+from fefinger.view.drawing import SOFT, Subject
+from fefinger.view.markers import Marks
 
 
 PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
@@ -85,7 +85,7 @@ class Stage:
 
     def at(self, time: float) -> None:
         """Show the stored frame next to a time in s."""
-        self.frame = indenter_pose.nearest_frame(self.shown.fields, time)
+        self.frame = frames.nearest_frame(self.shown.fields, time)
         for move in self.moves:
             move(self.frame)
         self._say()
@@ -148,11 +148,11 @@ class Stage:
     def _depth(self, time: float) -> float:
         return float(np.interp(time, self.shown.result.time, self.shown.result.depth))
 
-    def _place(self, piece: pieces.Piece, frame: int) -> Any:
+    def _place(self, piece: surfaces.Piece, frame: int) -> Any:
         fields = self.shown.fields
         return piece.at(fields.points + fields.displacement[frame])
 
-    def _add_surface(self, piece: pieces.Piece) -> None:
+    def _add_surface(self, piece: surfaces.Piece) -> None:
         """Add a piece that follows the finger, colored by the field or, of bone, plain."""
         import pyvista as pv
 
@@ -176,7 +176,7 @@ class Stage:
             how = {"lighting": False} if piece.flat else LIT
             actor = self.plotter.add_mesh(mesh, color=figures.BONE, **how)
             self.props.append(Prop(actor, (piece.name,)))
-        elif piece.name == pieces.PAD:
+        elif piece.name == surfaces.PAD:
             self._add_colored(mesh, "field", ("skin",), "pressure")
             self._add_colored(mesh, "pressure", ("skin", "pressure"), flat=True)
         else:
@@ -207,7 +207,7 @@ class Stage:
         self.props.append(Prop(actor, needs, without))
         self.keys.setdefault(title, Key(actor.mapper, needs if name == "pressure" else ()))
 
-    def _add_lines(self, piece: pieces.Piece) -> None:
+    def _add_lines(self, piece: surfaces.Piece) -> None:
         """Add the white outlines of the tissues on the cut."""
         import pyvista as pv
 

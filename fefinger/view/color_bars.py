@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from fefinger import figures
-from fefinger.view.stage import Prop, Stage
+from fefinger.view import figures
+from fefinger.view.plot3d import Prop, Stage
 
 
 WIDTH = 220  # pixels of the column

@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger import indenter_pose, marks, pieces, quantities
 from fefinger.results.records import Fields, Result
+from fefinger.view import frames, quantities
+from fefinger.view import markers as marks
+from fefinger.view import surfaces as pieces
 
 
 SOFT = ("skin", "subcutaneous tissue", pieces.PAD)
@@ -40,7 +42,7 @@ def subject(result: Result, field: str, title: str = "") -> Subject:
     quantities.named("field", field)
     fields, whole = quantities.fields_of(result), field == "pressure"
     if whole:
-        fields = indenter_pose.whole(fields)
+        fields = frames.whole(fields)
         result = replace(result, response=replace(result.response, fields=fields))
     return Subject(
         result=result,

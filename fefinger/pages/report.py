@@ -10,13 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, figures_units, indenter_pose, page, quantities, view
+from fefinger import view
 from fefinger.neural.trains import FEW
+from fefinger.pages import page
 from fefinger.results.pressure import highest
 from fefinger.results.records import Result
 from fefinger.scene.indenter import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
+from fefinger.view import figures, frames, quantities, unit_figures
 
 
 STANDING = (
@@ -224,11 +226,11 @@ def _spikes(result: Result) -> dict[str, Any]:
         "mean rate of each type; and the places of the units, colored by their rates, over the "
         "pressure at the largest force."
     )
-    part = _part("spikes", "Spikes of the population", text, figures_units.raster(result))
+    part = _part("spikes", "Spikes of the population", text, unit_figures.raster(result))
     if result.spikes.positions is None:
         return part
     caption = "Mean rates over the whole time, at the units' places, seen along z."
-    map_ = {"source": page.svg(figures_units.rate_map(result)), "caption": caption}
+    map_ = {"source": page.svg(unit_figures.rate_map(result)), "caption": caption}
     return part | {"pictures": [map_]}
 
 
@@ -265,7 +267,7 @@ def _screenshot(result: Result, field: str) -> bytes:
 
 def _caption(result: Result, field: str) -> str:
     assert result.fields is not None
-    frame = indenter_pose.nearest_frame(result.fields, indenter_pose.peak_time(result))
+    frame = frames.nearest_frame(result.fields, frames.peak_time(result))
     where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
     return f"{field.capitalize()} {where}, {_time(result.fields.times[frame])}."
 

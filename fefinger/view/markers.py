@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger import pieces, quantities
 from fefinger.neural.trains import FEW, SpikeTrains
 from fefinger.results.records import Array, Integers, Result
+from fefinger.view import quantities, surfaces
 
 
 OFF_PLANE = 0.5  # mm from the cut within which end organs of a population are marked
@@ -19,7 +19,7 @@ class Marks:
     `trains`: what the units fire, or None.
     """
 
-    followed: pieces.Followed
+    followed: surfaces.Followed
     types: tuple[str, ...]
     labels: tuple[str, ...]
     units: Integers
@@ -70,7 +70,7 @@ def _marks(result: Result, points: Array, sites: Integers, units: Integers) -> M
     if not len(points):
         return None
     return Marks(
-        followed=pieces.follow(quantities.fields_of(result), points),
+        followed=surfaces.follow(quantities.fields_of(result), points),
         types=tuple(known.types[i] for i in sites),
         labels=tuple(f"{known.types[i]} {known.depths[i]:g} mm" for i in sites),
         units=units,

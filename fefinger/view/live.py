@@ -4,137 +4,23 @@ The finger is stepped at 1 kHz of its own time; the picture is drawn every FRAME
 many steps a second the machine made.
 """
 
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import films
-from fefinger.fem.body import Solid
-from fefinger.fem.elements.probe import inside, tensors
-from fefinger.mechanics.press import operator
-from fefinger.mechanics.realtime.condensed import afferents
-from fefinger.mechanics.realtime.rolling import Rolling
-from fefinger.neural.streaming import Afferents
-from fefinger.results.records import Sites
-from fefinger.scene import library
+from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, said
 from fefinger.scene.finger import Finger
+from fefinger.view import film
 
 
 Array = NDArray[np.float64]
 
-DT, FRAME = 1e-3, 0.04  # s
-SCRIPT = (  # s, mm beyond first touch, degrees
-    (0.0, 0.0, 25.0),
-    (0.1, 1.0, 25.0),
-    (0.6, 1.0, 25.0),
-    (1.2, 1.0, 12.0),
-    (2.2, 1.0, 38.0),
-    (2.8, 0.8, 25.0),
-    (3.2, 0.8, 25.0),
-    (3.3, -0.2, 25.0),
-    (3.6, -0.2, 25.0),
-)
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}
-PLACES = 16  # of the pad, with one unit of each type below
 WINDOW = 2.0  # s of spikes on screen
 LARGEST_PRESSURE, LARGEST_STRAIN = 60.0, 0.35  # kPa and 1, the ends of the color bars
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What is on screen: s, mm, degrees, N; spikes (unit, s) so far; steps and their seconds."""
-
-    time: float
-    depth: float
-    angle: float
-    force: float
-    pressure: Array
-    strain: Array
-    spikes: tuple[tuple[int, float], ...]
-    steps: int
-    seconds: float
-
-    @property
-    def rate(self) -> float:
-        """Steps that the machine makes in a second."""
-        return self.steps / self.seconds if self.seconds > 0 else 0.0
-
-
-class Show:
-    """The finger, its units, and the section of it that is drawn."""
-
-    def __init__(self, finger: Finger) -> None:
-        solid = operator.operator(finger, half=True)
-        self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
-        self.organs = end_organs(solid)
-        angles = [angle for _, _, angle in SCRIPT]
-        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=self.organs)
-        self.drawn = self.rolling.strains(solid.space.points[self.section])
-        self.units: Afferents = afferents(finger, solid, self.organs)
-
-    def frames(self) -> Iterator[Frame]:
-        """Step through the script, and stop at every frame of it."""
-        times, depths, angles = np.array(SCRIPT).T
-        spikes: list[tuple[int, float]] = []
-        count, seconds = round(times[-1] / DT), 0.0
-        self.rolling.reset()
-        self.units.reset()
-        for k in range(count + 1):
-            at = k * DT
-            depth = float(np.interp(at, times, depths))
-            angle = float(np.interp(at, times, angles))
-            started = time.perf_counter()
-            now = self.rolling.step(depth, angle, DT if k else 0.0)
-            self.units.step(now.strain, DT if k else 0.0)
-            seconds += time.perf_counter() - started
-            spikes += self.units.fired()
-            if k % round(FRAME / DT) == 0:
-                yield Frame(
-                    time=at,
-                    depth=depth,
-                    angle=angle,
-                    force=now.force,
-                    pressure=now.pressure.copy(),
-                    strain=(self.drawn @ self.rolling.elastic).reshape(-1, 6),
-                    spikes=tuple(spikes),
-                    steps=k + 1,
-                    seconds=seconds,
-                )
-
-
-def end_organs(solid: Solid) -> Sites:
-    """Return one site of each type below the places of the pad around first touch, in one half."""
-    depths = {kind: organ.depth for kind, organ in library.receptors().items()}
-    pad = np.unique(solid.pad)
-    pad = pad[solid.normals[pad][:, 2] < -0.5]
-    near = pad[np.argsort(np.linalg.norm(solid.space.points[pad], axis=1))]
-    near = near[:: max(1, len(near) // (4 * PLACES))][:PLACES]
-    points, normals = solid.space.points[near], solid.normals[near]
-    kinds = list(depths)
-    below = np.concatenate([points - depths[kind] * normals for kind in kinds])
-    kept = inside(solid.space, below)
-    types = np.repeat(kinds, len(near))[kept]
-    outward = np.tile(normals, (len(kinds), 1))[kept]
-    deep = np.repeat([depths[kind] for kind in kinds], len(near))[kept]
-    return Sites(below[kept], outward, deep, tuple(types.tolist()))
-
-
-def compressive(strain: Array) -> Array:
-    """Return max(0, -smallest principal strain) of (n, 6)."""
-    return np.maximum(0.0, -np.linalg.eigvalsh(tensors(strain))[:, 0])
-
-
-def said(frame: Frame) -> str:
-    """Return the line on screen: where the plate is, and how fast the machine is."""
-    return (
-        f"{frame.time:.2f} s   {frame.depth:.2f} mm at {frame.angle:.0f}°   {frame.force:.2f} N   "
-        f"{frame.rate:.0f} steps/s = {frame.rate * DT:.2f} x real time"
-    )
 
 
 def section_triangles(show: Show) -> NDArray[np.int64]:
@@ -221,7 +107,7 @@ def record(finger: Finger, path: Path) -> Frame:
     InputError
         For another kind of file, or an MP4 without the extra `film`.
     """
-    films.check(path, "-o")
+    film.check(path, "-o")
     show = Show(finger)
     picture, last = Picture(show), list[Frame]()
 
@@ -230,5 +116,5 @@ def record(finger: Finger, path: Path) -> Frame:
             last[:] = [frame]
             yield picture.draw(frame)
 
-    films.write(path, pictures(), round(1 / FRAME))
+    film.write(path, pictures(), round(1 / FRAME))
     return last[0]

@@ -14,18 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from fefinger import figures, indenter_pose, marks, page, pieces, quantities, stored
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.trains import FEW
-from fefinger.quantities import Span
+from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, Result
 from fefinger.support.atomic_write import moved
-from fefinger.titles import titles
+from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces
+from fefinger.view.quantities import Span
+from fefinger.view.titles import titles
 
 
 FRONT = "other half"
-OUTER = ("skin", pieces.PAD, FRONT)
+OUTER = ("skin", surfaces.PAD, FRONT)
 LEVELS = 65535  # of a value on its range
 GRID = 61  # points along and across an indenter that is not plane
 REACH = 7.0  # mm of it to either side
@@ -72,7 +73,7 @@ def write(
     shown = [results] if isinstance(results, Result) else list(results)
     quantities.named("field", field)
     wholes = [_whole(result) for result in shown]
-    stored.check("time", shown, time)
+    frames.check("time", shown, time)
     heads, blob = titles(shown, folders), Blob()
     spans = {
         name: _span(wholes, name, limits if name == field else None) for name in quantities.FIELDS
@@ -80,12 +81,12 @@ def write(
     bars = {name: _bar(spans[name], name) for name in quantities.FIELDS}
     data = {
         "field": field,
-        "time": indenter_pose.peak_time(shown[0]) if time is None else time,
+        "time": frames.peak_time(shown[0]) if time is None else time,
         "scenes": [_scene(result, head, blob) for result, head in zip(wholes, heads, strict=True)],
         "fields": bars,
         "pressure": _bar(spans[PRESSED], "pressure"),
         "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
-        "rate": quantities.round_up(max(map(marks.highest_rate, wholes)) or 1.0),
+        "rate": quantities.round_up(max(map(markers.highest_rate, wholes)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
     }  # fmt: skip
@@ -103,7 +104,7 @@ def write(
 
 def _whole(result: Result) -> Result:
     """Return the result with fields on the whole finger."""
-    fields = indenter_pose.whole(quantities.fields_of(result))
+    fields = frames.whole(quantities.fields_of(result))
     return replace(result, response=replace(result.response, fields=fields))
 
 
@@ -146,11 +147,11 @@ def _scene(result: Result, title: str, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
     fields = quantities.fields_of(result)
     mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
-    back = list(pieces.cut_open(fields))
+    back = list(surfaces.cut_open(fields))
     front = [replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
-             for piece in pieces.cut_open(mirrored)
-             if piece.name in ("skin", pieces.PAD) and not piece.flat]  # fmt: skip
-    lines = pieces.outlines(fields)
+             for piece in surfaces.cut_open(mirrored)
+             if piece.name in ("skin", surfaces.PAD) and not piece.flat]  # fmt: skip
+    lines = surfaces.outlines(fields)
     every = [*back, *front]
     starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
     triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
@@ -174,17 +175,17 @@ def _scene(result: Result, title: str, blob: Blob) -> dict[str, Any]:
         "values": {name: _values(result, every, name, blob) for name in quantities.FIELDS},
         "lines": blob.add(lines.triangles, "u4"),
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
-        "organs": _organs(marks.in_section(result), fields, blob),
-        "units": _organs(marks.on_skin(result), fields, blob),
+        "organs": _organs(markers.in_section(result), fields, blob),
+        "units": _organs(markers.on_skin(result), fields, blob),
         "indenter": _indenter(result, blob),
     }
 
 
-def _at(every: Sequence[pieces.Piece], nodal: Array) -> Array:
+def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
     return np.concatenate([piece.at(nodal) for piece in every])
 
 
-def _same(every: Sequence[pieces.Piece]) -> Integers:
+def _same(every: Sequence[surfaces.Piece]) -> Integers:
     """Return, per vertex, the first one at the same place of an outer surface, for its normal."""
     keys = [
         np.column_stack(
@@ -200,7 +201,7 @@ def _same(every: Sequence[pieces.Piece]) -> Integers:
 
 
 def _values(
-    result: Result, every: Sequence[pieces.Piece], name: str, blob: Blob
+    result: Result, every: Sequence[surfaces.Piece], name: str, blob: Blob
 ) -> Mapping[str, Any]:
     """Return a field on all vertices at all times, each on LEVELS of its range."""
     times = quantities.fields_of(result).times
@@ -218,7 +219,7 @@ def _force(result: Result, times: Array) -> list[float] | None:
     return [float(value) for value in np.interp(times, result.time, result.force)]
 
 
-def _organs(shown: marks.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
+def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
     """Return where marks are, their names and colors, and the rates of their units."""
     if shown is None:
         return None

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger import quantities
 from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import FEW
 from fefinger.results.records import Array, Integers, Result
 from fefinger.scene.scene import Scene
+from fefinger.view import quantities
 
 
 Curves = list[tuple[str, str, Array]]

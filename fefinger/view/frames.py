@@ -1,0 +1,79 @@
+"""Which of the stored times is shown for the time that was asked for."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fefinger.geometry.section import is_half
+from fefinger.results.records import Fields, Result
+from fefinger.support.checks import InputError, number
+from fefinger.view import frames, quantities
+
+
+def check(name: str, results: Sequence[Result], time: float | None) -> None:
+    """Raise InputError for a `time` in s before the runs, or more than a step after all of them.
+
+    `name`: what the user gave it as; None is the time of the largest force.
+    """
+    if time is None:
+        return
+    number(name, time, at_least=0, unit="s")
+    last = max(float(result.time[-1]) for result in results)
+    step = max(float(result.time[-1] - result.time[-2]) for result in results)
+    if time > last + step:
+        message = (
+            f"{name}: expected a time within the run, from 0 to {last:.4g} s, "
+            f"received {time:.6g} s; leave it out for that of the largest force"
+        )
+        raise InputError(message)
+
+
+def told(results: Sequence[Result], names: Sequence[str], time: float) -> list[str]:
+    """Return a sentence for each result that is shown at another time than asked."""
+    sentences = []
+    for result, name in zip(results, names, strict=True):
+        fields = quantities.fields_of(result)
+        shown = float(fields.times[frames.nearest_frame(fields, time)])
+        if abs(shown - time) > 1e-6 * float(fields.times[-1]):
+            which = "last" if time > fields.times[-1] else f"nearest to {time:.6g} s"
+            of = f"the {which} of its {len(fields.times)} stored times"
+            sentences.append(f"{name}: shown at {shown:.6g} s, {of}")
+    return sentences
+
+
+_MIRROR = np.array([1.0, -1.0, 1.0])
+
+
+_MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+
+
+def nearest_frame(fields: Fields, time: float) -> int:
+    """Return the index of the stored time next to `time` s."""
+    return int(np.argmin(np.abs(fields.times - time)))
+
+
+def peak_time(result: Result) -> float:
+    """Return the time in s of the largest force."""
+    return float(result.time[int(np.argmax(result.response.force))])
+
+
+def whole(fields: Fields) -> Fields:
+    """Return the fields of the whole finger, mirrored in the medial plane if they are half."""
+    points = fields.points
+    if not is_half(points):
+        return fields
+    off = np.flatnonzero(points[:, 1] > 1e-9 * np.ptp(points))
+    image = np.arange(len(points))
+    image[off] = len(points) + np.arange(len(off))
+    return replace(
+        fields,
+        points=np.concatenate([points, points[off] * _MIRROR]),
+        cells=np.concatenate([fields.cells, image[fields.cells][:, [0, 2, 1, 3]]]),
+        region=np.concatenate([fields.region, fields.region]),
+        displacement=np.concatenate(
+            [fields.displacement, fields.displacement[:, off] * _MIRROR], axis=1
+        ),
+        strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
+        pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
+    )
