@@ -12,7 +12,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from fefinger.run import run as run
-from fefinger.study import study as study
+from fefinger.studies.study import study as study
 from fefinger.support.version import VERSION
 
 

@@ -18,7 +18,7 @@ from fefinger.validation import (
 )
 from fefinger.validation.calibration_report import calibrated, rows
 
-from fefinger.calibration import pad, target
+from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.outcome import line
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -80,7 +80,7 @@ def test_the_quick_cases_are_named_once_and_their_figures_drawn():
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_table_3_2_comes_back_from_its_own_frames(subject):
     row = library.pawluk_quasistatic()[subject]
-    found = pad.thesis_fit(calibration_levers.half_space(subject))
+    found = pad_radius.thesis_fit(calibration_levers.half_space(subject))
     assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
 
 
@@ -89,11 +89,11 @@ def test_frames_of_a_contact_of_hertz_carry_its_force_and_have_its_radius():
     force = 0.4 * depth**2.1
     frames = calibration_levers.hertzian(13.0, depth, force)
     assert 4e-3 * frames.pressure[-1].sum() == pytest.approx(force[-1], rel=0.01)
-    assert pad.thesis_fit(frames).radius == pytest.approx(13.0, rel=0.01)
+    assert pad_radius.thesis_fit(frames).radius == pytest.approx(13.0, rel=0.01)
 
 
 def test_the_scatter_of_a_line_is_that_of_many_lines():
-    wanted = target.subject("a.h.")
+    wanted = targets.subject("a.h.")
     rng = np.random.default_rng(3)
     noise = wanted.stiffness_sd * rng.normal(size=(4000, len(wanted.force)))
     lines = [line(wanted.force, wanted.stiffness + each) for each in noise]

@@ -12,8 +12,9 @@ from dataclasses import replace
 import pytest
 
 import fefinger as ff
-from fefinger import console, mechanics
+from fefinger import mechanics
 from fefinger.__main__ import main
+from fefinger.commands import console
 from fefinger.mechanics import linear
 from fefinger.results.netcdf import load
 from fefinger.scene import builtin

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger import fitting
 from fefinger.__main__ import main
+from fefinger.calibration import lumped_fit
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.lumped import identify, synthetic
@@ -75,9 +75,9 @@ def test_what_is_not_identified_is_null_in_the_file_too(samples, tmp_path):
     def refused(name):
         raise AssertionError(name)
 
-    found = fitting.fit(write(tmp_path / "trial.csv", samples))
+    found = lumped_fit.fit(write(tmp_path / "trial.csv", samples))
     unknown = replace(found.joint, uncertainty=found.joint.uncertainty | {"v3": np.inf})
-    fitting.save(replace(found, joint=unknown), tmp_path)
+    lumped_fit.save(replace(found, joint=unknown), tmp_path)
     saved = json.loads((tmp_path / "fit.json").read_text(), parse_constant=refused)
     assert saved["joint"]["parameters"]["v3"]["uncertainty"] is None
 
@@ -85,12 +85,12 @@ def test_what_is_not_identified_is_null_in_the_file_too(samples, tmp_path):
 def test_columns_may_stand_in_any_order_with_units_and_others_between(samples, tmp_path, file):
     swapped = np.column_stack([samples[:, 2], np.ones(len(samples)), samples[:, [1, 0]]])
     path = write(tmp_path / "a.csv", swapped, "Force (N),angle,position_mm,time [s]")
-    for got, expected in zip(fitting.read(path), fitting.read(file), strict=True):
+    for got, expected in zip(lumped_fit.read(path), lumped_fit.read(file), strict=True):
         np.testing.assert_array_equal(got, expected)
 
 
 def test_two_terms_are_two(file):
-    assert len(fitting.fit(file, terms=2).joint.prony.v) == 2
+    assert len(lumped_fit.fit(file, terms=2).joint.prony.v) == 2
 
 
 def changed(samples, column, change):
@@ -133,7 +133,7 @@ def test_a_table_that_cannot_be_used_is_refused_with_what_is_wrong(
     samples, tmp_path, spoil, message
 ):
     with pytest.raises(InputError, match=message):
-        fitting.fit(write(tmp_path / "bad.csv", spoil(samples)))
+        lumped_fit.fit(write(tmp_path / "bad.csv", spoil(samples)))
 
 
 def test_a_short_ramp_before_a_long_hold_is_not_taken_for_one_that_goes_outward(samples, tmp_path):
@@ -143,7 +143,7 @@ def test_a_short_ramp_before_a_long_hold_is_not_taken_for_one_that_goes_outward(
     hold[:, 0] = samples[-1, 0] + 1e-3 * np.arange(1, len(hold) + 1)
     record = np.vstack([samples, hold])
     record[top, 1] = record[top + 1 :, 1].min() - 1e-4
-    assert fitting.fit(write(tmp_path / "long.csv", record), terms=1) is not None
+    assert lumped_fit.fit(write(tmp_path / "long.csv", record), terms=1) is not None
 
 
 TEXTS = {
@@ -168,7 +168,7 @@ def test_a_file_that_is_no_record_is_refused_on_the_command_line(capsys, tmp_pat
     path = tmp_path / "bad.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=message):
-        fitting.read(path)
+        lumped_fit.read(path)
     assert main(["fit", str(path), "--json"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -187,4 +187,4 @@ def test_a_fit_that_does_not_converge_says_so(file, monkeypatch):
 
     monkeypatch.setattr(identify, "joint", fail)
     with pytest.raises(ConvergenceError, match="did not converge"):
-        fitting.fit(file)
+        lumped_fit.fit(file)

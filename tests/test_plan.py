@@ -12,7 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 import fefinger as ff
-from fefinger import console, mechanics, plan
+from fefinger import mechanics, plan
+from fefinger.commands import console
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import machine
 from fefinger.results.records import Refusal, Rung, Settings

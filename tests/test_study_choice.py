@@ -5,7 +5,7 @@ import pytest
 import fefinger as ff
 from fefinger import plan
 from fefinger.results.records import Plan, Refusal, Rung, Settings
-from fefinger.studies import choice, workers
+from fefinger.studies import one_mechanics, workers
 from fefinger.studies.tasks import Asked
 from fefinger.support.checks import InputError
 
@@ -32,12 +32,12 @@ def planned(monkeypatch, takes, refusing=()):
         rung = Rung(name, 1.0, 0.1, "a report")
         return Plan(name, (rung,), "", reasons, Settings(mesh, None, 2, ("force",), ()))
 
-    monkeypatch.setattr(choice, "choose", choose)
+    monkeypatch.setattr(one_mechanics, "choose", choose)
 
 
 def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    found, said = choice.agreed(tasks(ANGLES))
+    found, said = one_mechanics.agreed(tasks(ANGLES))
     assert {task["mechanics"] for task in found.values()} == {"linear"}
     assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"coarse"}
     assert said == ""
@@ -45,20 +45,20 @@ def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
 
 def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monkeypatch, tmp_path):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
-    first = choice.agreed(tasks(ANGLES), ANGLES, tmp_path)
+    first = one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path)
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("condensed", "standard")))
-    assert choice.agreed(tasks(ANGLES), ANGLES, tmp_path) == first
+    assert one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path) == first
     other = {"indenter.angle": (15, 30)}
-    assert choice.agreed(tasks(other), other, tmp_path)[0][0]["mechanics"] == "condensed"
+    assert one_mechanics.agreed(tasks(other), other, tmp_path)[0][0]["mechanics"] == "condensed"
     for kept in tmp_path.iterdir():
         kept.write_text("{")
-    again = choice.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
+    again = one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
     assert {task["mechanics"] for task in again.values()} == {"condensed"}
 
 
 def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
     planned(monkeypatch, {15: ("linear", "coarse"), 30: ("linear", "standard")})
-    known = choice.choose
+    known = one_mechanics.choose
 
     def choose(scene, mechanics=None):
         if scene.indenter.angle == 45:
@@ -66,25 +66,25 @@ def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
             raise InputError(message)
         return known(scene, mechanics)
 
-    monkeypatch.setattr(choice, "choose", choose)
-    said = choice.agreed(tasks(ANGLES))[1]
+    monkeypatch.setattr(one_mechanics, "choose", choose)
+    said = one_mechanics.agreed(tasks(ANGLES))[1]
     assert said.startswith("The scenes that can be answered are answered by linear")
 
 
 @pytest.mark.parametrize("name", ["hertz", "layered"])
 def test_what_is_alike_at_all_angles_answers_no_study_of_them(monkeypatch, name):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), (name, None)))
-    found, said = choice.agreed(tasks(ANGLES), ANGLES)
+    found, said = one_mechanics.agreed(tasks(ANGLES), ANGLES)
     assert {task["mechanics"] for task in found.values()} == {"condensed"}
     assert f"would be {name}, which does not tell where the pad is touched" in said
-    found, said = choice.agreed(tasks(ANGLES), ["motion.depth"])
+    found, said = one_mechanics.agreed(tasks(ANGLES), ["motion.depth"])
     assert {task["mechanics"] for task in found.values()} == {name}
 
 
 def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypatch):
     takes = {15: ("lumped", None), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
-    found, said = choice.agreed(tasks(ANGLES))
+    found, said = one_mechanics.agreed(tasks(ANGLES))
     assert {task["mechanics"] for task in found.values()} == {"linear"}
     assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh; the cheapest ")
@@ -93,37 +93,41 @@ def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypat
 
 def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     planned(monkeypatch, {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)})
-    assert {task["mechanics"] for task in choice.agreed(tasks(ANGLES))[0].values()} == {"linear"}
+    assert {task["mechanics"] for task in one_mechanics.agreed(tasks(ANGLES))[0].values()} == {
+        "linear"
+    }
     takes = {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)}
     planned(monkeypatch, takes, refusing=("linear",))
-    assert {task["mechanics"] for task in choice.agreed(tasks(ANGLES))[0].values()} == {"solid"}
+    assert {task["mechanics"] for task in one_mechanics.agreed(tasks(ANGLES))[0].values()} == {
+        "solid"
+    }
     planned(monkeypatch, takes, refusing=("linear", "solid"))
     asked = tasks(ANGLES)
-    assert choice.agreed(asked) == (asked, "")
+    assert one_mechanics.agreed(asked) == (asked, "")
 
 
 def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs(monkeypatch):
     takes = {15: ("lumped", "coarse"), 30: ("lumped", "coarse"), 45: ("lumped", "standard")}
     planned(monkeypatch, takes, refusing=("linear",))
-    found, said = choice.agreed(tasks(ANGLES, "linear"))
+    found, said = one_mechanics.agreed(tasks(ANGLES, "linear"))
     assert {task["mechanics"] for task in found.values()} == {"linear"}
     assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh, the finest ")
     assert "for others linear on the coarse mesh would do" in said
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    assert choice.agreed(tasks(ANGLES, "linear"))[1] == ""
+    assert one_mechanics.agreed(tasks(ANGLES, "linear"))[1] == ""
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
     asked = tasks(ANGLES, "hertz")
-    assert choice.agreed(asked) == (asked, "")
+    assert one_mechanics.agreed(asked) == (asked, "")
 
 
 def test_the_mesh_of_a_mechanics_that_is_named_is_kept_where_it_has_one(monkeypatch, tmp_path):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
-    first = choice.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path)
+    first = one_mechanics.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path)
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    assert choice.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path) == first
+    assert one_mechanics.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path) == first
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
-    choice.agreed(tasks(ANGLES, "hertz"), ANGLES, tmp_path)
+    one_mechanics.agreed(tasks(ANGLES, "hertz"), ANGLES, tmp_path)
     assert len(list(tmp_path.iterdir())) == 1
 
 
@@ -131,7 +135,7 @@ def test_meshes_that_scenes_state_stay(monkeypatch):
     planned(monkeypatch, {30: ("linear", "coarse")})
     over = {"finger.resolution": ("coarse", "standard")}
     for name in ("linear", None):
-        found, said = choice.agreed(tasks(over, name), over)
+        found, said = one_mechanics.agreed(tasks(over, name), over)
         stated = [task["scene"]["finger"]["resolution"] for task in found.values()]
         assert (stated, said) == (["coarse", "standard"], "")
 

@@ -11,7 +11,7 @@ from fefinger.plan import choose
 from fefinger.results import pressure
 from fefinger.run import run
 from fefinger.scene.population import Scatter
-from fefinger.studies import report
+from fefinger.studies import page
 from fefinger.studies.columns import ERRORS, bounds, split, words
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows
@@ -111,7 +111,7 @@ def test_the_errors_of_rows_at_a_force_are_said_of_the_depth():
     held = run(
         ff.Scene(finger=FINGER, motion=PRESCRIBED[0], ask=ff.Ask(fields=False)), mechanics="hertz"
     )
-    sentence = report.errors(rows(held, forces=(0.2,)))
+    sentence = page.errors(rows(held, forces=(0.2,)))
     assert "depth" in sentence
     assert "force in" not in sentence
 

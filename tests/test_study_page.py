@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from fefinger import console
-from fefinger.studies import figures, report
+from fefinger.commands import console
+from fefinger.studies import figures
+from fefinger.studies import page as report
 from fefinger.studies.grid import remarks
 from fefinger.studies.measures import READINGS
-from fefinger.study import Study
+from fefinger.studies.study import Study
 
 
 X = "indenter.angle_deg"

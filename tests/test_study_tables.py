@@ -65,7 +65,7 @@ def test_what_the_array_reads_is_an_array_too():
 
 
 def _study(rows):
-    from fefinger.study import Study
+    from fefinger.studies.study import Study
 
     return Study("made-up", ("x_mm",), tuple(rows), (), len(rows), 0, {"grid": {"x": [1, 2]}})
 

@@ -9,7 +9,8 @@ import pytest
 from fefinger.validation import suites
 from fefinger.validation.case import Case, Outcome
 
-from fefinger import console, validation_report
+from fefinger import validation_report
+from fefinger.commands import console
 from fefinger.support.checks import InputError
 from fefinger.view import figures
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import fitting, validation_report
+from fefinger import validation_report
 from fefinger.__main__ import main
+from fefinger.calibration import lumped_fit
 from fefinger.scene import library
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
@@ -93,11 +94,11 @@ def test_a_fit_is_told_where_it_cannot_be_saved(capsys, press, tmp_path):
 
 
 def test_a_table_of_a_fit_without_room_takes_its_record_along(monkeypatch, press, tmp_path):
-    found = fitting.fit(press)
+    found = lumped_fit.fit(press)
     (tmp_path / "out").mkdir()
-    monkeypatch.setattr(fitting, "record", lambda found: {})  # small enough
+    monkeypatch.setattr(lumped_fit, "record", lambda found: {})  # small enough
     with full(), pytest.raises(InputError, match=FULL):
-        fitting.save(found, tmp_path / "out")
+        lumped_fit.save(found, tmp_path / "out")
     assert list((tmp_path / "out").iterdir()) == []
 
 
@@ -113,7 +114,9 @@ def study():
 
 def test_a_study_is_told_where_it_cannot_be_saved(monkeypatch, capsys, study, tmp_path):
     found = study()  # not while files are limited: it asks git, whose own files would be cut
-    monkeypatch.setattr(importlib.import_module("fefinger.study"), "study", lambda *a, **k: found)
+    monkeypatch.setattr(
+        importlib.import_module("fefinger.studies.study"), "study", lambda *a, **k: found
+    )
     words = ["study", "flat-press", "--over", "motion.depth=0.2,0.4", "-o", str(tmp_path)]
     with full():
         assert main(words) == 2

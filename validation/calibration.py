@@ -20,13 +20,13 @@ from fefinger.validation.calibration_subjects import PRINTED
 from fefinger.validation.case import Case
 from numpy.typing import NDArray
 
-from fefinger.calibration import inverse, target
+from fefinger.calibration import inverse, targets
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.outcome import ONE_G
-from fefinger.calibration.press import Press, press
-from fefinger.calibration.work import Work
+from fefinger.calibration.press_store import Work
+from fefinger.calibration.slow_press import Press, press
 from fefinger.mechanics import solid
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
@@ -46,7 +46,7 @@ def order() -> float:
     """Return the order of the remainder of Taylor's series with the Jacobian of a fit."""
     finger = calibration_twin.start()
     linear = family((1.0,), finger.pad_radius, lambda _: press(finger, "condensed"))
-    forces = Forces(target.subject("a.h."), linear, 34.0, 3.0, finger.pad_radius)
+    forces = Forces(targets.subject("a.h."), linear, 34.0, 3.0, finger.pad_radius)
     values = {each.name: each.start for each in forces.unknowns} | {"t_b": 0.02}
     rest = inverse.taylor(forces.residual, forces.unknowns, values)
     return float(np.log2(rest[0] / rest[2]) / 2)

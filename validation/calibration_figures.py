@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.validation.calibration_report import calibrated, rows
 from fefinger.validation.calibration_split import PARTS
 
-from fefinger.calibration import target
+from fefinger.calibration import targets
 from fefinger.calibration.force import stiffness
 from fefinger.scene import library
 from fefinger.view.figures import INK, WIDE, figure, style
@@ -67,7 +67,7 @@ def _stiffness() -> Any:
     made = figure(WIDE, 3.2)
     axes = made.subplots()
     for name, color in zip(rows(), COLORS, strict=False):
-        wanted, found = target.subject(name), calibrated(name)
+        wanted, found = targets.subject(name), calibrated(name)
         mine = stiffness(found.curve, 1.0, found.prony, wanted.force)
         axes.plot(wanted.force, wanted.stiffness, "--", color=color)
         axes.plot(wanted.force, mine, color=color, label=name)

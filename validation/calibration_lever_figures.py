@@ -5,7 +5,7 @@ from typing import Any
 
 from fefinger.validation.calibration_report import calibrated, levers
 
-from fefinger.calibration import pad
+from fefinger.calibration import pad_radius
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
@@ -60,7 +60,7 @@ def _levers() -> Any:
     count = sum(len(block) for block in blocks)
     made = figure(WIDE, 0.8 + 0.21 * count)
     axes = made.subplots(1, len(NAMES), sharey=True)
-    printed = pad.printed(subject)
+    printed = pad_radius.printed(subject)
     for ax, name, head in zip(axes, NAMES, HEADS, strict=True):
         first = 0
         for block in blocks:
@@ -144,7 +144,7 @@ def _sessions() -> dict[str, Any]:
 
 
 def _rows(subject: str) -> list[list[str]]:
-    printed = pad.printed(subject)
+    printed = pad_radius.printed(subject)
     force = {each["lever"]: each for each in levers()["force"][subject]}
     at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
     found = calibrated(subject).residuals

@@ -11,16 +11,17 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from fefinger.validation.chain import Array
 
-from fefinger.calibration import pad, target
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import targets
 from fefinger.calibration.calibrate import WIDER
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import layer, line
-from fefinger.calibration.press import Press, press
+from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
-from fefinger.calibration.target import Bulk, Frames, aligned
-from fefinger.calibration.work import Work
+from fefinger.calibration.slow_press import Press, press
+from fefinger.calibration.targets import Bulk, Frames, aligned
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
@@ -127,7 +128,7 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     Without a prior on the modulus. None where fewer than two of its presses are solved.
     """
     assert finger.subject_name is not None
-    wanted = target.subject(finger.subject_name)
+    wanted = targets.subject(finger.subject_name)
     presses = dict(_pressed(finger, law))
     if len(presses) < 2:
         return None

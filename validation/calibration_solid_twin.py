@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import layer
-from fefinger.calibration.press import PLATE
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.slow_press import PLATE
 from fefinger.mechanics import solid
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

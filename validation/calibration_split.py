@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.calibration import press, target
+from fefinger.calibration import slow_press, targets
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve
 from fefinger.calibration.outcome import layer, line
@@ -37,16 +37,16 @@ COUNT = 40
 def split(found: Calibration) -> dict[str, float]:
     """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
     finger = Finger.subject(found.target, resolution="coarse")
-    wanted = target.subject(found.target)
+    wanted = targets.subject(found.target)
     deep = float(found.curve.depth(wanted.prony.long_time * wanted.force[-1]))
     deep = min(deep, found.deepest)
-    linear, _ = curve(press.small(finger))
+    linear, _ = curve(slow_press.small(finger))
     neo = replace(
         finger,
         skin=layer(finger.skin, EXPONENTS[0]),
         subcutaneous=layer(finger.subcutaneous, EXPONENTS[0]),
     )
-    finite, _ = curve(press.press(neo, "solid"))
+    finite, _ = curve(slow_press.press(neo, "solid"))
     chain = [
         steepness(lambda x: x**1.5, deep),
         steepness(linear.force, deep),

@@ -16,12 +16,13 @@ from fefinger.validation.calibration_report import calibrated, rows
 from fefinger.validation.case import Case, Told
 from fefinger.validation.chain import Array
 
-from fefinger.calibration import pad, target
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import targets
 from fefinger.calibration.curve import Curve, curve
 from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, layer, line
-from fefinger.calibration.press import press
-from fefinger.calibration.target import Bulk
+from fefinger.calibration.slow_press import press
+from fefinger.calibration.targets import Bulk
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.package_data import report
@@ -87,7 +88,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 
 def _force(subject: str) -> Iterator[Case]:
     found, bulk = calibrated(subject), library.pawluk_bulk()[subject]
-    sd, _ = line_sd(target.subject(subject))
+    sd, _ = line_sd(targets.subject(subject))
     yield Case(
         "calibration",
         f"{subject}: m of stiffness against force of the calibrated finger",
@@ -130,7 +131,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
         found.residuals["b"],
-        3 * line_sd(target.subject(subject))[1],
+        3 * line_sd(targets.subject(subject))[1],
         "N/mm",
         f"{kept_curve}; wanted is Table 2.1",
         wanted=library.pawluk_bulk()[subject].b,
@@ -171,7 +172,7 @@ def first_stiffness(subject: str) -> Told:
 
     Over the forces that the new press reaches.
     """
-    found, wanted, one = calibrated(subject), target.subject(subject), fresh(subject)
+    found, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
     last = float(one.force(one.deepest)) / found.prony.long_time
     force = wanted.force[wanted.force <= last]
     new, old = (line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve))

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.calibration import press
+from fefinger.calibration import slow_press
 from fefinger.calibration.calibrate import SMALLER, calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
@@ -69,23 +69,23 @@ def finger(mesh: str = COARSE) -> Finger:
 
 def start() -> Finger:
     """Return what the calibration is told of it: its pad radius is a fourth too large."""
-    return Finger.subject("a.h.", resolution=COARSE, prony=press.RELAXED)
+    return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED)
 
 
 @cache
 def twin(mesh: str = COARSE) -> Twin:
     """Return the twin on a mesh, without noise."""
-    own = Condensed(finger(mesh), press.PLATE, deepest=PRESS, stiffening=LAW)
+    own = Condensed(finger(mesh), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
     end = (TOUCH + DEPTH) / SPEED
     rest = np.concatenate([np.arange(1, 2000) / RATE, np.geomspace(0.2, HOLD, 600)])
     steps = np.concatenate([np.arange(0.0, end, 1 / RATE), end + rest])
     force = stepped(own, steps, np.minimum(SPEED * steps, SPEED * end) - TOUCH)
     time = np.arange(0.0, end + HOLD, 1 / RATE)
     position = np.minimum(SPEED * time, SPEED * end)
-    scene = press.pressed(finger(mesh))
+    scene = slow_press.pressed(finger(mesh))
     response = own.run(Ramp(SLOW, PRESS, corner=0.0))
     chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
-    read = press.felt(scene, response)[chosen]
+    read = slow_press.felt(scene, response)[chosen]
     return Twin(
         time,
         position,
@@ -152,7 +152,7 @@ def sinusoid(frequency: int) -> dict[str, float]:
     """Return the errors of the prediction of a sinusoid that was not fitted, first seed."""
     motion = RampSinusoid(20.0, 1.2, amplitude=0.3, frequency=frequency, cycles=5, corner=0.0)
     time = np.linspace(0.0, motion.duration, 2401)
-    own = Condensed(finger(), press.PLATE, deepest=PRESS, stiffening=LAW)
+    own = Condensed(finger(), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
     measured = stepped(own, time, motion.value(time))
     found = calibrated(0)
     model = found.predict(time, motion.value(time) + TOUCH - found["x0"].value)

@@ -13,7 +13,7 @@ import pandas as pd
 from fefinger.validation import contact_angle_page
 from fefinger.validation.provenance import provenance
 
-from fefinger.study import study
+from fefinger.studies.study import study
 
 
 ANGLES = tuple(float(angle) for angle in range(0, 61, 5))

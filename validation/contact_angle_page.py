@@ -23,7 +23,7 @@ from fefinger.validation.contact_angle_sure import experiment, sure
 from fefinger.pages import page
 from fefinger.studies import figures
 from fefinger.studies.measures import READINGS
-from fefinger.studies.report import ARRAY, MEANING, errors, part, table
+from fefinger.studies.page import ARRAY, MEANING, errors, part, table
 from fefinger.view.figures import COLORS
 
 

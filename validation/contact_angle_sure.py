@@ -19,7 +19,7 @@ from fefinger.validation.contact_angle_rows import (
 
 from fefinger.pages import page
 from fefinger.studies import figures
-from fefinger.studies.report import part
+from fefinger.studies.page import part
 from fefinger.theory.array.sensor import ArraySensor
 
 

@@ -14,7 +14,7 @@ from fefinger.validation.calibration_split import PARTS
 from fefinger.validation.chain import SUBJECTS, Array
 from fefinger.validation.provenance import provenance
 
-from fefinger.calibration import pad
+from fefinger.calibration import pad_radius
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
 from fefinger.scene.library import CALIBRATED
@@ -39,7 +39,9 @@ def row(subject: str) -> dict[str, Any]:
 
 def profiles(found: Calibration) -> list[dict[str, Any]]:
     """Return pressure against distance at FORCES, of the calibrated finger and of Table 3.2."""
-    made = [pad.profile(found.curve, 1.0, found.prony, found.target, force) for force in FORCES]
+    made = [
+        pad_radius.profile(found.curve, 1.0, found.prony, found.target, force) for force in FORCES
+    ]
     return [
         {
             "force_N": round(each.force, 4),

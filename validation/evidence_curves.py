@@ -20,7 +20,7 @@ from fefinger.validation.provenance import provenance
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from fefinger.calibration import press
+from fefinger.calibration import slow_press
 
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ def drawn(mesh: str) -> list[float]:
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder
         finger = calibration_twin.finger(mesh)
-        found = condensed.respond(press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
+        found = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
     return [float(x) for x in np.interp(DEPTHS, found.depth, found.force)]
 
 

@@ -16,7 +16,7 @@ from fefinger.validation.calibration_subjects import STANDARD, fresh
 from fefinger.validation.chain import SUBJECTS
 from fefinger.validation.provenance import provenance
 
-from fefinger.calibration import pad, target
+from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import line
 
@@ -36,12 +36,12 @@ def row(subject: str) -> dict[str, Any]:
     spent = time.process_time() - started
     deep = min(one.deepest, found.deepest)
     depth = deep * np.arange(1, DEPTHS + 1) / DEPTHS
-    wanted = target.subject(subject)
+    wanted = targets.subject(subject)
     last = float(one.force(one.deepest)) / found.prony.long_time
     force = wanted.force[wanted.force <= last]
     lines = [line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve)]
-    frames = [pad.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
-    fits = [pad.thesis_fit(each).radius for each in frames]
+    frames = [pad_radius.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
+    fits = [pad_radius.thesis_fit(each).radius for each in frames]
     told = {"m": [each[0] for each in lines], "b": [each[1] for each in lines], "R": fits}
     return {
         "fitted on": found.finger["resolution"],

@@ -13,15 +13,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.calibration import pad, target
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import targets
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces, prony_of
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import AGREES, Found, checked, outcome, reach, refuse_gross
-from fefinger.calibration.press import PART
+from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
-from fefinger.calibration.target import Bulk, Frames, Record
-from fefinger.calibration.work import Work
+from fefinger.calibration.slow_press import PART
+from fefinger.calibration.targets import Bulk, Frames, Record
 from fefinger.scene import library
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
@@ -124,8 +125,8 @@ def calibrate(
             "checked on sinusoids by themselves"
         )
         raise InputError(msg)
-    measured = None if frames is None else target.frames(frames)
-    again = None if check is None else target.unloading(check)
+    measured = None if frames is None else targets.frames(frames)
+    again = None if check is None else targets.unloading(check)
     rung = {"condensed": condensed, "solid": solid}[mechanics]
     done = rung(work, wanted, measured)
     refuse_gross(done)
@@ -229,10 +230,10 @@ def _named(source: str | Path) -> str:
 def _target(work: Work, source: str | Path) -> Bulk | Record:
     """Return what is to be met, of a record after its lumped fit."""
     if isinstance(source, str) and source in library.subjects():
-        return target.subject(source)
+        return targets.subject(source)
     with work.stage("lumped") as misfit:
-        found = target.record(source, work.finger.resolution)
-        target.check_depth(found, work.finger)
+        found = targets.record(source, work.finger.resolution)
+        targets.check_depth(found, work.finger)
         misfit(found.lumped_misfit)
     return found
 

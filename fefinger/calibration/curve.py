@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.calibration.press import Press
+from fefinger.calibration.slow_press import Press
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import exprel
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.inverse import Unknown, Values
-from fefinger.calibration.target import Bulk, Record
+from fefinger.calibration.targets import Bulk, Record
 from fefinger.scene import library
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony, hereditary_integral

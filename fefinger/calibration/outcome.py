@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.calibration import pad
+from fefinger.calibration import pad_radius
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import (
     MODULUS,
@@ -21,7 +21,7 @@ from fefinger.calibration.force import (
 )
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import Calibration, Stage, correlations_of, parameters_of, tissue
-from fefinger.calibration.target import Bulk, Record
+from fefinger.calibration.targets import Bulk, Record
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import RampSinusoid
 from fefinger.scene.tissue import Tissue
@@ -240,11 +240,11 @@ def _unidentified(wanted: Bulk | Record, found: Found, array: dict[str, float]) 
             "pressed come no nearer"
         )
     if array:
-        top = pad.heaviest(found.curve, found.factor, prony_of(found.solution.values))
-        if top < pad.HEAVIEST:
+        top = pad_radius.heaviest(found.curve, found.factor, prony_of(found.solution.values))
+        if top < pad_radius.HEAVIEST:
             said.append(
                 f"pad_radius: the frames of this finger go to {top:.2g} N, where its presses end, "
-                f"instead of {pad.HEAVIEST:g} N as those of the thesis"
+                f"instead of {pad_radius.HEAVIEST:g} N as those of the thesis"
             )
     return tuple(said)
 

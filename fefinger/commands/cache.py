@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import json_option
 
 

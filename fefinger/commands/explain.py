@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import changes_option, json_option
 
 

@@ -2,7 +2,7 @@
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import json_option, output_option
 
 
@@ -16,17 +16,17 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
 
     DATA.csv has the columns time (s), position (mm) and force (N).
     """
-    from fefinger import fitting
+    from fefinger.calibration import lumped_fit
     from fefinger.support import outputs
 
     with outputs.output(output) as folder:
-        found = fitting.fit(data, terms=terms)
+        found = lumped_fit.fit(data, terms=terms)
         files: list[str] = []
         try:
-            files = [] if folder is None else fitting.save(found, folder)
+            files = [] if folder is None else lumped_fit.save(found, folder)
         finally:  # the answer is told, also where it cannot be saved
             if as_json:
-                console.print_json(fitting.record(found) | {"files": files})
+                console.print_json(lumped_fit.record(found) | {"files": files})
             else:
-                lines = [fitting.summary(found), *(f"file  {file}" for file in files)]
+                lines = [lumped_fit.summary(found), *(f"file  {file}" for file in files)]
                 click.echo("\n".join(lines))

@@ -4,7 +4,7 @@ import time
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import changes_option, json_option, output_option
 from fefinger.support.checks import InputError, Stopped
 

@@ -2,7 +2,7 @@
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import json_option
 from fefinger.support.text import table
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
 from fefinger.support.interrupt import advice
 
 
 if TYPE_CHECKING:
-    from fefinger.study import Study
+    from fefinger.studies.study import Study
 
 GOES_ON = "the same command goes on from the scenes that are finished"
 
@@ -72,9 +72,9 @@ def study(
     """
     from fefinger.scene.builtin import settings
     from fefinger.studies.grid import parse_over
+    from fefinger.studies.study import AT
+    from fefinger.studies.study import study as answer
     from fefinger.studies.tables import check, write
-    from fefinger.study import AT
-    from fefinger.study import study as answer
 
     over, changed = parse_over(grid), settings(changes)
     for file in tables:

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from fefinger import console
+from fefinger.commands import console
 from fefinger.commands.options import DONE, FAILED, json_option, output_option, silent
 from fefinger.support.checks import InputError
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fefinger.study import Study
+    from fefinger.studies.study import Study
 
 ENDINGS = ".csv", ".parquet", ".nc"
 

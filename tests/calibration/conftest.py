@@ -5,9 +5,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from fefinger.calibration import pad, work
+from fefinger.calibration import pad_radius, press_store
 from fefinger.calibration.curve import family
-from fefinger.calibration.press import Press
+from fefinger.calibration.slow_press import Press
 from fefinger.theory.array.sensor import ArraySensor, blurred
 
 
@@ -79,9 +79,9 @@ def solved(monkeypatch):
         asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
         return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
 
-    monkeypatch.setattr(work, "press", answer)
-    monkeypatch.setattr(work, "small", lambda finger: answer(finger, "condensed"))
-    monkeypatch.setattr(pad, "thesis_fit", by_width)
+    monkeypatch.setattr(press_store, "press", answer)
+    monkeypatch.setattr(press_store, "small", lambda finger: answer(finger, "condensed"))
+    monkeypatch.setattr(pad_radius, "thesis_fit", by_width)
     return asked
 
 
@@ -89,4 +89,4 @@ def by_width(frames):
     """Return R from the mean square distance 2 a² / 5 + 2 sigma² of Hertz's blurred pressure."""
     last, depth = frames.pressure[-1], frames.depth[-1, 0]
     square = float(last @ frames.distance**2 / last.sum()) - 2 * 0.96**2
-    return pad.PadFit(2.5 * square / depth, 1.0, 1.0, 0.0)
+    return pad_radius.PadFit(2.5 * square / depth, 1.0, 1.0, 0.0)

@@ -8,11 +8,11 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import jobs, work
+from fefinger.calibration import jobs, press_store
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, layer, refuse_gross
-from fefinger.calibration.press import LATER, PART, SPARE
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.slow_press import LATER, PART, SPARE
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
@@ -240,8 +240,8 @@ def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatc
         halt = "too many factors" if finger.resolution == "standard" else ""
         return replace(formula(1.0, finger.pad_radius, 1.0), halt=halt)
 
-    monkeypatch.setattr(work, "press", press)
-    own = work.Work(ff.Finger.subject("a.h."), None)
+    monkeypatch.setattr(press_store, "press", press)
+    own = press_store.Work(ff.Finger.subject("a.h."), None)
     for mesh, exponent in (("coarse", 1.0), ("standard", 1.0), ("standard", 2.0), ("coarse", 2.0)):
         own.press("solid", mesh, 14.0, exponent)
     assert spares == [SPARE, SPARE, LATER, SPARE]
@@ -264,7 +264,7 @@ def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_wha
         self._note(replace(self.finger, resolution=resolution, pad_radius=radius), found)
         return found
 
-    monkeypatch.setattr(work.Work, "press", press)
+    monkeypatch.setattr(press_store.Work, "press", press)
     monkeypatch.setattr("fefinger.calibration.calibrate.reach", lambda *_: needed)
     found = ff.calibrate("a.h.")
     assert len(asked) > 1

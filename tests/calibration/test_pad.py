@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.calibration import pad, target
-from fefinger.calibration.press import felt, pressed
+from fefinger.calibration import pad_radius, targets
+from fefinger.calibration.slow_press import felt, pressed
 from fefinger.mechanics import hertz
 from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor
@@ -20,28 +20,30 @@ def test_the_thesis_finds_its_own_half_space(formula):
     t = np.expm1(1.5 * x) / 1.5
     scale = 8e-3 / 3 * 3.0 * np.sqrt(14.0) * x**1.5 * t / one.force
     own = replace(one, force=scale * one.force, felt=scale[:, None] * one.felt)
-    frames = target.Frames(
+    frames = targets.Frames(
         np.repeat(x[20::20, None], 64, 1), own.felt[20::20], np.hypot(*ArraySensor().positions.T)
     )
-    found = pad.thesis_fit(frames)
+    found = pad_radius.thesis_fit(frames)
     assert (found.radius, found.m, found.c0_b) == pytest.approx((14.0, 1.5, 3.0), rel=0.02)
 
 
 def test_a_radius_is_found_where_the_fit_has_the_wanted_one():
-    radius, power = pad.radius_for(13.0, (10.0, 14.0), (12.0, 15.0))
+    radius, power = pad_radius.radius_for(13.0, (10.0, 14.0), (12.0, 15.0))
     assert power == pytest.approx(np.log(15 / 12) / np.log(1.4))
     assert 12 * (radius / 10) ** power == pytest.approx(13.0)
     with pytest.raises(InputError, match="expected the fitted R to grow"):
-        pad.radius_for(13.0, (10.0, 14.0), (15.0, 12.0))
+        pad_radius.radius_for(13.0, (10.0, 14.0), (15.0, 12.0))
 
 
 def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_nearest():
     """Fitted R that grow with the square of the pad radius are found at once."""
-    between = pad.nearer(12.0, (14.0, 10.0, 30.0), (14.0**2 / 10, 10.0, 90.0))
+    between = pad_radius.nearer(12.0, (14.0, 10.0, 30.0), (14.0**2 / 10, 10.0, 90.0))
     assert between == pytest.approx(np.sqrt(120.0))
-    assert pad.nearer(11.0, (12.0, 10.0), (8.0, 10.0), 2.0) == pytest.approx(10 * 1.1**0.5)
-    assert pad.nearer(9.0, (12.0, 10.0), (14.0, 10.0), 0.3) == pytest.approx(9.0)
-    assert pad.nearer(20.0, (12.0, 10.0), (14.0, 10.0)) == pytest.approx(12.0 * pad.WITHIN)
+    assert pad_radius.nearer(11.0, (12.0, 10.0), (8.0, 10.0), 2.0) == pytest.approx(10 * 1.1**0.5)
+    assert pad_radius.nearer(9.0, (12.0, 10.0), (14.0, 10.0), 0.3) == pytest.approx(9.0)
+    assert pad_radius.nearer(20.0, (12.0, 10.0), (14.0, 10.0)) == pytest.approx(
+        12.0 * pad_radius.WITHIN
+    )
 
 
 def test_the_array_feels_the_whole_force_and_hertz(hertzian):

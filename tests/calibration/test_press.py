@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.calibration import press as presses
-from fefinger.calibration.press import press
+from fefinger.calibration import slow_press as presses
+from fefinger.calibration.slow_press import press
 from fefinger.mechanics import hertz
 from fefinger.support import cache
 from fefinger.support.checks import InputError, Stopped

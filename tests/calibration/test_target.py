@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fefinger.calibration import inverse, target
+from fefinger.calibration import inverse, targets
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
 from fefinger.scene import library
@@ -25,18 +25,18 @@ PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 
 def test_a_subject_is_the_line_of_table_2_1():
-    found = target.subject("a.h.")
+    found = targets.subject("a.h.")
     assert line(found.force, found.stiffness) == pytest.approx((2.1, 0.18))
     scatter = np.random.default_rng(0).normal(0, found.stiffness_sd, (4000, len(found.force)))
     noisy = found.stiffness + scatter
     vaf = 1 - (scatter**2).sum() / ((noisy - noisy.mean()) ** 2).sum()
     assert vaf == pytest.approx(0.98, abs=2e-3)
     with pytest.raises(InputError, match="Did you mean"):
-        target.subject("ah.")
+        targets.subject("ah.")
 
 
 def test_the_jacobian_passes_taylors_test(law):
-    forces = Forces(target.subject("a.h."), law, 34.0, 3.0, 14.0)
+    forces = Forces(targets.subject("a.h."), law, 34.0, 3.0, 14.0)
     values = {each.name: each.start for each in forces.unknowns}
     rest = inverse.taylor(forces.residual, forces.unknowns, values)
     assert rest[:2] / rest[1:] == pytest.approx([4.0, 4.0], rel=0.15)
@@ -51,7 +51,7 @@ def test_stiffness_against_force_does_not_know_the_scale_of_depth(law):
 
 
 def test_a_finger_of_the_family_is_found_again_from_its_own_stiffness(law):
-    wanted = target.subject("a.h.")
+    wanted = targets.subject("a.h.")
     k = stiffness(law.at(2.4, 14.0), 25.0 / 34.0, wanted.prony, wanted.force)
     forces = Forces(replace(wanted, stiffness=k), law, 34.0, 3.0, 14.0)
     found = inverse.solve(forces.residual, forces.unknowns, forces.starts())
@@ -127,29 +127,29 @@ BAD = {
 def test_a_record_that_cannot_be_used_gets_a_sentence(tmp_path, spoil, message, write):
     file = write(tmp_path / "bad.csv", spoil(trial()))
     with pytest.raises(InputError, match=message):
-        target.record(file, "coarse")
+        targets.record(file, "coarse")
 
 
 def test_a_force_that_is_read_in_steps_is_of_a_sensor_within_its_range(tmp_path, write):
     """Its peak stays on one step for many samples, and so does all else."""
     table = changed(trial(), 2, lambda f: np.round(f / 0.3) * 0.3)
-    assert target.record(write(tmp_path / "steps.csv", table), "coarse").force.max() > 1
+    assert targets.record(write(tmp_path / "steps.csv", table), "coarse").force.max() > 1
 
 
 def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
-    found = target.record(write(tmp_path / "press.csv", trial()), "coarse")
+    found = targets.record(write(tmp_path / "press.csv", trial()), "coarse")
     deep = found.position.max() - found.lumped.spring.x0
-    target.check_depth(found, Finger(width=14, thickness=2.1 * deep))
+    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep))
     with pytest.raises(InputError, match=r"press of less than .* mm, the tissue under the pad"):
-        target.check_depth(found, Finger(width=14, thickness=1.9 * deep))
+        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep))
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
     with pytest.raises(InputError, match="expected a record that also unloads"):
-        target.unloading(write(tmp_path / "a.csv", trial()))
+        targets.unloading(write(tmp_path / "a.csv", trial()))
     back = trial()
     back[:, 1] = 1.5 - 0.5 * np.cos(4 * back[:, 0]) * (back[:, 0] > 0.2) - 1.5 * (back[:, 0] <= 0.2)
-    assert len(target.unloading(write(tmp_path / "b.csv", back))) == 3
+    assert len(targets.unloading(write(tmp_path / "b.csv", back))) == 3
 
 
 HEADS = "time,position," + ",".join(f"p{i}" for i in range(1, 65))
@@ -162,7 +162,7 @@ def table_of_frames(one, factor=1.0):
 
 def test_frames_are_read_about_their_center(tmp_path, formula, write):
     one = formula(1.0)
-    found = target.frames(write(tmp_path / "f.csv", table_of_frames(one), HEADS))
+    found = targets.frames(write(tmp_path / "f.csv", table_of_frames(one), HEADS))
     assert found.pressure.shape == found.depth.shape == (24, 64)
     np.testing.assert_allclose(found.distance, np.hypot(*ArraySensor().positions.T), atol=1e-6)
     assert found.depth[3, 63] > found.depth[3, 0]  # read later
@@ -181,24 +181,24 @@ FRAMES = {
 def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, formula, write):
     file = write(tmp_path / "f.csv", spoil(table_of_frames(formula())), HEADS)
     with pytest.raises(InputError, match=message):
-        target.frames(file)
+        targets.frames(file)
     with pytest.raises(InputError, match="one column 'p3'"):
-        target.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
+        targets.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
 
 
 def test_what_is_missed_is_taken_apart_into_independent_errors():
     """Drawn by steps: an Ornstein-Uhlenbeck process over the depth, times the force, and noise."""
     trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0, hold=4.0)
-    found = target.made("twin", trial.time, trial.position, trial.force, "coarse")
+    found = targets.made("twin", trial.time, trial.position, trial.force, "coarse")
     found = replace(found, force_sd=found.force_sd / 10)  # so that the mesh's error is seen
     rng, draws = np.random.default_rng(0), 2000
     model = force(found.lumped.spring, found.lumped.prony, found.time, found.position)
     field = rng.normal(size=(draws, len(model)))
     for before, at in pairwise(np.argsort(found.position)):
-        kept = np.exp((found.position[before] - found.position[at]) / target.LENGTH)
+        kept = np.exp((found.position[before] - found.position[at]) / targets.LENGTH)
         field[:, at] = kept * field[:, before] + np.sqrt(1 - kept**2) * field[:, at]
     noise = found.force_sd * rng.normal(size=field.shape)
-    off = target.MESH["coarse"] * model * field + noise
+    off = targets.MESH["coarse"] * model * field + noise
     errors = np.array([found.missed(found.force + each) for each in off])
     spread = errors.T @ errors / draws
     assert np.diag(spread) == pytest.approx(np.ones(len(model)), abs=0.2)
@@ -208,16 +208,16 @@ def test_what_is_missed_is_taken_apart_into_independent_errors():
 def test_what_a_mesh_makes_is_that_of_its_report():
     rows = json.loads(package_data.report("mesh-curves.json"))["rows"]
     for mesh, row in rows.items():
-        assert target.MESH[mesh] >= row["rms"]
-        assert row["length_mm"] / 3 < target.LENGTH < 3 * row["length_mm"]
-    assert target.MESH["coarse"] == pytest.approx(rows["coarse"]["rms"], rel=0.1)
-    assert target.MESH["fine"] == target.MESH["standard"] < target.MESH["coarse"]
+        assert targets.MESH[mesh] >= row["rms"]
+        assert row["length_mm"] / 3 < targets.LENGTH < 3 * row["length_mm"]
+    assert targets.MESH["coarse"] == pytest.approx(rows["coarse"]["rms"], rel=0.1)
+    assert targets.MESH["fine"] == targets.MESH["standard"] < targets.MESH["coarse"]
 
 
 def test_the_misfit_of_the_lumped_model_is_measured_like_all_others():
     """One where all is noise, or less: what is allowed for the mesh is not in this record."""
     trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0)
-    found = target.made("twin", trial.time, trial.position, trial.force, "coarse")
+    found = targets.made("twin", trial.time, trial.position, trial.force, "coarse")
     assert 0.1 < found.lumped_misfit < 1.2
     bent = replace(found, force=found.force + 5 * found.force_sd)
     assert bent.lumped_misfit == pytest.approx(25.0, rel=0.2)

@@ -11,7 +11,7 @@ from fefinger.validation import calibration_subjects, evidence_lumped
 
 import fefinger as ff
 from fefinger import mechanics
-from fefinger.console import run_record, run_summary
+from fefinger.commands.console import run_record, run_summary
 from fefinger.mechanics import lumped
 from fefinger.mechanics.evidence import reports
 from fefinger.pages import report

@@ -12,7 +12,7 @@ from fefinger.support.text import brief, percent
 
 
 if TYPE_CHECKING:
-    from fefinger.study import Study
+    from fefinger.studies.study import Study
 
 MEANING = (
     "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
-from fefinger.calibration.target import Frames, aligned
+from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.array.sensor import ArraySensor, blurred

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from fefinger import fitting
+from fefinger.calibration import lumped_fit
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError, choice
@@ -187,7 +187,7 @@ def record(file: str | Path, mesh: str) -> Record:
     InputError
         A file without a usable ramp and hold, in other units, or of nothing that a finger does.
     """
-    return made(str(file), *fitting.read(file), mesh)
+    return made(str(file), *lumped_fit.read(file), mesh)
 
 
 def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Record:
@@ -231,7 +231,7 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     InputError
         As `fitting.read`, or where the indenter never comes back.
     """
-    time, position, force = fitting.read(file, fewest=FEWEST, of="a motion to predict")
+    time, position, force = lumped_fit.read(file, fewest=FEWEST, of="a motion to predict")
     top = int(np.argmax(position))
     way = float(position[top] - position[0])
     back = float(position[top] - position[top:].min())
@@ -259,7 +259,7 @@ def frames(file: str | Path, sensor: ArraySensor | None = None) -> Frames:
     sensor = sensor or ArraySensor()
     count = len(sensor.positions)
     units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
-    table = fitting.columns(file, units)
+    table = lumped_fit.columns(file, units)
     time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
     if len(table) < FEWEST:
         msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"

@@ -85,7 +85,7 @@ class Study:
         import json
 
         from fefinger.studies import tables
-        from fefinger.studies.report import html
+        from fefinger.studies.page import html
         from fefinger.support import atomic_write
         from fefinger.support.outputs import output_folder
 
@@ -175,8 +175,8 @@ def _answers(
     scheduler: str | None,
 ) -> Study:
     """Answer what is not kept in `place` already, and keep it there."""
-    from fefinger.studies.choice import agreed
     from fefinger.studies.grid import EACH
+    from fefinger.studies.one_mechanics import agreed
     from fefinger.studies.tasks import keep, kept, made
     from fefinger.support.checks import InputError
     from fefinger.support.text import finite

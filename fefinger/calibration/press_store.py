@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from fefinger.calibration.outcome import layer
-from fefinger.calibration.press import LATER, SPARE, Press, press, shapable, small
 from fefinger.calibration.record import Stage
+from fefinger.calibration.slow_press import LATER, SPARE, Press, press, shapable, small
 from fefinger.scene.finger import Finger
 from fefinger.support.progress import Progress
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.results.records import Plan, Result
-    from fefinger.study import Study
+    from fefinger.studies.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress
 
