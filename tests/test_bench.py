@@ -4,23 +4,22 @@ import json
 
 import numpy as np
 import pytest
-from fefinger.validation import fem_hertz
+from fefinger.validation.bench import fem, neural, solvers, suites
+from fefinger.validation.fem import hertz
 
-from fefinger import bench
 from fefinger.__main__ import main
-from fefinger.bench import _solvers, fem, neural
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support import provenance
 
 
 def test_a_figure_has_a_ratio_only_where_there_is_a_baseline():
-    assert bench.Figure("a", 3.0, "s", 2.0).ratio == 1.5
-    assert bench.Figure("a", 3.0, "s").ratio is None
-    assert bench.Figure("a", 3.0, "s", 0.0).ratio is None
+    assert suites.Figure("a", 3.0, "s", 2.0).ratio == 1.5
+    assert suites.Figure("a", 3.0, "s").ratio is None
+    assert suites.Figure("a", 3.0, "s", 0.0).ratio is None
 
 
 def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch, tmp_path):
-    figures = [bench.Figure("fast", 0.1, "s", 1.0), bench.Figure("load", 0.5, "processes")]
+    figures = [suites.Figure("fast", 0.1, "s", 1.0), suites.Figure("load", 0.5, "processes")]
     monkeypatch.setattr(neural, "figures", lambda progress: figures)
     assert main(["bench", "neural", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {
@@ -40,7 +39,7 @@ def test_the_record_names_the_commit_of_the_program_alone(monkeypatch, tmp_path)
     """Not that of a repository around it, and none where there is no git."""
     provenance.commit.cache_clear()
     monkeypatch.setenv("PATH", "")
-    written = json.loads(bench.write("neural", [], tmp_path).read_text())
+    written = json.loads(suites.write("neural", [], tmp_path).read_text())
     provenance.commit.cache_clear()
     assert written["commit"] == ""
 
@@ -54,7 +53,7 @@ def test_the_neural_suite_measures_every_method(monkeypatch):
     monkeypatch.setattr(neural, "UNITS", 4)
     monkeypatch.setattr(neural, "REPEATS", 1)
     monkeypatch.setattr(neural, "EXACT", 1)
-    figures = bench.run(["neural"])["neural"]
+    figures = suites.run(["neural"])["neural"]
     values = {figure.name: figure.value for figure in figures}
     assert len(values) == len(figures)
     for name in neural.methods():
@@ -67,13 +66,13 @@ def test_the_fem_suite_measures_every_stage(monkeypatch):
     monkeypatch.setattr(fem, "RESOLUTION", "coarse")
     monkeypatch.setattr(fem, "REPEATS", 1)
     monkeypatch.setattr(fem, "STEPS", 20)
-    monkeypatch.setattr(_solvers, "SIZES", {"multifrontal": (3, 4, 5), "iterative": (4, 5)})
-    monkeypatch.setattr(_solvers, "HARD", 4)
-    monkeypatch.setattr(fem, "HERTZ", fem_hertz.LEVELS[0])
-    figures = {figure.name: figure for figure in bench.run(["fem"])["fem"]}
+    monkeypatch.setattr(solvers, "SIZES", {"multifrontal": (3, 4, 5), "iterative": (4, 5)})
+    monkeypatch.setattr(solvers, "HARD", 4)
+    monkeypatch.setattr(fem, "HERTZ", hertz.LEVELS[0])
+    figures = {figure.name: figure for figure in suites.run(["fem"])["fem"]}
     assert figures["unknowns"].value > 10_000
     errors = {name for name in figures if name.startswith("Hertz") and figures[name].unit == "%"}
-    assert {name.partition(": ")[2] for name in errors} < set(fem_hertz.TARGETS)
+    assert {name.partition(": ")[2] for name in errors} < set(hertz.TARGETS)
     assert all(abs(figures[name].value) > 0 for name in errors)
     less = {name for name in figures if "memory" in name or "exponent" in name}
     assert all(figures[name].value > 0 for name in figures.keys() - errors - less)

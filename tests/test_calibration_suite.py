@@ -7,16 +7,9 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from fefinger.validation import (
-    calibration,
-    calibration_lever_figures,
-    calibration_levers,
-    calibration_report,
-    calibration_split,
-    calibration_subjects,
-    calibration_twin,
-)
-from fefinger.validation.calibration_report import calibrated, rows
+from fefinger.validation.calibration import lever_figures, levers, report, subjects, suite, twin
+from fefinger.validation.calibration import split as calibration_split
+from fefinger.validation.calibration.report import calibrated, rows
 
 from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.outcome import line
@@ -36,7 +29,7 @@ def test_the_report_has_all_subjects_that_are_shipped():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
-    assert calibration_subjects.shipped(subject) < 5e-3
+    assert subjects.shipped(subject) < 5e-3
     kept = library.tissue_set(library.calibrated_name(subject))
     assert "not a measurement" in kept.source
     assert kept.confidence == "low"
@@ -69,10 +62,10 @@ def test_steepness_of_an_exponential_is_its_exponent_at_any_scale():
 
 
 def test_the_quick_cases_are_named_once_and_their_figures_drawn():
-    names = [case.name for case in calibration.cases(quick=True)]
+    names = [case.name for case in suite.cases(quick=True)]
     assert len(names) == len(set(names))
-    assert sum(name.startswith("twin") for name in names) == len(calibration_twin.TRUTH) + 2
-    for caption, drawn in calibration.figures():
+    assert sum(name.startswith("twin") for name in names) == len(twin.TRUTH) + 2
+    for caption, drawn in suite.figures():
         assert caption.endswith(".")
         assert "<svg" in figures.svg(drawn)
 
@@ -80,14 +73,14 @@ def test_the_quick_cases_are_named_once_and_their_figures_drawn():
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_table_3_2_comes_back_from_its_own_frames(subject):
     row = library.pawluk_quasistatic()[subject]
-    found = pad_radius.thesis_fit(calibration_levers.half_space(subject))
+    found = pad_radius.thesis_fit(levers.half_space(subject))
     assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
 
 
 def test_frames_of_a_contact_of_hertz_carry_its_force_and_have_its_radius():
     depth = np.linspace(0.0, 1.5, 41)
     force = 0.4 * depth**2.1
-    frames = calibration_levers.hertzian(13.0, depth, force)
+    frames = levers.hertzian(13.0, depth, force)
     assert 4e-3 * frames.pressure[-1].sum() == pytest.approx(force[-1], rel=0.01)
     assert pad_radius.thesis_fit(frames).radius == pytest.approx(13.0, rel=0.01)
 
@@ -97,22 +90,22 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     rng = np.random.default_rng(3)
     noise = wanted.stiffness_sd * rng.normal(size=(4000, len(wanted.force)))
     lines = [line(wanted.force, wanted.stiffness + each) for each in noise]
-    found = calibration_subjects.line_sd(wanted)
+    found = subjects.line_sd(wanted)
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
 
 
 def test_levers_in_the_finger_are_drawn_and_a_table_tells_what_each_would_change(monkeypatch):
-    plain = calibration_levers.Fitted(
+    plain = levers.Fitted(
         *("the finger as it is", 10.0, 1.0, 11.0, 0.06, 7.0, 3.6, 2.1, 0.2, 0.01, 1.1, 1.7, 3.0)
     )
     other = replace(plain, lever="nail free (held)", radius=11.0, stiffness_b=0.25)
     unable = replace(plain, lever="skin alone stiffens", misfit=5.0, stiffness_b=1.2)
     rows = [asdict(each) for each in (plain, other, unable)]
-    tried = calibration_report.levers() | {"finger": rows}
-    monkeypatch.setattr(calibration_lever_figures, "levers", lambda: tried)
-    ((_, drawn),) = calibration_lever_figures.figures()
+    tried = report.levers() | {"finger": rows}
+    monkeypatch.setattr(lever_figures, "levers", lambda: tried)
+    ((_, drawn),) = lever_figures.figures()
     assert "<svg" in figures.svg(drawn)
-    told, sessions = calibration_lever_figures.tables()
+    told, sessions = lever_figures.tables()
     assert "b from 0.2 to 0.25 N/mm and R from 10 to 11 mm" in told["caption"]
     assert [row[0] for row in told["rows"]] == [each["lever"] for each in rows]
     assert told["rows"][1][5] == "11 (+10 %)"

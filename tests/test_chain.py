@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from fefinger.validation import chain, finger_causes, finger_split
+from fefinger.validation.finger import causes
+from fefinger.validation.finger import split as finger_split
+from fefinger.validation.problems import chain
 
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.lumped.spring import Spring
@@ -57,9 +59,7 @@ def test_steepness_finds_m_of_an_exponential_spring(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_stale_report_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert finger_causes.stale("hertz", "a.h.", "flat-30") < 1e-4
+    assert causes.stale("hertz", "a.h.", "flat-30") < 1e-4
     kept = finger_split.force
-    monkeypatch.setattr(
-        finger_causes, "force", lambda *which: kept(*which) * np.linspace(1, 1.01, 12)
-    )
-    assert finger_causes.stale("hertz", "a.h.", "flat-30") == pytest.approx(0.0099, rel=0.01)
+    monkeypatch.setattr(causes, "force", lambda *which: kept(*which) * np.linspace(1, 1.01, 12))
+    assert causes.stale("hertz", "a.h.", "flat-30") == pytest.approx(0.0099, rel=0.01)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from fefinger.validation import contact_angle, contact_angle_page
+from fefinger.validation.contact_angle import page as contact_angle_page
+from fefinger.validation.contact_angle import study
 
 from fefinger.studies.tasks import Asked
 from fefinger.studies.workers import answer
@@ -31,19 +32,19 @@ def rows():
 
 
 def test_the_table_is_of_this_code(rows):
-    scene, changes, mechanics, _ = contact_angle.STUDIES[CASE]
-    asked = Asked(scene, {"indenter.angle": (30.0,)}, changes, mechanics, contact_angle.AT)
+    scene, changes, mechanics, _ = study.STUDIES[CASE]
+    asked = Asked(scene, {"indenter.angle": (30.0,)}, changes, mechanics, study.AT)
     ((_, task),) = asked.tasks()[0].items()
     again = {row["at"]: row for row in answer(task)["rows"]}
     kept = [row for row in rows if row["case"] == CASE and row["indenter.angle_deg"] == 30]
-    assert len(kept) == 2 + len(contact_angle.AT)
+    assert len(kept) == 2 + len(study.AT)
     for row in kept:
         for name in ("force_N", "depth_mm", "contact_area_mm2", "asymmetry", "ellipticity"):
             assert again[row["at"]][name] == pytest.approx(row[name], rel=1e-4), name
 
 
 def test_every_scene_is_there_or_says_why_not(rows):
-    for case, (_, _, _, angles) in contact_angle.STUDIES.items():
+    for case, (_, _, _, angles) in study.STUDIES.items():
         found = {row["indenter.angle_deg"] for row in rows if row["case"] == case}
         assert found == set(angles), case
     failed = [row for row in rows if row["status"].startswith("failed")]

@@ -6,18 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import extremes, extremes_drawings, extremes_drawn, suites
-from fefinger.validation.extremes_bodies import _bar, _complementarity, _stacked
-from fefinger.validation.extremes_invariants import invariants
-from fefinger.validation.extremes_nerve import MEMBRANES, _checked
-from fefinger.validation.extremes_scenes import answered, ramp
-from fefinger.validation.extremes_theory import _creep, _pad, _spring, _step
-from fefinger.validation.extremes_trial import THEORY, TookTooLongError, Trial, ending, limited
+from fefinger.validation import page, suites
+from fefinger.validation.extremes import drawings, suite
+from fefinger.validation.extremes import drawn as extremes_drawn
+from fefinger.validation.extremes.bodies import _bar, _complementarity, _stacked
+from fefinger.validation.extremes.invariants import invariants
+from fefinger.validation.extremes.nerve import MEMBRANES, _checked
+from fefinger.validation.extremes.scenes import answered, ramp
+from fefinger.validation.extremes.theory import _creep, _pad, _spring, _step
+from fefinger.validation.extremes.trial import THEORY, TookTooLongError, Trial, ending, limited
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fefinger as ff
-from fefinger import validation_report
 from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.neural.endorgans import PoleZero
@@ -243,7 +244,7 @@ def test_what_was_checked_is_told_with_its_numbers():
 
 
 def test_a_quick_look_has_a_scene_on_a_mesh_of_each_kind():
-    quick = [trial for trial in extremes.trials(quick=True) if trial.group in extremes_drawn.COUNTS]
+    quick = [trial for trial in suite.trials(quick=True) if trial.group in extremes_drawn.COUNTS]
     assert {trial.group for trial in quick} == set(extremes_drawn.COUNTS) - {"layered"}
     assert len(quick) < 100
 
@@ -348,7 +349,7 @@ def test_what_a_press_prescribes_is_not_compared_with_itself():
 
 
 def test_the_suite_has_its_trials_and_tells_what_came_out():
-    every = extremes.trials(quick=False)
+    every = suite.trials(quick=False)
     assert len(every) >= 200
     names = [(trial.group, trial.edge, trial.name) for trial in every]
     assert len(set(names)) == len(names)
@@ -370,7 +371,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         {"name": name, "told": said, "value": value, "verdict": verdict}
         for name, (said, value, verdict) in told.items()
     ]
-    found = extremes_drawings.finding(cases)
+    found = drawings.finding(cases)
     assert found["texts"] == [
         "Of 3 trials at the edges 1 are answered with every invariant kept, 1 refused in a "
         "sentence, 1 failed."
@@ -380,7 +381,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         ["linear", "1", "1", "0", "50 % (balance; depth)"],
         ["nerve", "0", "0", "1", ""],
     ]
-    ((caption, drawn),) = extremes_drawings.figures(cases)
+    ((caption, drawn),) = drawings.figures(cases)
     assert caption.startswith(found["texts"][0])
     assert len(drawn.axes) == 1
 
@@ -388,4 +389,4 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
 def test_what_was_told_is_on_the_page():
     case = suites.cases("extremes", quick=True)[0]
     record = suites.as_json({"extremes": (suites.Outcome(case, 0.0, "", "refused: a sentence"),)})
-    assert "refused: a sentence" in validation_report.html(record, {}, {})
+    assert "refused: a sentence" in page.html(record, {}, {})

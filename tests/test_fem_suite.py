@@ -4,16 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import (
-    element_kinds,
-    fem_drawings,
-    fem_exact,
-    fem_hertz,
-    fem_history,
-    suites,
-)
-from fefinger.validation.fem_quarter import Indenter, half_space_field, turned
-from fefinger.validation.peers import PEERS
+from fefinger.validation import suites
+from fefinger.validation.fem import drawings, element_kinds, hertz, history
+from fefinger.validation.fem import exact as fem_exact
+from fefinger.validation.problems.peers import PEERS
+from fefinger.validation.problems.quarter import Indenter, half_space_field, turned
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.grids import box
@@ -22,7 +17,7 @@ from fefinger.theory.contact.punch import Cone, FlatPunch
 
 @pytest.fixture(scope="module")
 def coarse():
-    return fem_hertz.body(0.49, 0)
+    return hertz.body(0.49, 0)
 
 
 def test_names_are_distinct_and_every_tolerance_has_its_reason():
@@ -34,11 +29,11 @@ def test_names_are_distinct_and_every_tolerance_has_its_reason():
 
 
 def test_the_field_around_a_contact_is_that_of_the_closed_form():
-    truth = fem_hertz.hertz(0.4)
+    truth = hertz.hertz(0.4)
     points = np.random.default_rng(1).uniform([0, 0, 1.5], [3, 3, 4.5], (30, 3))
     points[0, 2] = 0.0
     points[0, :2] = 2.5
-    found = half_space_field(points, fem_hertz.exact(truth), modulus=100.0, poisson=0.4)
+    found = half_space_field(points, hertz.exact(truth), modulus=100.0, poisson=0.4)
     r = np.hypot(*points.T[:2])
     outward, inward = truth.displacement(r, points[:, 2])
     assert found[:, 2] == pytest.approx(inward, rel=1e-9)
@@ -51,7 +46,7 @@ def test_the_field_around_a_contact_is_that_of_the_closed_form():
 def test_the_rule_integrates_infinite_pressures(truth):
     a = truth.contact_radius
     exact = replace(
-        fem_hertz.exact(fem_hertz.hertz(0.3)),
+        hertz.exact(hertz.hertz(0.3)),
         axes=(a, a),
         pressure=lambda x, y: truth.pressure(np.hypot(x, y)),
     )
@@ -72,7 +67,7 @@ def test_turned_strains_keep_their_invariants():
 
 
 def test_a_wrong_gap_or_modulus_or_far_field_is_seen(coarse):
-    truth = fem_hertz.hertz(0.49)
+    truth = hertz.hertz(0.49)
 
     def error(body):
         return abs(body.pressed(truth.depth).force / truth.force - 1)
@@ -86,9 +81,9 @@ def test_a_wrong_gap_or_modulus_or_far_field_is_seen(coarse):
 
 
 def test_the_l2_error_of_no_pressure_and_of_twice_the_pressure_is_one(coarse):
-    truth = fem_hertz.hertz(0.49)
+    truth = hertz.hertz(0.49)
     pressed = coarse.pressed(truth.depth)
-    exact = fem_hertz.exact(truth)
+    exact = hertz.exact(truth)
     values = exact.pressure(*coarse.space.points[coarse.patch.vertices, :2].T)
     at_vertices = replace(pressed, pressure=values)
     assert at_vertices.pressure_error(exact, 0.9) < 0.05  # what straight lines between leave
@@ -106,14 +101,12 @@ def test_other_contacts_are_within_their_limits(name):
 
 def test_unloading_follows_ting_and_not_the_integral_of_the_thesis():
     name, steps = "slow up, fast down", 200
-    time, found, exact = fem_history.cycle(name, steps)
+    time, found, exact = history.cycle(name, steps)
     assert np.abs(found - exact).max() < 0.01 * exact.max()
-    assert fem_history.detachment_error(name, steps) <= 0.5
-    elastic = fem_history.force(
-        fem_history.pressed(fem_history.ELASTIC, "depth", *fem_history.motion(name, steps))
-    )
-    naive = fem_history.hereditary_integral(fem_history.prony(), time, elastic)
-    naive = naive / fem_history.prony().long_time
+    assert history.detachment_error(name, steps) <= 0.5
+    elastic = history.force(history.pressed(history.ELASTIC, "depth", *history.motion(name, steps)))
+    naive = history.hereditary_integral(history.prony(), time, elastic)
+    naive = naive / history.prony().long_time
     assert np.abs(naive - exact).max() > 0.03 * exact.max()
     assert naive.min() < 0 <= found.min()
 
@@ -153,10 +146,10 @@ def test_the_kinds_of_linear_elements_hold_a_linear_displacement():
 
 
 def test_the_report_on_elements_is_drawn_beside_other_programs():
-    rows = fem_drawings.measured()
+    rows = drawings.measured()
     names = {kind.name for kind in element_kinds.KINDS}
     assert {row["element"] for row in rows} == names
-    told = fem_drawings.beside(rows)
+    told = drawings.beside(rows)
     shown = [row[0] for row in told]
     assert shown.count("fefinger") == 3 * len(element_kinds.RATIOS)
     assert {peer.program for peer in PEERS} < set(shown)
@@ -164,5 +157,5 @@ def test_the_report_on_elements_is_drawn_beside_other_programs():
         [f"Poisson's ratio {poisson:g}"] for poisson in element_kinds.RATIOS
     ]
     assert len(told) == len(PEERS) + 4 * len(element_kinds.RATIOS)
-    drawn = fem_drawings.kinds(rows)
+    drawn = drawings.kinds(rows)
     assert {line.get_label() for line in drawn.axes[0].lines} == names

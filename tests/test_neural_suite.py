@@ -4,15 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import (
-    neural_filters,
-    neural_gains,
-    neural_phases,
-    neural_ramps,
-    neural_sinusoids,
-    suites,
-)
-from fefinger.validation import neural_sweep as sweep
+from fefinger.validation import suites
+from fefinger.validation.neural import filters, gains, phases, ramps, sinusoids, sweep
 
 from fefinger.neural.membranes import ConnorStevens, IntegrateAndFire
 
@@ -52,8 +45,8 @@ def test_quick_is_part_of_the_whole(outcomes):
 @pytest.mark.parametrize(
     ("membrane", "measure", "holds"),
     [
-        (IntegrateAndFire(), neural_sinusoids.shift, lambda octaves: octaves >= 2),
-        (ConnorStevens(), lambda name: neural_phases.spread(name, 16.0), lambda n: n == 0),
+        (IntegrateAndFire(), sinusoids.shift, lambda octaves: octaves >= 2),
+        (ConnorStevens(), lambda name: phases.spread(name, 16.0), lambda n: n == 0),
     ],
 )
 def test_claims_fail_on_a_membrane_that_lacks_the_property(monkeypatch, membrane, measure, holds):
@@ -69,17 +62,17 @@ def test_claims_fail_on_a_membrane_that_lacks_the_property(monkeypatch, membrane
 
 
 def test_the_lowest_threshold_is_looked_for_beyond_what_is_published():
-    for kind, (low, high) in neural_gains.BEST.items():
-        assert neural_gains.tones(kind)[0] < low
-        assert neural_gains.tones(kind)[-1] >= 4 * high
-    low, high = neural_gains.SMALLEST
-    assert neural_gains.AMPLITUDES[0] < low
-    assert neural_gains.AMPLITUDES[-1] > high
+    for kind, (low, high) in gains.BEST.items():
+        assert gains.tones(kind)[0] < low
+        assert gains.tones(kind)[-1] >= 4 * high
+    low, high = gains.SMALLEST
+    assert gains.AMPLITUDES[0] < low
+    assert gains.AMPLITUDES[-1] > high
 
 
 def test_the_threshold_of_faii_falls_on_beyond_its_band():
-    edge = neural_gains.BEST["FAII"][1]
-    inside, outside = (neural_gains.threshold_at("FAII", tone) for tone in (edge, 2 * edge))
+    edge = gains.BEST["FAII"][1]
+    inside, outside = (gains.threshold_at("FAII", tone) for tone in (edge, 2 * edge))
     assert outside < 0.8 * inside
 
 
@@ -93,11 +86,11 @@ def test_the_best_tone_of_faii_is_short_of_its_band():
 
 @pytest.mark.parametrize("kind", ["FAI", "FAII"])
 def test_the_lowest_threshold_is_that_in_the_band(monkeypatch, kind):
-    _, high = neural_gains.BEST[kind]
-    falling = tuple(1 / tone for tone in neural_gains.tones(kind))
-    monkeypatch.setattr(neural_gains, "thresholds", lambda kind: falling)
-    assert neural_gains.best_tone(kind) > high
-    assert neural_gains.lowest_in_band(kind) == 1 / high
+    _, high = gains.BEST[kind]
+    falling = tuple(1 / tone for tone in gains.tones(kind))
+    monkeypatch.setattr(gains, "thresholds", lambda kind: falling)
+    assert gains.best_tone(kind) > high
+    assert gains.lowest_in_band(kind) == 1 / high
 
 
 def test_the_steady_state_is_that_of_the_filter_after_many_cycles():
@@ -116,26 +109,26 @@ def test_retraction_is_the_second_half_of_the_cycle():
 
 
 def test_a_damped_ramp_is_silent_in_the_hold_and_a_spring_is_not():
-    assert neural_ramps.holding("damper", 8.0) == 0
-    assert neural_ramps.holding("spring", 8.0) > 10
+    assert ramps.holding("damper", 8.0) == 0
+    assert ramps.holding("spring", 8.0) > 10
 
 
 def test_the_printed_form_of_5_8_is_the_limit_of_a_stiff_nerve():
-    assert neural_filters.printed_share(1e6) == pytest.approx(1.0, abs=1e-6)
+    assert filters.printed_share(1e6) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_figures_are_in_the_axes_of_the_thesis():
-    from fefinger.validation import neural_drawings
+    from fefinger.validation.neural import drawings
 
     for drawn in (
-        neural_drawings._response("spring"),
-        neural_drawings._course("FAI"),
-        neural_drawings._force(),
-        neural_drawings._gains(),
+        drawings._response("spring"),
+        drawings._course("FAI"),
+        drawings._force(),
+        drawings._gains(),
     ):
         for axis in drawn.axes:
             assert axis.get_ylabel() or axis.collections
             assert axis.lines or axis.collections or axis.patches
-    captions = " ".join(text for _, text in (*neural_drawings.RESPONSES, *neural_drawings.COURSES))
+    captions = " ".join(text for _, text in (*drawings.RESPONSES, *drawings.COURSES))
     for number in ("4-4b", "4-5b", "4-8", "4-9", "4-10a", "4-11b", "4-13", "4-14b", "4-16", "4-17"):
         assert number in captions

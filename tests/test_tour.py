@@ -101,7 +101,8 @@ def test_the_tour_validation_gives_a_page_that_says_what_was_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Measure the quick cases of a suite, and read the verdicts in its page and its data."""
-    from fefinger.validation import neural, suites
+    from fefinger.validation import suites
+    from fefinger.validation.neural import suite as neural
 
     few = tuple(neural.cases(quick=True))[:3]
     monkeypatch.setattr(suites, "cases", lambda suite, *, quick: few)

@@ -5,11 +5,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fefinger.validation import tradeoff_errors, tradeoff_held_out, tradeoff_motion, tradeoff_scenes
-from fefinger.validation.tradeoff_errors import Press
-from fefinger.validation.tradeoff_held_out import summary
-from fefinger.validation.tradeoff_runs import TAXELS, taxels
-from fefinger.validation.tradeoff_study import front
+from fefinger.validation.tradeoff import errors as tradeoff_errors
+from fefinger.validation.tradeoff import held_out
+from fefinger.validation.tradeoff import motion as tradeoff_motion
+from fefinger.validation.tradeoff import scenes as tradeoff_scenes
+from fefinger.validation.tradeoff.errors import Press
+from fefinger.validation.tradeoff.held_out import summary
+from fefinger.validation.tradeoff.runs import TAXELS, taxels
+from fefinger.validation.tradeoff.study import front
 from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
@@ -177,8 +180,8 @@ def judged(tolerance):
         }
         for place, (name, error) in enumerate(errors.items())
     }
-    pick = tradeoff_held_out.cheapest(rows, tolerance / 2)
-    best = tradeoff_held_out.cheapest(rows, tolerance)
+    pick = held_out.cheapest(rows, tolerance / 2)
+    best = held_out.cheapest(rows, tolerance)
     ratio = rows[pick]["seconds"] / rows[best]["seconds"]
     return {
         "tolerance": tolerance,
@@ -192,17 +195,17 @@ def judged(tolerance):
 
 def test_an_oracle_picks_the_cheapest_unless_it_overstates_across_a_tolerance():
     scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}  # 1, 1.2, 1.8 and 4 times 0.05
-    shares = [tradeoff_held_out.oracle(scenes, factor) for factor in (1.0, 1.1, 1.5, 2.0, 9.0)]
+    shares = [held_out.oracle(scenes, factor) for factor in (1.0, 1.1, 1.5, 2.0, 9.0)]
     assert shares == [1.0, 0.75, 0.5, 0.25, 0.0]
 
 
 def test_smaller_stated_errors_buy_cheaper_picks_until_they_are_not_kept():
     scenes = {str(x): judged(x) for x in (0.05, 0.06, 0.09, 0.2)}  # stated: twice the actual error
-    found = tradeoff_held_out.smaller(scenes, 0.5)
+    found = held_out.smaller(scenes, 0.5)
     assert found == {"within_1.2": 1.0, "kept": 1.0, "tolerance_met": 1.0}
-    found = tradeoff_held_out.smaller(scenes, 0.15)  # the rough one will seem to do, once
+    found = held_out.smaller(scenes, 0.15)  # the rough one will seem to do, once
     assert (found["kept"], found["tolerance_met"]) == (0.0, 0.75)
-    assert tradeoff_held_out.smaller(scenes, 1.0)["within_1.2"] == 0.25
+    assert held_out.smaller(scenes, 1.0)["within_1.2"] == 0.25
 
 
 def test_the_summary_counts_what_is_kept_and_what_the_picks_cost():

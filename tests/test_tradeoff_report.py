@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fefinger.validation import tradeoff, tradeoff_scenes
-from fefinger.validation.tradeoff_held_out import label, summary
+from fefinger.validation.tradeoff import scenes as tradeoff_scenes
+from fefinger.validation.tradeoff import suite
+from fefinger.validation.tradeoff.held_out import label, summary
 
 from fefinger import plan
 from fefinger.mechanics import get
@@ -189,7 +190,7 @@ def test_what_was_not_measured_is_not_stated():
 )
 def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
     error, source = get("solid").error(on(indenter, 0.3))
-    assert source.endswith(f"(reports/tradeoff.json has none for {said})")
+    assert source.endswith(f"(reports/suite.json has none for {said})")
     assert error > _tradeoff.rules()["steps"]["solid"]["force"]
 
 
@@ -238,7 +239,7 @@ def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indente
 
 
 def test_the_margins_are_those_of_the_presses_of_the_report(report):
-    assert tradeoff.rederived(report["rules"]) == 0.0
+    assert suite.rederived(report["rules"]) == 0.0
 
 
 def test_the_summary_is_that_of_the_held_out_scenes_of_the_report(report):
@@ -266,7 +267,7 @@ def _of_error(rung: Rung) -> list[str]:
 
 
 def test_the_quick_cases_are_read_from_the_report(report):
-    values = {case.name: case.measure() for case in tradeoff.cases(quick=True)}
+    values = {case.name: case.measure() for case in suite.cases(quick=True)}
     assert values["margins of the stated errors, derived again"] == 0.0
     assert (
         values["stated error kept by the picks: force"] == report["summary"]["stated_kept"]["force"]
@@ -277,8 +278,8 @@ def test_the_change_since_the_report_is_that_of_the_presses_named(report):
     old = report["rules"]
     new = json.loads(json.dumps(old))
     new["presses"]["flat-0"]["candidates"]["solid standard"]["numerical"]["force"][3] += 0.25
-    assert tradeoff.changed(new, old, ["flat-0", "flat-30"]) == pytest.approx(0.25)
-    assert tradeoff.changed(new, old, ["flat-30"]) == 0.0
+    assert suite.changed(new, old, ["flat-0", "flat-30"]) == pytest.approx(0.25)
+    assert suite.changed(new, old, ["flat-30"]) == 0.0
 
 
 def test_an_object_that_was_not_pressed_states_no_less_than_the_nearest_press() -> None:

@@ -6,10 +6,9 @@ import re
 from typing import Any
 
 import pytest
-from fefinger.validation import suites
+from fefinger.validation import page, suites
 from fefinger.validation.case import Case, Outcome
 
-from fefinger import validation_report
 from fefinger.commands import console
 from fefinger.support.checks import InputError
 from fefinger.view import figures
@@ -56,7 +55,7 @@ def cells(html: str) -> list[list[str]]:
 
 
 def test_counts_stand_per_suite_and_in_all():
-    html = validation_report.html(RECORD, {}, {})
+    html = page.html(RECORD, {}, {})
     counts = [row[1:] for row in cells(html)[1:4]]
     assert counts == [
         ["1", "2", "0", "0", "3"],
@@ -70,12 +69,12 @@ def test_counts_stand_per_suite_and_in_all():
 
 
 def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
-    found = cells(validation_report.html(RECORD, {}, {}))
+    found = cells(page.html(RECORD, {}, {}))
     rows = [row for row in found if len(row) == 7]
     assert rows[0] == ["pass", "first &lt;a&gt;", "1.235", "1.200 ± 0.05", "", "N", "Eq. 2.1"]
     assert [row[4] for row in rows] == ["", "1.5", "1.6", "", "2"]
     assert [row[0] for row in rows] == ["pass", "documented", "documented", "fail", "short"]
-    html = validation_report.html(RECORD, {}, {})
+    html = page.html(RECORD, {}, {})
     one, two = html.split("The comparisons")[1:]
     assert "<th>printed</th>" in one
     assert "<th>wanted</th>" not in one
@@ -84,7 +83,7 @@ def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
 
 
 def test_a_shared_erratum_is_told_once_up_front_and_after_the_last_it_holds_for():
-    html = validation_report.html(RECORD, {}, {})
+    html = page.html(RECORD, {}, {})
     assert html.count("The print is wrong.") == 2
     front, back = html.index("The print is wrong."), html.rindex("The print is wrong.")
     assert front < html.index("The comparisons") < html.index("first &lt;a&gt;</td>")
@@ -109,12 +108,12 @@ def test_a_shared_erratum_is_told_once_up_front_and_after_the_last_it_holds_for(
 def test_values_show_what_the_tolerance_can_tell_apart(value, tolerance, text):
     record = {"suites": [{"suite": "s", "cases": [case("c", "pass", value=value)]}]}
     record["suites"][0]["cases"][0]["tolerance"] = tolerance
-    (row,) = [row for row in cells(validation_report.html(record, {}, {})) if len(row) == 6]
+    (row,) = [row for row in cells(page.html(record, {}, {})) if len(row) == 6]
     assert row[2] == text
 
 
 def test_what_falls_short_is_told_up_front_and_below_its_case():
-    html = validation_report.html(RECORD, {}, {})
+    html = page.html(RECORD, {}, {})
     title, front = html.index("What falls short"), html.index("Nobody reaches it.")
     assert html.index('id="two"') < title < front < html.index("fifth</td>")
     assert html.count("Nobody reaches it.") == 2
@@ -132,7 +131,7 @@ def test_what_is_wanted_is_reached_within_the_tolerance_or_short(value, verdict)
 def test_a_finding_stands_before_the_comparisons():
     table = {"caption": "Forces.", "heading": ["", "a.h."], "rows": [["ball"], ["bone", "1.50"]]}
     found = {"texts": ["Hertz is too soft."], "tables": [table]}
-    html = validation_report.html(RECORD, {}, {}, findings={"two": found})
+    html = page.html(RECORD, {}, {}, findings={"two": found})
     place = html.index("Hertz is too soft.")
     assert html.index('id="two"') < place < html.index("Forces.") < html.index("fourth")
     assert ["bone", "1.50"] in cells(html)
@@ -142,7 +141,7 @@ def test_a_finding_stands_before_the_comparisons():
 def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not():
     near = case("near", "pass", value=1.24)
     record = {"suites": [{"suite": "s", "cases": [*RECORD["suites"][1]["cases"][:1], near]}]}
-    html = validation_report.html(record, {}, {}, findings={"s": {"about": "What it is about."}})
+    html = page.html(record, {}, {}, findings={"s": {"about": "What it is about."}})
     assert "near: 80 % of it." in html
     assert "fourth: " not in html
     assert "<h1>Validation: s</h1>" in html
@@ -154,7 +153,7 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
     with figures.style():
         drawn = figures.figure(3, 2)
         drawn.subplots().plot([0, 1], [0, 1])
-    validation_report.save(RECORD, tmp_path, {"two": [("A line.", drawn)]}, MADE)
+    page.save(RECORD, tmp_path, {"two": [("A line.", drawn)]}, MADE)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "validation.html",
         "validation.json",
@@ -171,7 +170,7 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
 
 def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():
     drawn = [("wide", figures.figure(9.2, 7.6)), ("narrow", figures.figure(6.2, 2.8))]
-    html = validation_report.html(RECORD, {"one": drawn}, {})
+    html = page.html(RECORD, {"one": drawn}, {})
     assert re.findall(r'<figure( class="wide")?><img [^>]*alt="(\w+)"', html) == [
         (' class="wide"', "wide"),
         ("", "narrow"),
@@ -200,4 +199,4 @@ def test_a_case_that_breaks_fails_alone_and_is_told(monkeypatch):
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     assert "fail InputError: depth: expected less" in console.validation_summary(record)
     assert console.validation_summary(record).splitlines()[-1] == "1 pass, 2 FAIL"
-    assert "Not measured: InputError: depth" in validation_report.html(record, {}, {})
+    assert "Not measured: InputError: depth" in page.html(record, {}, {})

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from fefinger.validation import page
 
 import fefinger as ff
-from fefinger import validation_report
 from fefinger.__main__ import main
 from fefinger.calibration import lumped_fit
 from fefinger.scene import library
@@ -155,7 +155,7 @@ def test_texts_appear_together_or_not_at_all(tmp_path):
 def test_a_page_of_validation_without_room_leaves_nothing(tmp_path):
     record = {"suites": []}
     with full(), pytest.raises(InputError, match=FULL):
-        validation_report.save(record, tmp_path, {}, {})
+        page.save(record, tmp_path, {}, {})
     assert list(tmp_path.iterdir()) == []
 
 

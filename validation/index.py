@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation import suites
+from fefinger.validation.page import VERDICTS, save
 
 from fefinger.pages import page
-from fefinger.validation_report import VERDICTS, save
 
 
 ABOUT = suites.ABOUT | {

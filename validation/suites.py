@@ -35,7 +35,7 @@ def left_out(suites: Sequence[str], *, quick: bool, every: bool) -> tuple[str, .
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
-    module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}")
+    module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}.suite")
     return tuple(module.cases(quick=quick))
 
 
@@ -72,7 +72,7 @@ def _recorded(record: dict[str, Any]) -> Iterator[tuple[str, Any, list[dict[str,
         if suite["suite"] in SUITES:
             yield (
                 suite["suite"],
-                import_module(f"fefinger.validation.{suite['suite']}"),
+                import_module(f"fefinger.validation.{suite['suite']}.suite"),
                 suite["cases"],
             )
 

@@ -60,13 +60,12 @@ def validate(
 
 def _save(record: dict[str, Any], folder: Path, name: str, command: str) -> list[str]:
     """Write the record and its page, and return a line for each file, also of the index."""
-    from fefinger import validation_report
-    from fefinger.validation import index, suites
+    from fefinger.validation import index, page, suites
     from fefinger.validation.provenance import provenance
 
     pictures, findings = suites.figures(record), suites.findings(record)
     made = provenance(command)
-    validation_report.save(record, folder, pictures, made, name, findings)
+    page.save(record, folder, pictures, made, name, findings)
     files = [folder / f"{name}.json", folder / f"{name}.html"]
     if (folder / "index.html").exists():
         files.append(index.write(folder))

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from fefinger.validation import fem_hertz
+from fefinger.validation.fem import hertz
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
@@ -49,7 +49,7 @@ def test_complementarity_is_exact_on_a_large_problem_from_any_start() -> None:
 
 @pytest.mark.parametrize("poisson", [0.3, 0.5])
 def test_hertz_at_every_poisson_ratio(poisson: float) -> None:
-    coarse, fine = (fem_hertz.errors(poisson, level) for level in (0, 1))
+    coarse, fine = (hertz.errors(poisson, level) for level in (0, 1))
     assert coarse["nodes"] < 1000
     assert abs(coarse["force"]) < 1.0
     assert abs(fine["force"]) < 0.3  # and on the way to zero

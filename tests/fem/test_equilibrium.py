@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation.cube import across, cube, nominal, stretches
+from fefinger.validation.problems.cube import across, cube, nominal, stretches
 from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fefinger.validation import evidence_cost
-from fefinger.validation.evidence import costs
+from fefinger.validation.evidence import cost
+from fefinger.validation.evidence.linear import costs
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
@@ -116,7 +116,7 @@ def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str
     kinds = {"flat": ff.Flat, "sphere": ff.Sphere, "bar": ff.Bar}
     indenter = kinds[row["kind"]](**row["indenter"])
     named = (row["mesh"], row["subject"], row["tissue"])
-    pressed = evidence_cost.scene(*named, indenter, row["depth_mm"])
+    pressed = cost.scene(*named, indenter, row["depth_mm"])
     here = machine.slowness(reports.read(solid_cost.REPORT))
     built = reports.mesh_seconds(pressed)
     assert 1 / 1.4 < (solid.cost(pressed) - built) / (here * row["seconds"]) < 1.4

@@ -61,7 +61,7 @@ def test_a_stiffer_and_stiffer_bone_becomes_rigid() -> None:
 
 
 def test_bone_of_17_gpa_takes_off_what_the_suite_finger_says() -> None:
-    from fefinger.validation import finger
+    from fefinger.validation.finger import suite as finger
 
     found = finger.yielding("coarse")
     assert found == pytest.approx(-0.0018, abs=1e-4)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import evidence_layered
+from fefinger.validation.evidence import layered as evidence_layered
 
 import fefinger as ff
 from fefinger import mechanics

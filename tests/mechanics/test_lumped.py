@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation import calibration_subjects, evidence_lumped
+from fefinger.validation.calibration import subjects
+from fefinger.validation.evidence import lumped as evidence_lumped
 
 import fefinger as ff
 from fefinger import mechanics
@@ -161,7 +162,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
     row = library.pawluk_bulk()[subject]
     peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
     assert lumped.respond(asked).force.max() == pytest.approx(float(peak), rel=1e-9)
-    found = calibration_subjects.calibrated(subject)
+    found = subjects.calibrated(subject)
     apart = row.prony.long_time * law.Spring(row.b, row.m).force(1.0) / found.curve.force(1.0) - 1
     assert plan.chosen.error > 0.97 * abs(apart)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fefinger.validation.cube import cube
+from fefinger.validation.problems.cube import cube
 
 import fefinger as ff
 from fefinger.__main__ import main

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fefinger.validation.calibration_report import rows
+from fefinger.validation.calibration.report import rows
 
 from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import vtu

@@ -1,6 +1,6 @@
 """Hertz contact of a sphere and an elastic half-space, and Huber's field below it: the formula.
 
-`mechanics/hertz.py` answers scenes with it; `validation/fem_hertz.py` proves the finite elements
+`mechanics/hertz.py` answers scenes with it; `validation/fem/hertz.py` proves the finite elements
 against it. Lengths in mm, moduli and stresses in kPa, forces in mN; z points into the body.
 Sources: Hertz 1881, Huber 1904; Johnson, Contact Mechanics, 1985, chapters 3 and 4.
 """

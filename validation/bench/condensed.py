@@ -1,0 +1,330 @@
+"""How fast a condensed finger is: its operator, a step of contact, a step with 1000 end organs.
+
+A whole finger under a tilted plate, so that neither symmetry nor half a mesh helps: ramp, hold, 8
+Hz sinusoid and retraction in 10 000 steps of 1 ms. A step is timed in processor time of its thread
+and in wall time, which counts what else the machine did. Baselines: SuperLU for the operator, a
+factor in the same order and a solution for every unknown of the pad; the steps of `linear` for
+contact, and its answer for agreement.
+"""
+
+import os
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from fefinger.validation.bench.fem import timed
+from fefinger.validation.bench.suites import Figure, Progress
+from numpy.typing import NDArray
+
+from fefinger.fem.body import body
+from fefinger.fem.condensation import Compliance, palmar
+from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.linalg import system
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.mechanics.press import materials, operator, operator_cache
+from fefinger.mechanics.press import sites as _touch
+from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.realtime.rolling import Rolling
+from fefinger.mesh.store import ready
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+from fefinger.results.records import Sites
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+
+
+Array = NDArray[np.float64]
+Precision = Literal["double", "single"]
+
+PLATE = Flat(30.0, tilt=10.0)
+DEPTH, AMPLITUDE, SPEED = 1.15, 0.3, 20.0  # mm, mm, mm/s
+STEPS, DT = 10_000, 1e-3
+TYPES = {"FAI": 0.6, "SAI": 0.8, "SAII": 1.8, "FAII": 2.5}  # end organs and their depths in mm
+EACH = 250
+COMPARED = 600
+TOLERANCES = (1e-8, 1e-6, 1e-4)
+LOADS = 128  # of those that SuperLU would have to solve, timed
+ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
+
+
+@one_thread
+def figures(progress: Progress) -> list[Figure]:
+    """Measure the operator of a standard finger, and steps on it."""
+    load = os.getloadavg()[0]
+    finger = replace(builtin.load("flat-press").finger, resolution="standard")
+    found = [*_building(finger), *_loading(finger)]
+    progress("condensed", 0.4)
+    sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
+    placed = _seconds(lambda: _placed(finger, sites, "double"))
+    found += [
+        Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", placed),
+    ]
+    double, single = _placed(finger, sites, "double"), _placed(finger, sites, "single")
+    found += [*_stepping("strains in double precision", double), *_contact(double)]
+    progress("condensed", 0.7)
+    found += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
+    for membrane in (IntegrateAndFire(), HodgkinHuxley()):
+        found += _spiking(single, membrane)
+    found += _rolling(finger, sites)
+    found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
+    return [*found, Figure("load average of the minute before", load, "processes")]
+
+
+def motion() -> Array:
+    """Return the depths (STEPS,) in mm of ramp, hold, sinusoid and retraction."""
+    times = np.arange(STEPS) * DT
+    down = DEPTH / SPEED
+    depth = np.interp(times, [0, down, 9, 9 + down + 0.01], [0, DEPTH, DEPTH, -0.2])
+    waving = (times >= 3) & (times < 9)
+    depth[waving] += AMPLITUDE * np.sin(2 * np.pi * 8 * (times[waving] - 3))
+    return np.asarray(depth)
+
+
+def end_organs(finger: Condensed) -> Sites:
+    """Return EACH sites of every type, under the vertices of the pad nearest to the plate."""
+    on_pad = finger.patch
+    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.travel)[:EACH]]
+    points, normals = finger.solid.space.points[near], finger.solid.normals[near]
+    depths = np.repeat(list(TYPES.values()), EACH)
+    outward = np.tile(normals, (len(TYPES), 1))
+    places = np.tile(points, (len(TYPES), 1)) - depths[:, None] * outward
+    return Sites(places, outward, depths, tuple(np.repeat(list(TYPES), EACH).tolist()))
+
+
+def _building(finger: Finger) -> list[Figure]:
+    """Build both parities, one thread, and keep them."""
+    mesh, seconds, processor = ready(finger, half=True), 0.0, time.process_time()
+    for odd in (False, True):
+        started = time.perf_counter()
+        built = operator.build(finger, mesh, odd=odd)
+        identity = operator_cache.identity(finger, odd=odd, mesh=mesh)
+        assert identity is not None
+        operator.write(built, operator_cache.folder(identity), identity)
+        seconds += time.perf_counter() - started
+    processor = time.process_time() - processor
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    unknowns = len(built.matrix)
+    name = "operator, whole finger"
+    return [
+        Figure(f"{name}: wall, built and written", seconds, "s"),
+        Figure(f"{name}: processor, built and written", processor, "s", _superlu(finger, mesh)),
+        Figure("operator: memory at the peak", peak, "MB"),
+        Figure("operator: unknowns on the half of the pad", unknowns, "1"),
+        Figure("operator: entries kept", 2 * (built.matrix.size + _entries(built)), "1"),
+    ]
+
+
+def _superlu(finger: Finger, mesh: FingerMesh) -> float:
+    """Return the CPU seconds of SuperLU for both parities: a factor and all loads of the pad.
+
+    The factor and LOADS of the loads are timed, on the even half.
+    """
+    solid = body(mesh, materials.tissues(finger), materials.held(finger))
+    own, space = solid.system, solid.space
+    found, factoring = timed(lambda: system.factor(space, own.matrix, own.fixed, "superlu"))
+    count = 3 * len(palmar(solid))
+    loads = np.zeros((len(own.free), LOADS))
+    loads[np.arange(LOADS), np.arange(LOADS)] = 1.0
+    _, solving = timed(lambda: found.solver.solve(loads))
+    return 2 * (factoring + solving * count / LOADS)
+
+
+def _entries(built: Compliance) -> int:
+    return sum(front.lower.size + front.below.size for front in built.fronts)
+
+
+def _loading(finger: Finger) -> list[Figure]:
+    begun = time.process_time()
+    seconds = _seconds(lambda: operator.operator(finger, half=False))
+    processor = time.process_time() - begun
+    return [
+        Figure("operator, whole finger: wall, loaded with its mesh", seconds, "s"),
+        Figure("operator, whole finger: processor, loaded with its mesh", processor, "s"),
+    ]
+
+
+def _placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
+    return Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=sites, precision=precision)
+
+
+def _again(finger: Finger, sites: Sites) -> float:
+    return _seconds(lambda: _placed(finger, sites, "double"))
+
+
+def _stepping(name: str, finger: Condensed) -> list[Figure]:
+    """Time the steps of the motion with everything that a step gives."""
+    processor, wall, vertices = np.empty(STEPS), np.empty(STEPS), np.empty(STEPS)
+    _warm(finger)
+    for k, depth in enumerate(motion().tolist()):
+        begun, started = time.thread_time(), time.perf_counter()
+        finger.step(depth, DT)
+        processor[k], wall[k] = time.thread_time() - begun, time.perf_counter() - started
+        vertices[k] = finger.counts[lcp_compiled.K]
+    return [
+        Figure(f"{name}: vertices in contact, median", float(np.median(vertices)), "1"),
+        Figure(f"{name}: step, median, processor", _ms(processor, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(processor, 0.99), "ms"),
+        Figure(f"{name}: step, median, wall", _ms(wall, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, wall", _ms(wall, 0.99), "ms"),
+    ]
+
+
+def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> list[Figure]:
+    """Time the steps with a unit behind every end organ."""
+    units, fired = finger.afferents(membrane=membrane), 0
+    seconds = np.empty(STEPS)
+    _warm(finger)
+    units.step(finger.step(DEPTH / 2, DT).strain, DT)
+    finger.reset()
+    units.reset()
+    for k, depth in enumerate(motion().tolist()):
+        begun = time.thread_time()
+        fired += units.step(finger.step(depth, DT).strain, DT)
+        seconds[k] = time.thread_time() - begun
+    name = f"with {len(units.types)} {type(membrane).__name__} units"
+    return [
+        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+        Figure(f"{name}: spikes", fired, "1"),
+    ]
+
+
+def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
+    """Time the steps of a plate that turns from one of ANGLES to the other and back."""
+    folded = replace(sites, points=_touch.folded(sites.points))
+    rolling = Rolling(finger, angles=ANGLES, deepest=1.1, sites=folded)
+    angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
+    seconds = np.empty(TURNS)
+    for _ in range(2):  # compiles
+        rolling.reset()
+        for k, angle in enumerate(angles):
+            begun = time.thread_time()
+            rolling.step(1.0, angle, DT)
+            seconds[k] = time.thread_time() - begun
+    vertices = float(np.count_nonzero(rolling.now.pressure))
+    name = f"a plate that turns, half a finger, {len(sites.points)} end organs"
+    return [
+        Figure(f"{name}: vertices in contact at the end", vertices, "1"),
+        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+    ]
+
+
+def _contact(finger: Condensed) -> list[Figure]:
+    """Time the steps of contact and force alone."""
+    seconds, exchanged = np.empty(STEPS), np.empty(STEPS)
+    _warm(finger)
+    for k, depth in enumerate(motion().tolist()):
+        begun = time.thread_time()
+        finger.step_contact(depth, DT)
+        seconds[k] = time.thread_time() - begun
+        exchanged[k] = finger.counts[lcp_compiled.EXCHANGED]
+    return [
+        Figure("contact only: candidate vertices", len(finger.now.pressure), "1"),
+        Figure("contact only: step, median, processor", _ms(seconds, 0.5), "ms"),
+        Figure("contact only: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+        Figure("contact only: vertices exchanged per step", exchanged[-1] / STEPS, "1"),
+        Figure("contact only: inverses made anew", float(finger.counts[lcp_compiled.REBUILT]), "1"),
+    ]
+
+
+def _agreement(finger: Condensed) -> list[Figure]:
+    """Compare pressures and seconds with `march`, on the same operator, over a short motion."""
+    on_pad, prony = finger.patch, finger.finger.prony
+    depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
+    asked = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
+    answers, seconds = [], []
+    memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+    few = Prescribed("depth", asked.time[:2], depth[:2])
+    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
+    for method in (step_compiled.march, march):
+        memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+        begun = time.thread_time()
+        found = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, asked)
+        seconds.append((time.thread_time() - begun) / len(depth))
+        answers.append(found.pressure)
+    error = np.abs(answers[0] - answers[1]).max(axis=1)
+    scale = np.abs(answers[1]).max(axis=1)
+    worst = float((error[scale > 0] / scale[scale > 0]).max())
+    name = "contact only: step, mean, processor, against linear"
+    return [
+        Figure("pressure against linear's march, worst step", worst, "1"),
+        Figure(name, 1e3 * seconds[0], "ms", 1e3 * seconds[1]),
+    ]
+
+
+def _strain_error(single: Condensed, double: Condensed) -> list[Figure]:
+    """Compare the strains of both precisions over a tenth of the motion."""
+    worst = largest = 0.0
+    for each in (single, double):
+        each.reset()
+    for depth in motion()[::10].tolist():
+        exact = double.step(depth, DT).strain
+        worst = max(worst, float(np.abs(single.step(depth, DT).strain - exact).max()))
+        largest = max(largest, float(np.abs(exact).max()))
+    return [Figure("strain in single precision: error over the largest", worst / largest, "1")]
+
+
+def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
+    """Trade the tolerance of the contact against its error."""
+    found = []
+    forces = _forces(exact)
+    for tolerance in TOLERANCES:
+        rough = Condensed(
+            finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites, tolerance=tolerance
+        )
+        begun = time.thread_time()
+        error = np.abs(_forces(rough) - forces).max() / forces.max()
+        seconds = (time.thread_time() - begun) / STEPS
+        found += [
+            Figure(f"contact tolerance {tolerance:g}: step, mean, processor", 1e3 * seconds, "ms"),
+            Figure(f"contact tolerance {tolerance:g}: error of the force", float(error), "1"),
+        ]
+    return found
+
+
+def _coarser(finger: Finger) -> list[Figure]:
+    """Trade the mesh against the error: the coarse one against the standard one."""
+    exact = Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE)
+    coarse = replace(finger, resolution="coarse")
+    rough = Condensed(coarse, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites)
+    begun = time.thread_time()
+    forces = _forces(rough)
+    seconds = (time.thread_time() - begun) / STEPS
+    error = float(np.abs(forces - _forces(exact)).max() / forces.max())
+    strains = [each.step(DEPTH, DT).strain for each in (rough, exact)]
+    worst = float(np.abs(strains[0] - strains[1]).max() / np.abs(strains[1]).max())
+    name = "coarse mesh, against the standard one"
+    return [
+        Figure("coarse mesh: step, mean, processor", 1e3 * seconds, "ms"),
+        Figure(f"{name}: error of the force", error, "1"),
+        Figure(f"{name}: error of the strains under first touch, over the largest", worst, "1"),
+    ]
+
+
+def _forces(finger: Condensed) -> Array:
+    """Return the forces (STEPS,) of the motion in N, contact only."""
+    finger.reset()
+    return np.array([finger.step_contact(depth, DT).force for depth in motion().tolist()])
+
+
+def _warm(finger: Condensed) -> None:
+    """Compile, and come back to rest."""
+    finger.step(DEPTH / 2, DT)
+    finger.step_contact(DEPTH / 2, DT)
+    finger.reset()
+
+
+def _ms(seconds: Array, part: float) -> float:
+    return 1e3 * float(np.quantile(seconds, part))
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started

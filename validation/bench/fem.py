@@ -1,0 +1,122 @@
+"""How fast the finite elements are: a finger by stages, Hertz to an accuracy, growth with size.
+
+The baseline of factor and loads is SciPy's SuperLU in symmetric mode, given the same order of the
+unknowns (its own orders are several times slower) and one BLAS thread, which is faster for it too.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+from fefinger.validation.bench import solvers
+from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.fem import hertz
+
+from fefinger.fem import body
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.elements.forms import stiffness
+from fefinger.fem.elements.probe import strain_at
+from fefinger.fem.linalg import system as solve
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.mechanics.press import materials, placement
+from fefinger.mesh.store import ready
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD
+
+
+RESOLUTION, REPEATS = "standard", 3
+LOADS, STEPS = 64, 1000
+DEPTH, REACH = 1.5, 2.0  # mm
+NU = 0.49
+HERTZ = hertz.Grading(hertz.LINES, core=0.3, rim=0.06, slope=0.42, sectors=6)
+
+T = TypeVar("T")
+
+
+def figures(progress: Progress) -> list[Figure]:
+    """Measure the finger, Hertz contact and the linear solvers as size grows."""
+    return [*finger_figures(progress), *hertz_figures(), *solvers.figures(progress)]
+
+
+@one_thread
+def finger_figures(progress: Progress) -> list[Figure]:
+    """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
+    finger = replace(builtin.load("flat-press").finger, resolution=RESOLUTION)
+    mesh = ready(finger, half=True)
+    tissues, held = materials.tissues(finger), materials.held(finger)
+    solid = body.body(mesh, tissues, held)
+    space, system = solid.space, solid.system
+    progress("fem", 0.05)
+    _, assembly = best(lambda: stiffness(space, tissues))
+    _, factoring = best(lambda: solve.factor(space, system.matrix, system.fixed))
+    loads = np.random.default_rng(0).normal(size=(space.n_unknowns, LOADS))
+    _, solving = best(lambda: system.solve(loads))
+    progress("fem", 0.1)
+    superlu, superlu_factoring = timed(
+        lambda: solve.factor(space, system.matrix, system.fixed, "superlu")
+    )
+    _, superlu_solving = best(lambda: superlu.solve(loads))
+    progress("fem", 0.2)
+    return [
+        Figure("unknowns", space.n_unknowns, "1"),
+        Figure("assembly: CPU", assembly, "s"),
+        Figure("factor: CPU", factoring, "s", superlu_factoring),
+        Figure("factor: entries", system.solver.entries, "1", superlu.solver.entries),
+        Figure(f"{LOADS} loads: CPU", solving, "s", superlu_solving),
+        Figure("contact: CPU per step", contact(solid, finger) / STEPS, "s"),
+    ]
+
+
+@one_thread
+def hertz_figures() -> list[Figure]:
+    """Measure Hertz contact on a mesh that is there: CPU seconds, and what they bought."""
+    truth = hertz.hertz(NU)
+    space = HERTZ.space(truth.contact_radius)
+    _ = space.scalar.dx  # the mesh's own tables, which are part of meshing
+    started = time.process_time()
+    pressed = hertz.body_on(space, NU).pressed(truth.depth)
+    seconds = time.process_time() - started
+    errors = hertz.measured(pressed, truth)
+    name = f"Hertz, nu {NU:g}"
+    return [
+        Figure(f"{name}: displacement nodes", errors["nodes"], "1"),
+        Figure(f"{name}: CPU, assembly to contact", seconds, "s"),
+        *(
+            Figure(f"{name}: {key}", errors[key], "%", limit)
+            for key, (limit, _) in hertz.TARGETS.items()
+            if "anywhere" not in key
+        ),
+    ]
+
+
+def contact(solid: body.Body, finger: Finger) -> float:
+    """Return the CPU seconds of STEPS steps of a press to DEPTH and back on a reduced finger."""
+    touch = placement.obstacle(STANDARD, solid)
+    on_pad = patch(solid.space, solid.pad, solid.normals, touch, REACH)
+    small = body.reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
+    prony, size = finger.prony, len(on_pad.vertices)
+    times = np.linspace(0.0, 1.0, STEPS)
+    asked = Prescribed("depth", times, DEPTH * np.sin(np.pi * times))
+
+    def pressed() -> Any:
+        memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
+        return march(small.flexibility, on_pad.gap, on_pad.travel, memory, asked)
+
+    return best(pressed)[1]
+
+
+def timed(work: Callable[[], T]) -> tuple[T, float]:
+    """Return what `work` gives and its CPU seconds."""
+    started = time.process_time()
+    answer = work()
+    return answer, time.process_time() - started
+
+
+def best(work: Callable[[], T]) -> tuple[T, float]:
+    """Return what `work` gives and the CPU seconds of its fastest run."""
+    runs = [timed(work) for _ in range(REPEATS)]
+    return runs[-1][0], min(seconds for _, seconds in runs)

@@ -1,0 +1,257 @@
+"""How fast and how exactly 1000 afferents fire: ramp and hold, and sinusoids, rates / 6, 1 s.
+
+Membranes alone, then the integrators that a requested error of spike times chooses, then the whole
+chain from skin displacement to spikes with the memory that it takes.
+"""
+
+import os
+import time
+import tracemalloc
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeVar
+
+import numpy as np
+from fefinger.validation.bench.suites import Figure, Progress
+from numpy.typing import NDArray
+
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+
+
+UNITS, REPEATS, EXACT = 1000, 15, 16
+"""Afferents; runs of each method in turn, of which the fastest counts; units that the adaptive
+method integrates too."""
+
+TOLERANCE = 5e-5
+
+TOLERANCES = (1e-3, 1e-4, 5e-5, 1e-5, 1e-7)
+"""s: errors of spike times that integrators are chosen by."""
+
+TONES = (2.0, 8.0, 20.0, 64.0)
+"""Hz; slower ones are exponentially sensitive near threshold, whatever the method."""
+
+DIVISOR = 6.0
+
+TIME = np.linspace(0.0, 1.0, 1001)
+
+BASELINE, FAST = "plain Runge-Kutta 0.05 ms", "splitting, tolerance 0.05 ms"
+CHEAP = "integrate-and-fire"
+
+Spikes = list[NDArray[np.float64]]
+T = TypeVar("T")
+
+
+def currents(units: int) -> NDArray[np.float64]:
+    """Return (n_t, units) uA/cm²: 0.5 s of ramp to 2 to 60, held for 0.5 s."""
+    return np.outer(np.minimum(2 * TIME, 1.0), np.linspace(2.0, 60.0, units))
+
+
+@dataclass(frozen=True)
+class Error:
+    """Spike times against a reference: error in ms, and units whose count is another."""
+
+    median: float
+    worst: float
+    miscounted: int
+
+
+def compare(spikes: Spikes, reference: Spikes) -> Error:
+    """Return the errors of spike times in s; only equal counts have times to compare.
+
+    Without any the errors are not a number.
+    """
+    pairs = [(a, b) for a, b in zip(spikes, reference, strict=True) if len(a) == len(b)]
+    errors = np.abs(np.concatenate([np.empty(0), *(1e3 * (a - b) for a, b in pairs)]))
+    if not len(errors):
+        errors = np.array([np.nan])
+    return Error(float(np.median(errors)), float(errors.max()), len(spikes) - len(pairs))
+
+
+def plain(current: NDArray[np.float64], *, exponential: bool) -> Spikes:
+    """Fire by a plain loop at 0.05 ms, its units shared among a thread per core."""
+    from fefinger.validation.bench import plain_integrators
+
+    rest = HodgkinHuxley(DIVISOR).rest()
+
+    def unit(i: int) -> NDArray[np.float64]:
+        spikes = np.empty(2000)
+        column = np.ascontiguousarray(current[:, i])
+        n = plain_integrators.integrate(
+            1e3 * TIME, column, 0.05, exponential, DIVISOR, rest, spikes
+        )
+        return 1e-3 * spikes[:n]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(unit, range(current.shape[1])))
+
+
+def methods() -> dict[str, Callable[[NDArray[np.float64]], Spikes]]:
+    """Return what is timed, by name."""
+    slowed, cheap = HodgkinHuxley(DIVISOR), IntegrateAndFire()
+    return {
+        BASELINE: lambda current: plain(current, exponential=False),
+        "plain exponential Euler 0.05 ms": lambda current: plain(current, exponential=True),
+        FAST: lambda current: list(
+            slowed.fire(TIME, current, tolerance=TOLERANCE, stimulus_driven=False).times
+        ),
+        "Runge-Kutta 0.05 ms": lambda current: list(
+            slowed.fire(TIME, current, method="runge-kutta", stimulus_driven=False).times
+        ),
+        CHEAP: lambda current: list(cheap.fire(TIME, current).times),
+    }
+
+
+@dataclass
+class Timing:
+    """The fastest of several runs in seconds of wall and of all cores, and its spike times in s."""
+
+    wall: float
+    core: float
+    spikes: Spikes
+
+
+def timed(progress: Progress) -> dict[str, Timing]:
+    """Return how long each method takes; they take turns, so that a busy machine slows them all."""
+    current, todo = currents(UNITS), methods()
+    found = {name: Timing(np.inf, np.inf, fire(current[:, :40])) for name, fire in todo.items()}
+    for repeat in range(REPEATS):
+        progress("neural", repeat / (REPEATS + 2))
+        for name, fire in todo.items():
+            best, started, used = found[name], time.perf_counter(), time.process_time()
+            best.spikes = fire(current)
+            best.wall = min(best.wall, time.perf_counter() - started)
+            best.core = min(best.core, time.process_time() - used)
+    return found
+
+
+def speeds(found: dict[str, Timing]) -> list[Figure]:
+    """Return wall time and units per core, against the plain loop."""
+    base, figures = found[BASELINE], []
+    for name, each in found.items():
+        figures.append(Figure(f"{name}: wall", each.wall, "s", base.wall))
+        rate, plainly = UNITS / each.core, UNITS / base.core
+        figures.append(Figure(f"{name}: speed", rate, "unit-s per core-s", plainly))
+    cheap, cheapest = found[CHEAP].wall, found[FAST].wall
+    figures.append(Figure(f"{CHEAP}: wall, against {FAST}", cheap, "s", cheapest))
+    return figures
+
+
+def errors(found: dict[str, Timing], fine: Spikes) -> list[Figure]:
+    """Return the errors of Hodgkin-Huxley spike times, against those of the plain loop."""
+    base, figures = compare(found[BASELINE].spikes, fine), []
+    for name in (name for name in found if name != CHEAP):
+        error = compare(found[name].spikes, fine)
+        figures += [
+            Figure(f"{name}: median spike-time error", error.median, "ms", base.median),
+            Figure(f"{name}: worst spike-time error", error.worst, "ms", base.worst),
+            Figure(f"{name}: units miscounted", error.miscounted, f"of {UNITS}", base.miscounted),
+        ]
+    return figures
+
+
+def swings(units: int) -> NDArray[np.float64]:
+    """Return (n_t, units) uA/cm²: A (1 - cos) / 2 at TONES in turn, A from 2 to 60."""
+    tones = np.array(TONES)[np.arange(units) % len(TONES)]
+    waves = 0.5 * (1.0 - np.cos(2.0 * np.pi * np.outer(TIME, tones)))
+    return np.asarray(waves * np.linspace(2.0, 60.0, units), np.float64)
+
+
+def sinusoids() -> list[Figure]:
+    """Return speed and errors on sinusoids, of the chosen integrator and of Runge-Kutta."""
+    current, slowed = swings(UNITS), HodgkinHuxley(DIVISOR)
+    fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
+    base = once(lambda: plain(current, exponential=False))[0]
+    rows = []
+    choices: tuple[tuple[str, dict[str, Any]], ...] = (
+        (f"sinusoids, {FAST}", {"tolerance": TOLERANCE}),
+        ("sinusoids, Runge-Kutta 0.05 ms", {}),
+    )
+    for label, options in choices:
+        fire = partial(slowed.fire, TIME, current, stimulus_driven=False, **options)
+        wall, firing = once(fire)
+        error = compare(list(firing.times), fine)
+        rows += [
+            Figure(f"{label}: wall", wall, "s", base),
+            Figure(f"{label}: median spike-time error", error.median, "ms"),
+            Figure(f"{label}: worst spike-time error", error.worst, "ms"),
+            Figure(f"{label}: units miscounted", error.miscounted, f"of {UNITS}"),
+        ]
+    return rows
+
+
+def ladder(fine: Spikes) -> list[Figure]:
+    """Return, for each requested error, its 95th percentile and the speed of what it chooses."""
+    slowed, current, rows = HodgkinHuxley(DIVISOR), currents(UNITS), []
+    for asked in TOLERANCES:
+        method, dt = slowed.integrator(asked)
+        wall, firing = once(
+            partial(slowed.fire, TIME, current, tolerance=asked, stimulus_driven=False)
+        )
+        pairs = [(a, b) for a, b in zip(firing.times, fine, strict=True) if len(a) == len(b)]
+        error = 1e3 * float(np.quantile(np.abs(np.concatenate([a - b for a, b in pairs])), 0.95))
+        name = f"asked {1e3 * asked:g} ms: {method}, {1e6 * dt:.3g} us"
+        rows += [
+            Figure(f"{name}: 95 % of spike-time errors below", error, "ms"),
+            Figure(f"{name}: speed", UNITS / wall, "unit-s per s"),
+        ]
+    return rows
+
+
+def chain() -> list[Figure]:
+    """Return speed and memory from skin displacement to spikes, units of all four types."""
+    from fefinger.neural.afferents import simulate
+
+    types = tuple(np.tile(("SAI", "SAII", "FAI", "FAII"), UNITS // 4).tolist())
+    press = np.outer(np.clip(TIME / 0.05, 0.0, 1.0), np.linspace(0.1, 1.5, len(types)))
+    run = partial(simulate, TIME, press, types=types, check=False)
+    wall = once(run)[0]
+    return [
+        Figure("skin to spikes: wall", wall, "s"),
+        Figure("skin to spikes: memory beside its input", held(run), "MB"),
+    ]
+
+
+def once(work: Callable[[], T]) -> tuple[float, T]:
+    """Return the seconds of the fastest of three runs, and what the last gave."""
+    walls = []
+    for _ in range(3):
+        started = time.perf_counter()
+        answer = work()
+        walls.append(time.perf_counter() - started)
+    return min(walls), answer
+
+
+def held(work: Callable[[], object]) -> float:
+    """Return the most memory in MB that work holds at a time."""
+    tracemalloc.start()
+    work()
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    return memory
+
+
+def figures(progress: Progress) -> list[Figure]:
+    """Return speed and errors of each method, memory, and the load of the machine at the start."""
+    load = os.getloadavg()[0]
+    found = timed(progress)
+    progress("neural", REPEATS / (REPEATS + 2))
+    slowed, current = HodgkinHuxley(DIVISOR), currents(UNITS)
+    fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
+    some = np.linspace(0, UNITS - 1, EXACT).astype(int)
+    exact = slowed.fire(TIME, current[:, some], method="adaptive", stimulus_driven=False).times
+    check = compare([fine[i] for i in some], list(exact))
+    memory = held(partial(slowed.fire, TIME, current, tolerance=TOLERANCE, stimulus_driven=False))
+    progress("neural", 1.0)
+    return [
+        *speeds(found),
+        *errors(found, fine),
+        *sinusoids(),
+        *ladder(fine),
+        *chain(),
+        Figure("reference against order 8: worst spike-time error", check.worst, "ms"),
+        Figure("reference against order 8: units miscounted", check.miscounted, f"of {EXACT}"),
+        Figure(f"{FAST}: memory beside its input", memory, "MB"),
+        Figure("load average of the minute before", load, "processes"),
+    ]

@@ -1,0 +1,69 @@
+"""How fast finite strain is: the relaxing hemisphere that FEBio was measured on.
+
+FEBio 4.11 took 54 CPU s for 61 steps on 13 999 unknowns of displacement (two cores, another run);
+its material relaxes the whole stress, as here. Compilation is not counted.
+"""
+
+import time
+
+import numpy as np
+from fefinger.validation.bench.suites import Figure, Progress
+
+from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.newton import Equilibrium
+from fefinger.fem.linalg.threads import one_thread
+
+
+SIZES = (4.0, 2.4)  # mm of the cells at the pole; the first compiles
+
+
+@one_thread
+def figures(progress: Progress) -> list[Figure]:
+    """Measure the ramp and hold, and what its parts take."""
+    from fefinger.validation.fem.solid import MODULUS, SERIES, SPEED, TIMES, WEIGHTS
+    from fefinger.validation.problems.hemisphere import Hemisphere
+
+    law = neo_hookean(Elastic(MODULUS * WEIGHTS[0], 0.49))
+    for number, size in enumerate(SIZES):
+        ball = Hemisphere(law, size, sectors=6)
+        space = ball.space
+        _ = space.unknowns  # numbered here: meshing is not counted
+        started = time.process_time()
+        force, solver = ball.pressed(TIMES, SPEED, SERIES)
+        seconds = time.process_time() - started
+        progress("solid", (number + 1) / (len(SIZES) + 1))
+    parts = _parts(solver)
+    return [
+        Figure("hemisphere: unknowns of displacement", space.n_displacements, "1"),
+        Figure("hemisphere: steps", len(TIMES), "1"),
+        Figure("hemisphere: iterations", solver.iterations, "1"),
+        Figure("hemisphere: factors", solver.factors + 1, "1"),
+        Figure("hemisphere: peak force", float(force.max()), "N"),
+        Figure("hemisphere: ramp and hold", seconds, "CPU s"),
+        *(Figure(f"hemisphere: {name}", value, "CPU s") for name, value in parts.items()),
+    ]
+
+
+def _parts(solver: Equilibrium) -> dict[str, float]:
+    """Return the CPU seconds of one residual, tangent, factor and solution."""
+    body, system = solver.body, solver.system
+    values = 1e-4 * np.random.default_rng(0).normal(size=body.space.n_unknowns)
+    right = values[system.free]
+    from fefinger.fem.linalg.system import rough
+
+    kept = rough(body.space, system.matrix, system)
+
+    work = {
+        "residual": lambda: body.residual(values, body.at_rest),
+        "tangent": lambda: body.tangent(values, body.at_rest),
+        "factor": lambda: rough(body.space, system.matrix, system),
+        "solution": lambda: kept.solve(right),
+    }
+    seconds = {}
+    for name, call in work.items():
+        call()
+        started = time.process_time()
+        call()
+        seconds[name] = time.process_time() - started
+    return seconds

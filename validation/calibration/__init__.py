@@ -1,0 +1,1 @@
+"""Suite `calibration`: fingers calibrated on subjects, and twins of known tissue."""

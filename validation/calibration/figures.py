@@ -1,0 +1,148 @@
+"""Table and figures of suite `calibration`: curves, what stiffens a finger, and the array."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from fefinger.validation.calibration.report import calibrated, rows
+from fefinger.validation.calibration.split import PARTS
+
+from fefinger.calibration import targets
+from fefinger.calibration.force import stiffness
+from fefinger.scene import library
+from fefinger.view.figures import INK, WIDE, figure, style
+
+
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499")
+PART_COLORS = dict(zip(PARTS, ("#56B4E9", "#E69F00", "#009E73", "#D55E00", "#BBBBBB"), strict=True))
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure: stiffness, split, profiles."""
+    with style():
+        yield _said(), _split()
+        yield _stiffness_caption(), _stiffness()
+        yield _profile_caption(), _profiles()
+
+
+def _said() -> str:
+    parts = {name: [row["split"]["shares"][name] for row in rows().values()] for name in PARTS}
+    words = {name: f"{100 * min(v):.0f} to {100 * max(v):.0f} %" for name, v in parts.items()}
+    return (
+        "What the exponential stiffening of Table 2.1 is, subject by subject: m of the line "
+        "k = m P + b through stiffness against force over the depths of the ramp. The growth of "
+        f"the contact on a half-space gives {words['contact']} of m, bone and shape "
+        f"{words['bone']}, finite strain of tissue that does not stiffen {words['strain']}, the "
+        f"fitted exponent of the tissue {words['tissue']}; {words['rest']} are missed. The order "
+        "of the causes is that of the models; another order would share them differently."
+    )
+
+
+def _split() -> Any:
+    made = figure(WIDE, 3.0)
+    axes = made.subplots()
+    names = list(rows())
+    for place, name in enumerate(names):
+        left = 0.0
+        for part, color in PART_COLORS.items():
+            value = rows()[name]["split"][part]
+            axes.barh(place, value, left=left, color=color, label=part if place == 0 else None)
+            left += value
+        axes.plot([library.pawluk_bulk()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
+    axes.set_yticks(range(len(names)), names)
+    axes.invert_yaxis()
+    axes.set_xlabel("m in 1/mm (line: Table 2.1)")
+    axes.legend(ncols=len(PARTS), loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
+    return made
+
+
+def _stiffness_caption() -> str:
+    return (
+        "Stiffness against instantaneous force: the line of Table 2.1 (dashed) and the calibrated "
+        "finger. A finger begins without stiffness, as Hertz's contact does; the line does not."
+    )
+
+
+def _stiffness() -> Any:
+    made = figure(WIDE, 3.2)
+    axes = made.subplots()
+    for name, color in zip(rows(), COLORS, strict=False):
+        wanted, found = targets.subject(name), calibrated(name)
+        mine = stiffness(found.curve, 1.0, found.prony, wanted.force)
+        axes.plot(wanted.force, wanted.stiffness, "--", color=color)
+        axes.plot(wanted.force, mine, color=color, label=name)
+    axes.set_xlabel("T in N")
+    axes.set_ylabel("dT/dx in N/mm")
+    axes.legend(frameon=False)
+    return made
+
+
+def _table_caption() -> str:
+    return (
+        "The calibrated sets: relaxed modulus of the subcutaneous tissue and exponent with one "
+        "standard deviation (the skin has 3.0 times the modulus, a prior), the line through the "
+        "stiffness, the parts of m, and what the thesis's fit finds in the simulated frames. They "
+        f"are fits of a model, not measurements of tissue. {_cost()}"
+    )
+
+
+def _cost() -> str:
+    """Return what the calibrations took, the presses that were kept included."""
+    said = []
+    for name in rows():
+        found = calibrated(name)
+        spent = sum(stage.presses_cpu for stage in found.stages)
+        said.append(f"{name} {spent:.0f} s ({found.finger['resolution']} mesh)")
+    return f"Presses took, in CPU time: {', '.join(said)}; the fits a few seconds each."
+
+
+def table() -> dict[str, Any]:
+    """Return the calibrated sets with what of the stiffening is whose."""
+    heads = ["", "mesh", "E in kPa", "exponent", "m (2.1)", "b (2.1)", *PARTS, "R (3.2)"]
+    rows_ = [_cells(name) for name in rows()]
+    return {"caption": _table_caption(), "heading": [*heads, "c0 b (3.2)"], "rows": rows_}
+
+
+def _cells(name: str) -> list[str]:
+    found, split = calibrated(name), rows()[name]["split"]
+    values = found.residuals
+    pair = "{:.3g} ({:.3g})"
+    return [
+        name,
+        found.finger["resolution"],
+        f"{found['modulus'].value:.1f} ± {found['modulus'].sd:.1f}",
+        f"{found['exponent'].value:.2f} ± {found['exponent'].sd:.2f}",
+        pair.format(values["m"], values["m, wanted"]),
+        pair.format(values["b"], values["b, wanted"]),
+        *(f"{split[part]:.2f}" for part in PARTS),
+        pair.format(values["array radius"], values["array radius, wanted"]),
+        pair.format(values["array c0_b"], values["array c0_b, wanted"]),
+    ]
+
+
+def _profile_caption() -> str:
+    reached = [each["force_N"] for row in rows().values() for each in row["profiles"]]
+    return (
+        "What the array reads, over its largest value, against the distance from the center of "
+        "pressure (proximal to the left), at 0.54, 1.1 and 2.3 N of a slow press (where a press "
+        f"ends earlier, there: up to {max(reached):.2g} N): the calibrated finger (dots) and the "
+        "half-space of Table 3.2 (line). The finger's pressure is not that of a round "
+        "body: it is longer along the finger than across."
+    )
+
+
+def _profiles() -> Any:
+    names = list(rows())
+    made = figure(WIDE, 1.9 * len(names))
+    axes = made.subplots(len(names), 3, sharex=True, sharey=True)
+    for line, name in zip(np.reshape(axes, (-1, 3)), names, strict=True):
+        for ax, each in zip(line, rows()[name]["profiles"], strict=True):
+            r, mine, theirs = (
+                np.array(each[key]) for key in ("distance_mm", "finger_kPa", "thesis_kPa")
+            )
+            ax.plot(r, mine / mine.max(), ".", color=COLORS[0], markersize=3)
+            ax.plot(r, theirs / theirs.max(), color=INK, linewidth=1)
+            ax.set_title(f"{name}, {each['force_N']:.2g} N", fontsize=8)
+    made.supxlabel("distance from the center of pressure / mm", fontsize=9)
+    made.supylabel("reading / its largest value", fontsize=9)
+    return made

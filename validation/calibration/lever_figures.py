@@ -1,0 +1,172 @@
+"""Tables and figure of suite `calibration`: what moves R, m and c0 b, and what is left of them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from fefinger.validation.calibration.report import calibrated, levers
+
+from fefinger.calibration import pad_radius
+from fefinger.view.figures import INK, STEEL, WIDE, figure, style
+
+
+BLUE, ORANGE = "#0072B2", "#D55E00"
+NAMES = ("radius", "m", "c0_b")
+HEADS = ("R in mm", "m in 1/mm", "c0 b in kPa/mm")
+OF_FORCE = ("stiffness_m", "stiffness_b", "radius")
+MISSES = 0.1
+"""Misfit from which a finger no longer has the force of its subject: ten times that of the best."""
+ROUNDING = 1e-9
+"""What the fit leaves of a value that it drives to zero."""
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure: the levers."""
+    with style():
+        yield _caption(), _levers()
+
+
+def tables() -> Iterator[dict[str, Any]]:
+    """Yield the table of the assumptions, if they were tried, and that of the two sessions."""
+    if levers()["finger"]:
+        yield _assumptions()
+    yield _sessions()
+
+
+def _caption() -> str:
+    subject, tried = levers()["subject"], levers()["finger"]
+    read = levers()["reading"][subject]
+    small = max(
+        abs(row["radius"] - read[0]["radius"])
+        for row in read
+        if not row["lever"].startswith(("touch", "pressed"))
+    )
+    above = (
+        "Upper block: fingers of the coarse mesh, pressed to 1.1 N, modulus and exponent fitted to "
+        "the force of Table 2.1 again, hollow where they cannot have that force. Lower block: the "
+    )
+    return (
+        f"What moves R, m and c0 b that the thesis's fit finds, subject {subject}: one lever at a "
+        "time, beside the row as it is (line) and Table 3.2 (dashed). "
+        f"{above if tried else 'The '}calibrated finger, and how its frames are made and read: "
+        f"noise, clipping, window, centering and relaxation move R by {small:.1f} mm at most. The "
+        "deeper the press, the smaller R and c0 b and the larger m, because bone and stiffening "
+        "draw the pressure together; a touch that is found late raises R and c0 b together."
+    )
+
+
+def _levers() -> Any:
+    subject = levers()["subject"]
+    blocks = [each for each in (levers()["finger"], levers()["reading"][subject]) if each]
+    count = sum(len(block) for block in blocks)
+    made = figure(WIDE, 0.8 + 0.21 * count)
+    axes = made.subplots(1, len(NAMES), sharey=True)
+    printed = pad_radius.printed(subject)
+    for ax, name, head in zip(axes, NAMES, HEADS, strict=True):
+        first = 0
+        for block in blocks:
+            _block(ax, block, name, first)
+            first += len(block) + 1
+        ax.axvline(getattr(printed, name), color=ORANGE, linestyle="--", linewidth=1)
+        ax.set_xlabel(head)
+        ax.margins(x=0.28)
+    names = [name for block in blocks for name in (*(each["lever"] for each in block), "")]
+    axes[0].set_yticks(range(len(names) - 1), names[:-1], fontsize=7)
+    axes[0].invert_yaxis()
+    return made
+
+
+def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
+    """Draw a value of the rows of a block, from the line `first` on; the first row is the plain."""
+    plain = block[0][name]
+    ax.plot([plain, plain], [first - 0.4, first + len(block) - 0.6], color=STEEL, linewidth=1)
+    for place, each in enumerate(block, start=first):
+        hollow = each.get("misfit", 0.0) >= MISSES
+        ax.plot(each[name], place, "o", color=BLUE, mfc="none" if hollow else BLUE, markersize=4)
+        ax.annotate(
+            f"{each[name] if each[name] > ROUNDING else 0:.3g}",
+            (each[name], place),
+            xytext=(5, -2.5),
+            textcoords="offset points",
+            fontsize=6,
+            color=INK,
+        )
+
+
+def _assumptions_caption() -> str:
+    rows = levers()["finger"]
+    met = [row for row in rows if row["misfit"] < MISSES]
+    ends = [f"{min(r[k] for r in met):.2g} to {max(r[k] for r in met):.2g}" for k in OF_FORCE[1:]]
+    return (
+        f"What each assumption would change, subject {levers()['subject']}: fingers of the coarse "
+        "mesh whose modulus and exponent were fitted to the force of Table 2.1 again, with the "
+        "change beside the first row. m and b are those of the line through stiffness against "
+        "force, R what the thesis's fit finds in frames to 1.1 N. Those that have the force of "
+        f"their subject show b from {ends[0]} N/mm and R from {ends[1]} mm; a misfit of "
+        f"{MISSES:g} or more says that the finger cannot have that force."
+    )
+
+
+def _assumptions() -> dict[str, Any]:
+    rows = levers()["finger"]
+    heads = ("assumption", "E in kPa", "exponent", "m in 1/mm", "b in N/mm", "R in mm", "misfit")
+    cells = [
+        [
+            row["lever"],
+            f"{row['modulus']:.3g}",
+            f"{row['exponent']:.2f}",
+            *(_changed(row[name], rows[0][name], first=not place) for name in OF_FORCE),
+            f"{row['misfit']:.2g}",
+        ]
+        for place, row in enumerate(rows)
+    ]
+    return {"caption": _assumptions_caption(), "heading": heads, "rows": cells}
+
+
+def _changed(value: float, plain: float, *, first: bool) -> str:
+    return f"{value:.3g}" if first else f"{value:.3g} ({100 * (value / plain - 1):+.0f} %)"
+
+
+def _sessions_caption() -> str:
+    return (
+        "Tables 2.1 and 3.2 are of two sessions and do not describe one contact. The thesis's fit "
+        "of frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns "
+        "the printed row. Of a contact that is Hertz's with the printed R and has the relaxed "
+        "force of Table 2.1, touched where that line has no force or 0.3 mm before, it finds R, "
+        "but another m and c0 b: that is what a finger with the force of Table 2.1 can show. Last "
+        "the calibrated finger, on a press of 0.2 mm/s, whose tissue is not quite relaxed."
+    )
+
+
+def _sessions() -> dict[str, Any]:
+    cells = [row for name in levers()["force"] for row in ([name], *_rows(name))]
+    heads = ("frames of", *HEADS, "squared error")
+    return {"caption": _sessions_caption(), "heading": heads, "rows": cells}
+
+
+def _rows(subject: str) -> list[list[str]]:
+    printed = pad_radius.printed(subject)
+    force = {each["lever"]: each for each in levers()["force"][subject]}
+    at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
+    found = calibrated(subject).residuals
+    rows = {
+        "Table 3.2": (*(getattr(printed, name) for name in NAMES), None),
+        "its half-space, read": _fitted(force["Table 3.2 itself, with noise"]),
+        "force of Table 2.1": _fitted(at_zero),
+        "touched 0.3 mm before": _fitted(early),
+        "calibrated finger": (
+            *(found[f"array {name}"] for name in NAMES),
+            levers()["reading"][subject][0]["error"],
+        ),
+    }
+    return [
+        [
+            kind,
+            *(f"{value:.3g}" for value in row[:3]),
+            "" if row[3] is None else f"{100 * row[3]:.1f} %",
+        ]
+        for kind, row in rows.items()
+    ]
+
+
+def _fitted(row: dict[str, Any]) -> tuple[float, ...]:
+    return (*(row[name] for name in NAMES), row["error"])

@@ -1,0 +1,272 @@
+"""What moves R, m and c0 b that the thesis's fit finds in the frames of a slow press.
+
+One lever at a time: in the finger (its modulus and exponent are fitted to the force again), in the
+array and its reading, and in the force that the fit is told to share with Table 2.1.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from fefinger.validation.problems.chain import Array
+
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import targets
+from fefinger.calibration.calibrate import WIDER
+from fefinger.calibration.curve import Curve, family
+from fefinger.calibration.force import Forces, prony_of
+from fefinger.calibration.inverse import solve
+from fefinger.calibration.outcome import layer, line
+from fefinger.calibration.press_store import Work
+from fefinger.calibration.record import Calibration
+from fefinger.calibration.slow_press import Press, press
+from fefinger.calibration.targets import Bulk, Frames, aligned
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.scene.tissue import Hard
+from fefinger.support.checks import ConvergenceError
+from fefinger.theory.array.sensor import ArraySensor, blurred
+from fefinger.theory.fingerpad import Fingerpad
+from fefinger.theory.relaxation import Prony
+
+
+FORCE = 1.1
+"""N to which all fingers are pressed for the comparison, the middle one of Figure 3-4."""
+
+EXPONENTS = (1.5, 3.0, 4.5)
+"""Exponents at which a finger is pressed, and joined by a parabola."""
+
+SOLVED = 0.16
+"""Depth over the thickness at which a press that ends early still counts."""
+
+LOW = 0.02
+"""Exponent of a layer that is not to stiffen."""
+
+EARLY = 0.3
+"""mm by which a finger is touched before the line of Table 2.1 has no force, about."""
+
+NOISES = 5
+
+Laws = Callable[[Finger, float], Finger]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the thesis's fit finds: R mm, m 1/mm, c0 b kPa/mm and its squared error, a fraction."""
+
+    lever: str
+    radius: float
+    m: float
+    c0_b: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Fitted(Found):
+    """The same of a finger, with what was fitted to the force.
+
+    modulus kPa and exponent; stiffness_m 1/mm and stiffness_b N/mm of the line through stiffness
+    against force; misfit; depth mm and width mm, root mean square, of the pressure at `force` N.
+    """
+
+    modulus: float
+    exponent: float
+    stiffness_m: float
+    stiffness_b: float
+    misfit: float
+    force: float
+    depth: float
+    width: float
+
+
+def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
+    """Yield name, finger and law at an exponent: one thing after the other is changed."""
+    skin, pulp = start.skin, start.subcutaneous
+    yield "the finger as it is", start, both
+    wider = replace(start, pad_radius=WIDER * start.pad_radius)
+    yield f"pad radius x {WIDER:g}", wider, both
+    for ratio in (1.0, 10.0):
+        stiff = replace(start, skin=replace(skin, modulus=ratio * pulp.modulus))
+        yield f"skin {ratio:g} times as stiff as pulp (3)", stiff, both
+    yield "skin 0.5 mm thick (1)", replace(start, skin=replace(skin, thickness=0.5)), both
+    for poisson in (0.4, 0.499):
+        one, other = (replace(each, poisson=poisson) for each in (skin, pulp))
+        loose = replace(start, skin=one, subcutaneous=other)
+        yield f"Poisson's ratio {poisson:g} (0.48)", loose, both
+    yield "nail free (held)", replace(start, nail="free"), both
+    yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), both
+    yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), both
+    yield "skin alone stiffens", start, skin_alone
+    yield "pulp alone stiffens", start, pulp_alone
+
+
+def both(finger: Finger, exponent: float) -> Finger:
+    """Return the finger with the exponent in both layers."""
+    return _layers(finger, exponent, exponent)
+
+
+def skin_alone(finger: Finger, exponent: float) -> Finger:
+    """Return the finger with 2.5 times the exponent in its skin, the pulp hardly stiffening."""
+    return _layers(finger, 2.5 * exponent, LOW)
+
+
+def pulp_alone(finger: Finger, exponent: float) -> Finger:
+    """Return the finger with the exponent in its pulp, the skin hardly stiffening."""
+    return _layers(finger, LOW, exponent)
+
+
+def _layers(finger: Finger, skin: float, pulp: float) -> Finger:
+    return replace(
+        finger, skin=layer(finger.skin, skin), subcutaneous=layer(finger.subcutaneous, pulp)
+    )
+
+
+def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
+    """Return what the thesis's fit finds in a finger whose tissue has the force of its subject.
+
+    Without a prior on the modulus. None where fewer than two of its presses are solved.
+    """
+    assert finger.subject_name is not None
+    wanted = targets.subject(finger.subject_name)
+    presses = dict(_pressed(finger, law))
+    if len(presses) < 2:
+        return None
+    curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
+    modulus = finger.subcutaneous.modulus
+    forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
+    free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
+    found = solve(forces.residual, free, forces.starts())
+    curve, factor = forces.curve(found.values)
+    prony = prony_of(found.values)
+    frames = pad.simulated(curve, factor, prony, heaviest=FORCE)
+    fit, last = pad.thesis_fit(frames), frames.pressure[-1]
+    m, b = _line(wanted, curve, factor, prony)
+    return Fitted(
+        name,
+        *(fit.radius, fit.m, fit.c0_b, fit.error),
+        found.values["modulus"],
+        found.values["exponent"],
+        *(m, b, found.misfit),
+        float(4e-3 * last.sum()),
+        float(frames.depth.max()),
+        float(np.sqrt(last @ frames.distance**2 / last.sum())),
+    )
+
+
+def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
+    """Yield exponents and presses that are solved to SOLVED at least."""
+    for exponent in EXPONENTS:
+        try:
+            found = press(law(finger, exponent), "solid")
+        except ConvergenceError:
+            continue
+        if found.depth[-1] > SOLVED * finger.thickness:
+            yield exponent, found
+
+
+def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[float, float]:
+    from fefinger.calibration.force import stiffness
+
+    return line(wanted.force, stiffness(curve, factor, prony, wanted.force))
+
+
+def of_fingers(subject: str) -> list[dict[str, float | str]]:
+    """Return the levers in the finger of a subject, on the coarse mesh."""
+    start = Work(Finger.subject(subject, resolution="coarse"), None).finger
+    tried = (of_finger(*each) for each in fingers(start))
+    return [asdict(each) for each in tried if each is not None]
+
+
+def of_reading(found: Calibration) -> list[Found]:
+    """Return the levers in the array and in how it is read, for a calibrated finger."""
+    sensor, curve, prony = ArraySensor(), found.curve, found.prony
+    plain = pad.simulated(curve, 1.0, prony)
+    inner = plain.distance < 6.0
+    near = Frames(plain.depth[:, inner], plain.pressure[:, inner], plain.distance[inner])
+    clipped = np.where(plain.pressure < sensor.noise, 0.0, plain.pressure)
+    about = np.hypot(*sensor.positions.T)
+    made = {
+        "frames as they are": plain,
+        "pressed to 0.54 N": pad.simulated(curve, 1.0, prony, heaviest=0.54),
+        "pressed to 1.1 N": pad.simulated(curve, 1.0, prony, heaviest=1.1),
+        "tissue that does not relax": pad.simulated(curve, 1.0, Prony((1.0,), ())),
+        "noise of 0.5 kPa": pad.simulated(curve, 1.0, prony, seed=0),
+        "readings below 0.5 kPa dropped": replace(plain, pressure=clipped),
+        "elements within 6 mm": near,
+        "about the middle of the array": replace(plain, distance=about),
+        "touch found 0.15 mm late": replace(plain, depth=plain.depth - 0.15),
+        "touch found 0.15 mm early": replace(plain, depth=plain.depth + 0.15),
+    }
+    return [_fit(name, frames) for name, frames in made.items()]
+
+
+def of_force(found: Calibration) -> list[Found]:
+    """Return what the fit finds in contacts of Hertz's shape and the printed R, by their force."""
+    subject, curve, prony = found.target, found.curve, found.prony
+    radius, bulk = pad.printed(subject).radius, library.pawluk_bulk()[subject]
+    depth = pad.slow_press(curve, 1.0, prony)
+    relaxed = bulk.prony.long_time * bulk.b / bulk.m
+    top = float(np.log1p(pad.HEAVIEST / relaxed) / bulk.m)
+    made = {"force of the calibrated finger": (depth, pad.slow(prony, depth, curve.force(depth)))}
+    for early in (0.0, EARLY):
+        deep = np.linspace(0.0, top + early, len(depth))
+        force = relaxed * np.expm1(bulk.m * np.maximum(deep - early, 0.0))
+        said = f", touched {early:g} mm before its zero" if early else ""
+        made[f"relaxed force of Table 2.1{said}"] = deep, force
+    fits = [_fit(name, hertzian(radius, *each)) for name, each in made.items()]
+    return [*fits, _fit("Table 3.2 itself, with noise", half_space(subject, 0))]
+
+
+def _fit(name: str, frames: Frames) -> Found:
+    fit = pad.thesis_fit(frames)
+    return Found(name, fit.radius, fit.m, fit.c0_b, fit.error)
+
+
+def hertzian(radius: float, depth: Array, force: Array) -> Frames:
+    """Return frames of a contact of Hertz's shape at depths mm and forces N (n,) of any law."""
+    chosen = np.linspace(0, len(depth) - 1, pad.LEVELS + 1).astype(int)[1:]
+    x, newtons = depth[chosen, None], force[chosen, None]
+
+    def pressure(r: Array) -> Array:
+        square = radius * x
+        return 1.5e3 * newtons / (np.pi * square) * np.sqrt(np.maximum(1 - r**2 / square, 0.0))
+
+    return _framed(depth[chosen], radius, pressure)
+
+
+def half_space(subject: str, seed: int | None = None) -> Frames:
+    """Return frames of the half-space of Table 3.2 to 2.3 N; `seed` starts the noise, if any."""
+    row = library.pawluk_quasistatic()[subject]
+    one = Fingerpad(row.radius, row.m, row.b, library.pawluk_relaxation()[subject])
+    deepest = float(one.depth_at(1e3 * pad.HEAVIEST, relaxed=True))
+    depth = np.linspace(0.0, deepest, pad.LEVELS + 1)[1:]
+    frames = _framed(depth, row.radius, lambda r: one.relaxed_pressure(r, depth[:, None]))
+    if seed is None:
+        return frames
+    noise = np.random.default_rng(seed).normal(0.0, ArraySensor().noise, frames.pressure.shape)
+    return replace(frames, pressure=frames.pressure + noise)
+
+
+def _framed(depth: Array, radius: float, pressure: Callable[[Array], Array]) -> Frames:
+    """Return frames at depths (n,) mm of round pressures; `pressure` takes (k,), gives (n, k)."""
+    distance = np.hypot(*ArraySensor().positions.T)
+
+    def felt(frame: int) -> Array:
+        reach = math.sqrt(radius * float(depth[frame]))
+        return blurred(lambda r: pressure(r)[frame], reach, distance)
+
+    rows = [felt(frame) for frame in range(len(depth))]
+    return aligned(np.repeat(depth[:, None], len(distance), axis=1), np.array(rows), ArraySensor())
+
+
+def oracle(subject: str) -> float:
+    """Return the largest relative miss of R, m and c0 b that come back from Table 3.2 itself.
+
+    The mean over NOISES readings with the noise of the array.
+    """
+    row = pad.printed(subject)
+    fits = [pad.thesis_fit(half_space(subject, seed)) for seed in range(NOISES)]
+    names = ("radius", "m", "c0_b")
+    means = {name: float(np.mean([getattr(fit, name) for fit in fits])) for name in names}
+    return max(abs(means[name] / getattr(row, name) - 1) for name in names)

@@ -1,0 +1,271 @@
+"""Cases of suite `calibration` on the shipped subjects: force, sinusoids, and the thesis's array.
+
+What the report says of a finger's pressure, between presses of other pads and exponents, is
+measured again by a press of its own on the coarse mesh.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from fefinger.validation.calibration import levers
+from fefinger.validation.calibration.report import calibrated, rows
+from fefinger.validation.case import Case, Told
+from fefinger.validation.problems.chain import Array
+
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import targets
+from fefinger.calibration.curve import Curve, curve
+from fefinger.calibration.force import stiffness
+from fefinger.calibration.outcome import FREQUENCIES, layer, line
+from fefinger.calibration.slow_press import press
+from fefinger.calibration.targets import Bulk
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.support.package_data import report
+
+
+PRINTED = {"mse": 0.07, "peak": 0.18}
+"""Errors of the thesis's own prediction of sinusoids (section 2.4.2), as fractions."""
+
+STANDARD = "calibrated-standard.json"
+"""Presses of the calibrated fingers on the standard mesh (`evidence_standard.py`)."""
+
+MIDDLE = 1
+"""Number of the profile at 1.1 N, the middle one of Figure 3-4."""
+
+FLATTER = (
+    "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
+    "that is flatter along the finger spreads it again. The radius that the thesis's fit finds is "
+    "so met; the width, which weighs the tails of the pressure, is not."
+)
+
+STIFFER = (
+    "A pad that is flat enough for the pressure of Table 3.2 begins stiffer than the line of Table "
+    "2.1, whose b is carried on from larger forces, and stiffens less."
+)
+
+
+def cases(subject: str, *, quick: bool) -> Iterator[Case]:
+    """Yield the cases of a shipped subject."""
+    yield from _force(subject)
+    yield Case(
+        "calibration",
+        f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
+        partial(levers.oracle, subject),
+        0.0,
+        0.02,
+        "1",
+        "Table 3.2: its half-space to 2.3 N, with the noise of the array",
+        reason="half a unit of the last printed digit of m and b is 1 to 5 %",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: shipped tissue set against the report",
+        partial(shipped, subject),
+        0.0,
+        5e-3,
+        "1",
+        "reports/calibrated.json",
+        reason="rounded to the digits that are shipped",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: force of a press on the standard mesh, from a third of its depth on",
+        partial(on_standard, subject),
+        0.0,
+        0.02,
+        "1",
+        f"{STANDARD}, against the curve in the report",
+        reason="the force of a coarse mesh, on which three of them were fitted",
+    )
+    if not quick:
+        yield from _pressed_again(subject)
+
+
+def _force(subject: str) -> Iterator[Case]:
+    found, bulk = calibrated(subject), library.pawluk_bulk()[subject]
+    sd, _ = line_sd(targets.subject(subject))
+    yield Case(
+        "calibration",
+        f"{subject}: m of stiffness against force of the calibrated finger",
+        lambda: found.residuals["m"],
+        bulk.m,
+        3 * sd,
+        "1/mm",
+        "Table 2.1",
+        reason="three standard deviations that VAF_k leaves over these forces",
+    )
+    for frequency in FREQUENCIES:
+        for what, limit in PRINTED.items():
+            yield Case(
+                "calibration",
+                f"{subject}: {what} error of {frequency} Hz, which was not fitted",
+                partial(_predicted, subject, f"{frequency} Hz", what),
+                0.0,
+                limit,
+                "1",
+                "the lumped model of Table 2.1",
+                reason="what the thesis reached on its subjects",
+            )
+
+
+def _pressed_again(subject: str) -> Iterator[Case]:
+    row, found = pad.printed(subject), calibrated(subject)
+    kept_curve = "the report, whose curves are between presses"
+    yield Case(
+        "calibration",
+        f"{subject}: a new press of the calibrated finger, coarse mesh",
+        partial(again, subject),
+        0.0,
+        0.05,
+        "1",
+        "the curve in the report",
+        reason="exponents and radii between those of the presses, and a mesh of its own",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: b of stiffness against force of a new press, coarse mesh",
+        partial(first_stiffness, subject),
+        found.residuals["b"],
+        3 * line_sd(targets.subject(subject))[1],
+        "N/mm",
+        f"{kept_curve}; wanted is Table 2.1",
+        wanted=library.pawluk_bulk()[subject].b,
+        shortfall=STIFFER,
+        reason="three standard deviations that VAF_k leaves over these forces",
+    )
+    yield Case(
+        "calibration",
+        f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
+        partial(radius_again, subject),
+        found.residuals["array radius"],
+        0.06 * row.radius,
+        "mm",
+        f"{kept_curve}; wanted is Table 3.2",
+        wanted=row.radius,
+        shortfall=FLATTER,
+        reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
+    )
+    kept = rows()[subject]["profiles"][MIDDLE]
+    yield Case(
+        "calibration",
+        f"{subject}: width of the pressure of a new press at {kept['force_N']:.2g} N over that of "
+        "Table 3.2",
+        partial(width_again, subject, kept),
+        width(*(np.array(kept[key]) for key in ("distance_mm", "finger_kPa")))
+        / width(*(np.array(kept[key]) for key in ("distance_mm", "thesis_kPa"))),
+        0.05,
+        "1",
+        f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
+        wanted=1.0,
+        shortfall=FLATTER,
+        reason="the pressure of a coarse mesh",
+    )
+
+
+def first_stiffness(subject: str) -> Told:
+    """Return b in N/mm of the line through stiffness against force, moved by a new press.
+
+    Over the forces that the new press reaches.
+    """
+    found, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
+    last = float(one.force(one.deepest)) / found.prony.long_time
+    force = wanted.force[wanted.force <= last]
+    new, old = (line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve))
+    said = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
+    return Told(found.residuals["b"] + new[1] - old[1], said)
+
+
+def radius_again(subject: str) -> Told:
+    """Return the R in mm of the report, times what a new press makes of it.
+
+    Over the depth that both reach: the deeper the frames, the smaller R.
+    """
+    found, one = calibrated(subject), fresh(subject)
+    deep = min(one.deepest, found.deepest)
+    frames = [pad.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
+    new, old = (pad.thesis_fit(each).radius for each in frames)
+    said = f"Compared to {deep:.2f} mm, where the shorter press ends, of {found.deepest:.2f} mm."
+    return Told(found.residuals["array radius"] * new / old, said)
+
+
+def line_sd(wanted: Bulk) -> tuple[float, float]:
+    """Return the standard deviations of m in 1/mm and b in N/mm that VAF_k leaves."""
+    line = np.column_stack([wanted.force, np.ones_like(wanted.force)])
+    variance = np.linalg.inv(line.T @ line).diagonal() * wanted.stiffness_sd**2
+    return float(np.sqrt(variance[0])), float(np.sqrt(variance[1]))
+
+
+def shipped(subject: str) -> float:
+    """Return the largest relative difference of the shipped set and the report."""
+    found = calibrated(subject)
+    kept = library.tissue_set(library.calibrated_name(subject))
+    pairs = [(kept.pad_radius, found.finger["pad_radius"])]
+    for mine, theirs in ((kept.skin, found.skin), (kept.subcutaneous, found.subcutaneous)):
+        pairs += [(getattr(mine, name), theirs[name]) for name in ("modulus", "exponent")]
+    assert kept.prony is not None
+    pairs += zip(
+        kept.prony.weights + kept.prony.v, found.prony.weights + found.prony.v, strict=True
+    )
+    return max(abs(mine / theirs - 1) for mine, theirs in pairs)
+
+
+@cache
+def fresh(subject: str, resolution: str = "coarse") -> Curve:
+    """Return the curve of a new press of the calibrated finger."""
+    found = calibrated(subject)
+    radius = found.finger["pad_radius"]
+    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius)
+    exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
+    own = replace(
+        finger,
+        skin=layer(finger.skin, exponent),
+        subcutaneous=layer(finger.subcutaneous, exponent),
+    )
+    one, _ = curve(press(own, "solid"))
+    factor = found["modulus"].value / finger.subcutaneous.modulus
+    return replace(one, q=one.q + np.log(factor))
+
+
+def on_standard(subject: str) -> Told:
+    """Return the largest relative distance of the force on the standard mesh from the report."""
+    row = json.loads(report(STANDARD))["rows"][subject]
+    depth, force, known = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
+    off = np.abs(force / known - 1)[depth > depth[-1] / 3].max()
+    said = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
+    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(said)}.")
+
+
+def again(subject: str) -> float:
+    """Return the largest relative distance of the force of a new press from the report."""
+    found, one = calibrated(subject), fresh(subject)
+    depth = np.linspace(0.3, 1.0, 20) * min(one.deepest, found.deepest)
+    return float(np.abs(one.force(depth) / found.curve.force(depth) - 1).max())
+
+
+def width(r: Array, pressure: Array) -> float:
+    """Return the root mean square distance in mm of a pressure from its center."""
+    return float(np.sqrt(pressure @ r**2 / pressure.sum()))
+
+
+def width_again(subject: str, kept: dict[str, Any]) -> float:
+    """Return the width of a profile in the report over that of the half-space, by a new press.
+
+    At the force of the report, or where the new press ends.
+    """
+    found = calibrated(subject)
+    new = pad.profile(fresh(subject), 1.0, found.prony, subject, kept["force_N"])
+    old = pad.profile(found.curve, 1.0, found.prony, subject, new.force)
+    finger, thesis = (
+        width(*(np.array(kept[key]) for key in ("distance_mm", name)))
+        for name in ("finger_kPa", "thesis_kPa")
+    )
+    return finger / thesis * width(new.distance, new.finger) / width(old.distance, old.finger)
+
+
+def _predicted(subject: str, frequency: str, what: str) -> float:
+    return calibrated(subject).checks[frequency][what]

@@ -1,0 +1,1 @@
+"""Suite `condensed`: the condensed finger against the whole mesh."""

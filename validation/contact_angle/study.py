@@ -1,0 +1,97 @@
+"""The contact angle: what the model says of 0 to 60 degrees, how sure it is, what to measure.
+
+Run as `python -m fefinger.validation.contact_angle.study WORK reports`; it takes about ten minutes
+on two cores, goes on where it was stopped, and writes contact-angle.csv and contact-angle.html.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from fefinger.validation.contact_angle import page as contact_angle_page
+from fefinger.validation.provenance import provenance
+
+from fefinger.studies.study import study
+
+
+ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
+AT = ("0.25N", "0.5N", "1N", "0.5mm", "1mm")
+"""Forces and depths on the loading that rows are told at, besides the peak and the end."""
+
+COARSE: Mapping[str, Any] = {"finger.resolution": "coarse"}
+SHORT: Mapping[str, Any] = {
+    **COARSE,
+    "ask.spikes": [],
+    "motion.depth": 1.0,
+    "motion.hold": 0.2,
+}
+FORCE: Mapping[str, Any] = {
+    **COARSE,
+    "ask.spikes": [],
+    "motion.kind": "force-ramp",
+    "motion.loading_rate": 40.0,
+}
+RAMP: Mapping[str, Any] = {
+    **COARSE,
+    "ask.spikes": [],
+    "motion.kind": "ramp",
+    "motion.depth": 1.0,
+}
+STANDARD: Mapping[str, Any] = {**SHORT, "finger.resolution": "standard"}
+PW: Mapping[str, Any] = {"finger.subject": "p.w."}
+
+STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
+    "a.h. to 1 mm": ("flat-press", SHORT, "linear", ANGLES),
+    "a.h. to 1 N": ("press-to-1N", FORCE, "linear", ANGLES),
+    "p.w. to 1 mm": ("flat-press", {**SHORT, **PW}, "linear", ANGLES),
+    "p.w. to 1 N": ("press-to-1N", {**FORCE, **PW}, "linear", ANGLES),
+    "dandekar2003": ("flat-press", {**SHORT, "finger.tissue": "dandekar2003"}, "linear", ANGLES),
+    "saal2017": ("flat-press", {**SHORT, "finger.tissue": "saal2017"}, "linear", ANGLES),
+    "standard mesh": ("flat-press", STANDARD, "linear", ANGLES),
+    "finite strain": ("flat-press", RAMP, "solid", ANGLES),
+    "a.h. held at 1 mm": ("flat-press", {**COARSE, "motion.depth": 1.0}, "linear", ANGLES),
+    "a.h. held at 1 N": ("press-to-1N", COARSE, "linear", ANGLES),
+}
+"""Scene, changes, mechanics and angles of each part of the work; all but one on coarse meshes."""
+
+
+def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[str, Any]]:
+    """Return the rows of the studies, with the column "case"; finished scenes stay in `work`."""
+    rows: list[dict[str, Any]] = []
+    for name in names:
+        scene, changes, mechanics, angles = STUDIES[name]
+        over = {"indenter.angle": angles}
+        found = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
+        rows += [{"case": name, **_rounded(row)} for row in found.rows]
+        print(f"{name}: {found.scenes - len(found.failures)} of {found.scenes}", file=sys.stderr)
+    return rows
+
+
+def _rounded(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row with six digits, so that the page says what the table has."""
+    return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in row.items()}
+
+
+def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    """Return the rows without what is long: notes, readings and where the error is from."""
+    long = ("notes", "evidence", "scene", "stiffness_note")
+    plain = [
+        {k: v for k, v in row.items() if not isinstance(v, list) and k not in long} for row in rows
+    ]
+    return pd.DataFrame(plain, columns=list(dict.fromkeys(key for row in plain for key in row)))
+
+
+def main() -> None:
+    """Answer the studies and write their table and page."""
+    work, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    rows = collect(work)
+    table(rows).to_csv(folder / "contact-angle.csv", index=False)
+    command = "python -m fefinger.validation.contact_angle.study WORK reports"
+    page = contact_angle_page.html(rows, provenance(command))
+    (folder / "contact-angle.html").write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

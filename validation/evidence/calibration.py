@@ -1,0 +1,75 @@
+"""Calibrate the subjects and write the report that library, suite and figures read.
+
+Run as `python -m fefinger.validation.evidence.calibration reports [SUBJECT ...]`; a subject takes
+some minutes, less where presses are kept. Subjects that are not named are kept.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from fefinger.validation.calibration import split
+from fefinger.validation.calibration.split import PARTS
+from fefinger.validation.problems.chain import SUBJECTS, Array
+from fefinger.validation.provenance import provenance
+
+from fefinger.calibration import pad_radius
+from fefinger.calibration.calibrate import calibrate
+from fefinger.calibration.record import Calibration
+from fefinger.scene.library import CALIBRATED
+
+
+FORCES = (0.54, 1.1, 2.3)
+"""N at which the thesis shows profiles (Figure 3-4)."""
+
+MESH = {"a.h.": "standard", "d.s.": "coarse", "d.p.": "coarse", "p.w.": "coarse"}
+"""Mesh on which they are finished; the coarse one is within 1 to 3 % of the force of the other."""
+
+
+def row(subject: str) -> dict[str, Any]:
+    """Return the calibration of a subject, its split and its profiles."""
+    found = calibrate(subject, resolution=MESH[subject])
+    return {
+        "calibration": found.record(),
+        "split": split.table(found),
+        "profiles": profiles(found),
+    }
+
+
+def profiles(found: Calibration) -> list[dict[str, Any]]:
+    """Return pressure against distance at FORCES, of the calibrated finger and of Table 3.2."""
+    made = [
+        pad_radius.profile(found.curve, 1.0, found.prony, found.target, force) for force in FORCES
+    ]
+    return [
+        {
+            "force_N": round(each.force, 4),
+            "distance_mm": _listed(each.distance),
+            "finger_kPa": _listed(each.finger),
+            "thesis_kPa": _listed(each.thesis),
+        }
+        for each in made
+    ]
+
+
+def _listed(values: Array) -> list[float]:
+    return [round(value, 3) for value in values.tolist()]
+
+
+def report(rows: dict[str, Any]) -> dict[str, Any]:
+    """Return the report on those rows."""
+    return {
+        **provenance("python -m fefinger.validation.evidence.calibration reports"),
+        "parts": PARTS,
+        "rows": {name: rows[name] for name in SUBJECTS if name in rows},
+    }
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) / CALIBRATED
+    rows = {name: row(name) for name in sys.argv[2:] or SUBJECTS}
+    kept = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
+    target.write_text(
+        json.dumps(report(kept | rows), indent=1, allow_nan=False) + "\n", encoding="utf-8"
+    )

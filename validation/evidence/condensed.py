@@ -1,0 +1,106 @@
+"""Measure what `condensed` costs and errs by, and write the report that the planner reads.
+
+Run as `python -m fefinger.validation.evidence.condensed reports`; it takes about five minutes, and
+as long again with `errors` behind it, which measures the errors of the force and leaves the rest.
+"""
+
+import json
+import os
+import resource
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from fefinger.validation.evidence.linear import PRESSES, costs
+from fefinger.validation.provenance import provenance
+
+from fefinger.mechanics import condensed
+from fefinger.mechanics.evidence.reports import CONDENSED_REPORT, linear
+from fefinger.results.records import Response
+from fefinger.scene import builtin
+from fefinger.support.checks import InputError
+from fefinger.support.package_data import report as reported
+
+
+RESOLUTIONS = ("coarse", "standard", "fine")
+
+
+def measure(resolution: str) -> tuple[Response, float]:
+    """Return the response to flat-press on a resolution, and its wall time in s."""
+    started = time.perf_counter()
+    response = condensed.respond(builtin.load("flat-press", {"finger.resolution": resolution}))
+    return response, time.perf_counter() - started
+
+
+def report(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
+    """Return the cost of half a finger for every resolution: first built, then at hand."""
+    rows = {}
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["XDG_CACHE_HOME"] = cache
+        measure("coarse")  # compiles
+        for resolution in resolutions:
+            rows[resolution] = _row(resolution, Path(cache))
+    return {
+        **provenance("python -m fefinger.validation.evidence.condensed reports"),
+        "scene": "flat-press",
+        "resolutions": rows,
+    }
+
+
+def errors(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
+    """Return the errors of the peak force for every resolution and press."""
+    presses = {
+        resolution: {press: force_error(resolution, press) for press in PRESSES}
+        for resolution in resolutions
+    }
+    command = "python -m fefinger.validation.evidence.condensed reports errors"
+    return {**provenance(command), "presses": presses}
+
+
+def force_error(resolution: str, press: str) -> float | None:
+    """Return the error of the peak force, None where the mesh is too coarse for the indenter.
+
+    The operator is that of the 30 degree plate, whose mesh does not follow the touch. The error is
+    the difference to `linear` on the fine mesh that does, and the error that is known of that.
+    """
+    fine = linear()["fine"]
+    settings = {"finger.resolution": resolution, "ask.fields": False, **PRESSES[press]}
+    try:
+        force = float(condensed.respond(builtin.load("flat-press", settings)).force.max())
+    except InputError:
+        return None
+    known = float(fine["force_error"][press])
+    return round(abs(force / fine["peak_force_N"][press] - 1) + known, 5)
+
+
+def _row(resolution: str, cache: Path) -> dict[str, Any]:
+    """Build the operator again, and use it again."""
+    shutil.rmtree(cache / "fefinger")
+    built, _ = measure(resolution)
+    size = sum(file.stat().st_size for file in cache.rglob("*.npy"))
+    again, seconds = measure(resolution)
+    return {
+        "build_seconds": round(built.seconds["factor"] - again.seconds["factor"], 3),
+        **costs(again, seconds),
+        "cache_MB": size // 2**20,
+        "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
+    }
+
+
+def main(folder: str, *asked: str) -> None:
+    """Write the report, or only the errors in it."""
+    target = Path(folder) / CONDENSED_REPORT
+    old = json.loads(reported(CONDENSED_REPORT))
+    if asked == ("errors",):
+        new = {**old, "force_error": errors()}
+    else:
+        new = {**report(), "force_error": old["force_error"]}
+    target.write_text(json.dumps(new, indent=1) + "\n", encoding="utf-8")
+    print(target.read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,92 @@
+"""Measure by what the force of a press is off by the mesh, and over what depth that goes by.
+
+Run as `python -m fefinger.validation.evidence.curves reports`; it builds each mesh anew, in a
+process and a cache of its own, and takes some five minutes of two cores. `calibrate` counts with
+what is found.
+"""
+
+import json
+import multiprocessing
+import os
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fefinger.validation.calibration import twin
+from fefinger.validation.provenance import provenance
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from fefinger.calibration import slow_press
+
+
+Array = NDArray[np.float64]
+
+REPORT = "mesh-curves.json"
+
+DRAWS = {"coarse": 16, "standard": 8}
+DEEPEST = 1.8  # mm
+DEPTHS = np.linspace(0.5, DEEPEST, 27)
+"""Before them a press is off by where touch is, a vertex, and a record has a touch of its own."""
+
+
+def drawn(mesh: str) -> list[float]:
+    """Return the forces at DEPTHS of a press by `condensed`, on a mesh that is built for it."""
+    from fefinger.mechanics import condensed
+
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = folder
+        finger = twin.finger(mesh)
+        found = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
+    return [float(x) for x in np.interp(DEPTHS, found.depth, found.force)]
+
+
+def likeliest(errors: Array) -> tuple[float, float]:
+    """Return standard deviation and length in mm of an exponential covariance of errors (n, k)."""
+    apart = np.abs(np.subtract.outer(DEPTHS, DEPTHS))
+
+    def unlikely(logarithms: Array) -> float:
+        sd, length = np.exp(logarithms)
+        covariance = sd**2 * (np.exp(-apart / length) + 1e-9 * np.eye(len(DEPTHS)))
+        squares = np.sum(errors.T * np.linalg.solve(covariance, errors.T))
+        return float(len(errors) * np.linalg.slogdet(covariance)[1] + squares)
+
+    start = np.log([errors.std(), 0.3])
+    found = minimize(unlikely, start, method="Nelder-Mead")
+    assert found.success, found.message
+    sd, length = np.exp(found.x)
+    return float(sd), float(length)
+
+
+def row(errors: Array) -> dict[str, Any]:
+    """Return what is told of relative errors (n, k)."""
+    sd, length = likeliest(errors)
+    return {
+        "draws": len(errors),
+        "sd": float(f"{sd:.2g}"),
+        "length_mm": float(f"{length:.2g}"),
+        "rms": float(f"{np.sqrt((errors**2).mean()):.2g}"),
+        "largest": [float(f"{x:.2g}") for x in np.abs(errors).max(axis=1)],
+    }
+
+
+def main(folder: Path) -> None:
+    """Measure, and write the report."""
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
+        found = {mesh: np.array(list(pool.map(drawn, [mesh] * n))) for mesh, n in DRAWS.items()}
+    true = found["standard"].mean(axis=0)
+    errors = {mesh: forces / true - 1 for mesh, forces in found.items()}
+    errors["standard"] *= np.sqrt(DRAWS["standard"] / (DRAWS["standard"] - 1))  # of their own mean
+    report = provenance("python -m fefinger.validation.evidence.curves reports") | {
+        "depths_mm": [float(f"{x:.4g}") for x in DEPTHS],
+        "rows": {mesh: row(each) for mesh, each in errors.items()},
+    }
+    (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

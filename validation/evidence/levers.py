@@ -1,0 +1,42 @@
+"""Measure what moves R, m and c0 b, and write the report that suite `calibration` reads.
+
+Run as `python -m fefinger.validation.evidence.levers reports [finger]`, after
+`evidence_calibration`. Levers in the finger itself are tried where "finger" is said, some 10
+minutes of presses; otherwise those in the report are kept.
+"""
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fefinger.validation.calibration import levers
+from fefinger.validation.calibration.report import LEVERS, calibrated, rows
+from fefinger.validation.provenance import provenance
+
+
+SUBJECT = "a.h."
+"""Whose finger the levers are tried in."""
+
+
+def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the report, with the levers in the finger."""
+    found = {name: calibrated(name) for name in rows()}
+    reading, force = levers.of_reading, levers.of_force
+    return {
+        **provenance("python -m fefinger.validation.evidence.levers reports"),
+        "subject": SUBJECT,
+        "finger": finger,
+        "reading": {name: [asdict(row) for row in reading(one)] for name, one in found.items()},
+        "force": {name: [asdict(row) for row in force(one)] for name, one in found.items()},
+    }
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) / LEVERS
+    if sys.argv[2:] == ["finger"]:
+        tried = levers.of_fingers(SUBJECT)
+    else:
+        tried = json.loads(target.read_text(encoding="utf-8"))["finger"] if target.exists() else []
+    target.write_text(json.dumps(report(tried), indent=1, allow_nan=False) + "\n", encoding="utf-8")

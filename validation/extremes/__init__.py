@@ -1,0 +1,1 @@
+"""Suite `extremes`: answers with invariants, or refusals, at the edges of every parameter."""

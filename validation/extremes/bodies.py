@@ -1,0 +1,274 @@
+"""Bodies, material points and contacts at the edges, where meshes of fingers are not needed."""
+
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+
+import numpy as np
+from fefinger.validation.extremes.invariants import Array, invariants, off
+from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
+from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.problems import cube
+
+from fefinger.fem.contact import lcp_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.step_compiled import check
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.grids import box
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import Memory, continuum
+from fefinger.fem.hyperelastic.laws import (
+    Law,
+    demiray,
+    mooney_rivlin,
+    neo_hookean,
+    veronda_westmann,
+)
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.linalg.system import factor
+from fefinger.mesh.store import ready
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Sphere
+from fefinger.scene.motion import ForceRampHold, Ramp
+from fefinger.theory.relaxation import Prony
+
+
+GROUP = "elements"
+
+RATIOS = (0.0, 0.3, 0.499999, 0.5)
+
+Row = tuple[str, str, Callable[[], Findings], Kind | None]
+
+
+@cache
+def trials() -> tuple[Trial, ...]:
+    """Return the problems of elements and contact."""
+    return tuple(
+        Trial(GROUP, edge, name, ask, wants)
+        for part in (_bars, _points, _cubes, _contacts, _places)
+        for edge, name, ask, wants in part()
+    )
+
+
+def _bars() -> Iterator[Row]:
+    """Bars of any ratio, of slivers, and of two tissues."""
+    for poisson in RATIOS:
+        for longer in (1e-4, 1.0, 1e4):
+            name = f"nu = {poisson:g}, cells {longer:g} times as long as wide"
+            yield "slivers", name, partial(_bar, poisson, longer), None
+    for contrast in (1e-9, 1e-3, 1e9):
+        for poisson in (0.0, 0.4999):
+            name = f"moduli 1 to {contrast:g}, nu = {poisson:g}"
+            yield "contrast", name, partial(_stacked, contrast, poisson), ANSWERED
+
+
+def _bar(poisson: float, longer: float) -> Findings:
+    """Return force and width of a bar that slides on three planes and is squeezed by 1 %."""
+    line = np.linspace(0, 1, 3)
+    space = box(line, line, longer * line)
+    force, answer = _squeezed(space, {1: Elastic(7.0, poisson)}, held_sides=False)
+    at_nodes = answer[: space.n_displacements].reshape(-1, 3)
+    side = space.node_points[:, 0] == 1
+    return {
+        "modulus": off(force, -7.0 * 0.01, 1e-6),
+        "Poisson's ratio": (float(np.abs(at_nodes[side, 0] - 0.01 * poisson).max()) / 0.01, 1e-6),
+    }
+
+
+def _stacked(contrast: float, poisson: float) -> Findings:
+    """Return the force of two layers that cannot give way to the side, one after the other."""
+    line = np.linspace(0, 1, 3)
+    space = box(line, line, line)
+    upper = space.points[space.cells][:, :, 2].mean(axis=1) > 0.5
+    space = Space(space.points, space.cells, (1 + upper).astype(np.int8))
+    tissues = {1: Elastic(7.0, poisson), 2: Elastic(7.0 * contrast, poisson)}
+    force, _ = _squeezed(space, tissues, held_sides=True)
+    confined = 7.0 * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+    # The residual of the solution is 1e-10 of its largest forces, which are 1e9 times the others.
+    return {"in series": off(force, -0.01 * confined * 2 / (1 + 1 / contrast), 1e-5)}
+
+
+def _squeezed(
+    space: Space, tissues: dict[int, Elastic], *, held_sides: bool
+) -> tuple[float, Array]:
+    """Return the force in mN on the top, moved down by 1 % of the height, and the unknowns."""
+    places = space.node_points
+    height = places[:, 2].max()
+    top = places[:, 2] == height
+    held = places == 0
+    held[top, 2] = True
+    if held_sides:
+        held[:, :2] = True
+    fixed = np.flatnonzero(held.ravel())
+    prescribed = np.zeros(places.shape)
+    prescribed[top, 2] = -0.01 * height
+    system = factor(space, stiffness(space, tissues), fixed)
+    loads = np.zeros(space.n_unknowns)
+    answer = system.solve(loads, prescribed.ravel()[fixed])
+    reactions = np.zeros(space.n_unknowns)
+    reactions[fixed] = system.reactions(answer, loads)
+    at_nodes = reactions[: space.n_displacements].reshape(-1, 3)
+    return float(at_nodes[top, 2].sum()), answer
+
+
+def _laws(poisson: float) -> dict[str, Law]:
+    soft = Elastic(30.0, poisson)
+    return {
+        "neo-hookean": neo_hookean(soft),
+        "mooney-rivlin": mooney_rivlin(soft, 0.3),
+        "demiray": demiray(soft, 3.0),
+        "veronda-westmann": veronda_westmann(soft, 2.0),
+    }
+
+
+def _points() -> Iterator[Row]:
+    """Material points under gradients from 1e-15 to 0.5, and turned."""
+    for poisson in (0.0, 0.5):
+        for name, law in _laws(poisson).items():
+            for size in (1e-15, 1e-8, 0.5):
+                case = f"{name}, nu = {poisson:g}, gradient {size:g}"
+                yield "material point", case, partial(_point, law, poisson, size), ANSWERED
+
+
+def _point(law: Law, poisson: float, size: float) -> Findings:
+    """Return the stress against Hooke's at small strain, that it turns along, and its symmetry."""
+    body = continuum(box(*3 * (np.array([0.0, 1.0]),)), {1: law})
+    shape = np.array([[0.3, 0.2, -0.1], [0.1, -0.5, 0.2], [0.05, -0.2, 0.2]])  # no trace
+    turn = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+
+    def stress(gradient: Array) -> Array:
+        values = np.zeros(body.space.n_unknowns)
+        values[: body.space.n_displacements] = (body.space.node_points @ gradient.T).ravel()
+        return np.asarray(body.stress(values)[0][0, 0])
+
+    gradient = size * shape
+    own = stress(gradient)
+    turned = stress(turn @ (np.eye(3) + gradient) - np.eye(3))
+    rows, columns = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
+    hooke = (law.shear * (gradient + gradient.T))[rows, columns]
+    strain = logarithmic(gradient[None])[0][rows, columns]
+    found = {
+        # A turn by rounding strains by rounding.
+        "turned": (float(np.abs(own - turned).max()) / law.shear, 1e-14 + 1e-12 * size),
+        "Hooke": off(own, hooke, max(20 * size, 1e-13)) if size < 1e-3 else (0.0, 1.0),
+        "finite": (float(np.sum(~np.isfinite([*own, *strain]))), 0.0),
+    }
+    if size < 1e-3:
+        small = ((gradient + gradient.T) / 2)[rows, columns]
+        found["logarithmic strain"] = off(strain, small, max(20 * size, 1e-6))
+    return found
+
+
+def _cubes() -> Iterator[Row]:
+    """Cubes at finite strain, squeezed by 1e-9 to 0.7."""
+    for poisson in (0.0, 0.5):
+        for name, law in _laws(poisson).items():
+            for squeeze in (1e-9, 0.5) if name != "demiray" else (1e-9, 0.3, 0.7):
+                case = f"{name}, nu = {poisson:g}, squeezed by {squeeze:g}"
+                yield "finite strain", case, partial(_cube, law, squeeze), None
+
+
+def _cube(law: Law, squeeze: float) -> Findings:
+    """Return the pressure of a cube under a plate against its closed form."""
+    made = cube.cube(law, cells=1)
+    rest = made.body.at_rest
+    memory = Memory(rest.gains, rest.past)
+    places = len(made.equilibrium.contact)
+    state = State(np.zeros(made.body.space.n_unknowns), np.zeros(places), 0.0)
+    for part in np.linspace(0, 1, 9)[1:] if squeeze > 0.1 else (1.0,):
+        state = made.equilibrium.find(state, Asked("depth", float(part * squeeze), memory))
+    force = float(made.equilibrium.contact.travel @ state.pressure)
+    small = 3 * law.shear if law.compressibility == 0 else 2 * law.shear  # nu 0.5 and 0
+    exact = small * squeeze if squeeze < 1e-6 else cube.nominal(law, 1 - squeeze)
+    return {
+        "pressure": off(force, exact, 1e-5),
+        "no pull": (max(0.0, -float(state.pressure.min())), 0.0),
+    }
+
+
+def _contacts() -> Iterator[Row]:
+    """Complementarity with ties, stiff and soft places side by side, and nothing to touch."""
+    for spread in (1.0, 1e9, 1e14):
+        for tie in (False, True):
+            name = f"flexibilities 1 to {spread:g}{', gaps of exactly nothing' if tie else ''}"
+            yield "complementarity", name, partial(_complementarity, spread, tie), None
+    for force in (2.0, 3.5):
+        name = f"candidates that grow, {force:g} N"
+        yield "rim of the candidates", name, partial(_grown, force), None
+
+
+def _complementarity(spread: float, tie: bool) -> Findings:
+    """Solve with both solvers: no pull, no penetration, and not both at once."""
+    rng = np.random.default_rng(8)
+    n = 40
+    scale = np.logspace(0, -np.log10(spread) / 2, n)
+    root = rng.normal(size=(n, n)) / np.sqrt(n) + np.eye(n)
+    flexibility = scale[:, None] * (root @ root.T) * scale
+    gap = rng.normal(size=n) * scale
+    if tie:
+        gap[::3] = 0.0
+    one = Complementarity(flexibility).solve(gap)
+    state = lcp_compiled.active(flexibility)
+    check(lcp_compiled.solve(state, gap, 1e-10))
+    found = {}
+    for name, x in (("Cholesky", one), ("bordering", state.x)):
+        w = (flexibility @ x + gap) / np.abs(gap).max()
+        found[f"no pull ({name})"] = (max(0.0, -float(x.min())), 0.0)
+        found[f"no penetration ({name})"] = (max(0.0, -float(w.min())), 1e-9)
+        product = float(np.abs(x * w).max()) / max(float(x.max()), 1e-300)
+        found[f"either, or ({name})"] = (product, 1e-9)
+    return found
+
+
+def _grown(force: float) -> Findings:
+    """Press by a force until the contact meets the rim of its first candidates, then by depth."""
+    elastic = Prony((1.0,), ())
+    pushed = answered(
+        "linear",
+        {"prony": elastic, "motion": ForceRampHold(10 * force, force, hold=0.1, corner=0.0)},
+    )
+    depth = float(pushed[1].depth[-1])
+    moved = answered("linear", {"prony": elastic, "motion": ramp(60, depth)})
+    same = off(moved[1].force[-1], force, 1e-6)
+    return invariants(*pushed) | invariants(*moved) | {"the same by depth": same}
+
+
+def _places() -> Iterator[Row]:
+    """First touch exactly at a vertex, in the middle of an edge, and grazing ones."""
+    for name, weights in {
+        "at a vertex": (1.0, 0.0, 0.0),
+        "on an edge": (0.5, 0.5, 0.0),
+        "inside a facet": (0.4, 0.3, 0.3),
+    }.items():
+        for radius in (4.0, 50.0):
+            case = f"{name}, ball of {radius:g} mm"
+            yield "first touch", case, partial(_touching, weights, radius), ANSWERED
+    yield "first touch", "on the border of the pad", partial(_border, 0.0), REFUSED
+    yield "first touch", "grazing, a depth of 1e-3 R", partial(_grazing, 1e-3), None
+
+
+def _touching(weights: tuple[float, ...], radius: float) -> Findings:
+    """Return the invariants of a ball at a place of a facet, and that a nudge changes little."""
+    mesh = ready(Finger.subject(SUBJECT, resolution="coarse"), half=True)
+    corners = mesh.points[mesh.facets["pad"]]
+    middle = corners.mean(axis=1)
+    chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]
+    x, y, _ = (np.array(weights) @ chosen).tolist()
+    forces = []
+    found: dict[str, tuple[float, float]] = {}
+    for aside in (0.0, 1e-9):
+        settings = {"indenter": Sphere(radius, (x + aside, y)), "motion": Ramp(60, 0.4)}
+        scene, response = answered("condensed", settings)
+        found |= invariants(scene, response)
+        forces.append(response.force)
+    return found | {"a nudge of 1e-9 mm": off(forces[1], forces[0], 1e-5)}
+
+
+def _border(y: float) -> Findings:
+    return invariants(*answered("condensed", {"indenter": Sphere(3, (-19.0, y))}))
+
+
+def _grazing(part: float) -> Findings:
+    settings = {"indenter": Sphere(50.0), "motion": ramp(60, part * 50)}
+    return invariants(*answered("condensed", settings))

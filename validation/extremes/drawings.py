@@ -1,0 +1,100 @@
+"""Table and figure of suite `extremes`: how many trials ended how, by who answers and by edge."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from fefinger.validation.extremes.trial import ANSWERED, FAILED, REFUSED, Kind
+
+from fefinger.view.figures import INK, WIDE, figure, style
+
+
+COLORS: dict[Kind, str] = {ANSWERED: "#009E73", REFUSED: "#56B4E9", FAILED: "#D55E00"}
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a trial ended, as the record of its case says; worst: violation over its limit."""
+
+    group: str
+    edge: str
+    kind: Kind
+    worst: float
+    limit: str
+
+    @classmethod
+    def of(cls, case: Mapping[str, Any]) -> "Ended":
+        """Read the record of a case, named "group, edge: name"."""
+        group, _, rest = case["name"].partition(", ")
+        said = case["told"]
+        refused = REFUSED if said.startswith(REFUSED) else ANSWERED
+        kind = FAILED if case["verdict"] == "fail" else refused
+        limit = said.rpartition("nearest to its limit: ")[2] if kind == ANSWERED else ""
+        return cls(group, rest.partition(": ")[0], kind, case["value"] or 0.0, limit)
+
+
+def finding(cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return how the trials ended: a sentence, and a table by who answers."""
+    done = [Ended.of(case) for case in cases]
+    rows = []
+    for group in dict.fromkeys(each.group for each in done):
+        own = [each for each in done if each.group == group]
+        kinds, worst = Counter(each.kind for each in own), max(own, key=lambda each: each.worst)
+        closest = f"{100 * worst.worst:.0f} % ({worst.limit}; {worst.edge})" if worst.limit else ""
+        rows.append([group, *(str(kinds[kind]) for kind in COLORS), closest])
+    return {
+        "texts": [_caption(done)],
+        "tables": [
+            {
+                "caption": "What is used of the limit of an invariant, and where, at the most.",
+                "heading": ["who answers", *COLORS, "closest to a limit"],
+                "rows": rows,
+            }
+        ],
+    }
+
+
+def figures(cases: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure."""
+    done = [Ended.of(case) for case in cases]
+    with style():
+        yield (
+            f"{_caption(done)} Green: answered; blue: refused; red: failed; by who answers and by "
+            "what is extreme. The numbers in a cell are those of its trials.",
+            _table(done),
+        )
+
+
+def _caption(done: Sequence[Ended]) -> str:
+    kinds = Counter(each.kind for each in done)
+    return (
+        f"Of {len(done)} trials at the edges {kinds[ANSWERED]} are answered with every invariant "
+        f"kept, {kinds[REFUSED]} refused in a sentence, {kinds[FAILED]} failed."
+    )
+
+
+def _table(done: Sequence[Ended]) -> Any:
+    edges = list(dict.fromkeys(each.edge for each in done))
+    groups = list(dict.fromkeys(each.group for each in done))
+    counts = Counter((each.edge, each.group, each.kind) for each in done)
+    drawn = figure(WIDE, 0.24 * len(edges) + 0.8)
+    axis = drawn.subplots()
+    for row, edge in enumerate(edges):
+        for column, group in enumerate(groups):
+            cell = {kind: counts[edge, group, kind] for kind in COLORS}
+            total, left = sum(cell.values()), column - 0.45
+            for kind, number in cell.items():
+                if number:
+                    wide = 0.9 * number / total
+                    axis.barh(row, wide, 0.8, left, align="center", color=COLORS[kind])
+                    place = {"x": left + wide / 2, "y": row, "s": str(number)}
+                    axis.text(**place, ha="center", va="center", fontsize=7, color=INK)
+                    left += wide
+    axis.set_xticks(np.arange(len(groups)), groups)
+    axis.set_yticks(np.arange(len(edges)), edges)
+    axis.set(xlim=(-0.6, len(groups) - 0.4), ylim=(len(edges) - 0.4, -0.6))
+    axis.xaxis.tick_top()
+    axis.grid(visible=False)
+    return drawn

@@ -1,0 +1,1 @@
+"""Suite `fem`: finite elements against closed forms, exact layers and other programs."""

@@ -1,0 +1,1 @@
+"""Suite `finger`: the finger against theory, and what each assumption costs."""

@@ -1,0 +1,1 @@
+"""Suite `neural`: membranes, end organs and afferents against their equations and tables."""

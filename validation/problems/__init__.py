@@ -1,0 +1,1 @@
+"""Bodies with known answers that suites, tests and benchmarks share."""

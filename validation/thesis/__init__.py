@@ -1,0 +1,1 @@
+"""Suite `thesis`: the source document, number by number."""

@@ -1,0 +1,39 @@
+"""Suite `thesis`: the tables, figures and numbers of Pawluk (1997) that the equations give."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from fefinger.validation.case import Case
+from fefinger.validation.thesis import (
+    array,
+    ball,
+    claims,
+    drawings,
+    energy,
+    fit,
+    lumped,
+    nerve,
+    pressure,
+    sensor,
+    tables,
+    unloading,
+)
+from fefinger.validation.thesis import figures as thesis_figures
+
+
+PARTS = (
+    *(tables, lumped, claims, fit, energy, pressure),
+    *(unloading, array, sensor, ball, nerve),
+)
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield the cases of all parts."""
+    for part in PARTS:
+        yield from part.cases(quick=quick)
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure of the figures in the thesis's own axes."""
+    yield from thesis_figures.figures()
+    yield from drawings.figures()
