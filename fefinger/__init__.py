@@ -11,7 +11,7 @@ Names are imported when they are used, so that importing the package costs nothi
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from fefinger.run import run as run
+from fefinger.pipeline import run as run
 from fefinger.studies.study import study as study
 from fefinger.support.version import VERSION
 

@@ -106,7 +106,7 @@ def answered(monkeypatch: pytest.MonkeyPatch, synthetic: Result) -> list:
         calls.append((scene, options))
         return synthetic
 
-    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", run)
+    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", run)
     return calls
 
 

@@ -59,7 +59,7 @@ def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic
     )
     plan = replace(synthetic.plan, trust=trust(synthetic.plan.chosen, scene.ask))
     bare = replace(synthetic, scene=scene, plan=plan, response=response, spikes=None)
-    module = importlib.import_module("fefinger.run")
+    module = importlib.import_module("fefinger.pipeline")
     monkeypatch.setattr(module, "run", lambda scene, **options: bare)
     assert main(["run", "flat-press", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
@@ -213,7 +213,7 @@ def test_a_run_that_ends_early_leaves_no_empty_folder(monkeypatch, tmp_path, err
     def end(*args, **options):
         raise error
 
-    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", end)
+    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", end)
     (tmp_path / "mine").mkdir()
     for folder in ("new/deep", "mine"):
         with suppress(MemoryError):

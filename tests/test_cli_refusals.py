@@ -176,7 +176,7 @@ def test_what_goes_wrong_inside_decides_the_exit_status(capsys, monkeypatch, err
     def fail(scene, **options):
         raise error
 
-    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", fail)
+    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", fail)
     assert main(["run", "flat-press", "--json"]) == status
     out, err = capsys.readouterr()
     assert out == ""

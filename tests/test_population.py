@@ -13,7 +13,7 @@ from fefinger.mechanics.press.sites import folded, unfolded
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.neural.endorgans import TYPES
 from fefinger.pages import report
-from fefinger.run import fire
+from fefinger.pipeline import fire
 from fefinger.scene import builtin, library
 from fefinger.scene.indenter import STANDARD, direction
 from fefinger.support.checks import InputError

@@ -13,7 +13,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.run import run
+from fefinger.pipeline import run
 from fefinger.studies import tasks, workers
 from fefinger.studies.columns import column
 from fefinger.studies.grid import parse_at, parse_over, product

@@ -7,9 +7,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.mechanics.evidence import force_control
+from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results import pressure
-from fefinger.run import run
 from fefinger.scene.population import Scatter
 from fefinger.studies import page
 from fefinger.studies.columns import ERRORS, bounds, split, words

@@ -64,7 +64,7 @@ def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
         msg = "it buckled"
         raise ff.Stopped(msg, synthetic)
 
-    monkeypatch.setattr(importlib.import_module("fefinger.run"), "run", stopped)
+    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", stopped)
     with full():
         assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 1
     err = capsys.readouterr().err

@@ -19,7 +19,7 @@ def run(
     scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
 ) -> None:
     """Answer SCENE: force, pressure, strain and spikes."""
-    from fefinger.run import run as answer
+    from fefinger.pipeline import run as answer
     from fefinger.scene import builtin
     from fefinger.scene.inertia import quasistatic
     from fefinger.support import outputs

@@ -13,7 +13,7 @@ def answer(task: Task) -> Answer:
     try:
         from threadpoolctl import threadpool_limits
 
-        from fefinger.run import run
+        from fefinger.pipeline import run
         from fefinger.scene.scene import Scene
         from fefinger.studies.measures import rows
 

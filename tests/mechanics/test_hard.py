@@ -16,8 +16,8 @@ from fefinger.mechanics import LADDER, condensed, get, linear, solid
 from fefinger.mechanics.press import limits, materials
 from fefinger.mechanics.press.operator import operator
 from fefinger.mesh.store import ready
+from fefinger.pipeline import run
 from fefinger.results.records import Response
-from fefinger.run import run
 from fefinger.scene import builtin
 from fefinger.scene.ask import SOLVERS
 from fefinger.scene.finger import Finger

@@ -15,8 +15,8 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.press import materials, placement, problem, small_strain, time_steps
 from fefinger.mesh.store import ready
+from fefinger.pipeline import fire
 from fefinger.results.records import Response
-from fefinger.run import fire
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral

@@ -10,9 +10,9 @@ from fefinger.validation.extremes.invariants import invariants, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
 
 from fefinger.mechanics import get
+from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results.records import Response
-from fefinger.run import run
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere

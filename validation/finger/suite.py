@@ -23,8 +23,8 @@ from fefinger.mechanics.press.finite_strain import squeeze
 from fefinger.mechanics.press.materials import held, tissues, with_nail
 from fefinger.mechanics.press.small_strain import press
 from fefinger.mesh.store import ready
+from fefinger.pipeline import fire
 from fefinger.results.records import Response
-from fefinger.run import fire
 from fefinger.scene import builtin
 from fefinger.scene.finger import RIGID
 from fefinger.scene.indenter import Flat

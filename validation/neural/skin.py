@@ -13,7 +13,7 @@ from fefinger.validation.neural.sweep import Array, claim
 
 from fefinger.mechanics import get
 from fefinger.neural.maps import rate_profile
-from fefinger.run import fire
+from fefinger.pipeline import fire
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter, Sphere
