@@ -4,15 +4,12 @@
     scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.RampHold(60, 1.5, hold=5))
     result = ff.run(scene)
 
-Names are imported when they are used, so that importing the package costs nothing. Only `run` and
-`study` are bound at once: later they would be shadowed by the modules of those names.
+Names are imported when they are used, so that importing the package costs nothing.
 """
 
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from fefinger.pipeline import run as run
-from fefinger.studies.study import study as study
 from fefinger.support.version import VERSION
 
 
@@ -22,11 +19,12 @@ if TYPE_CHECKING:
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
+    from fefinger.pipeline import run as run
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
-    from fefinger.results.netcdf import load as load
+    from fefinger.result import Result as Result
+    from fefinger.result import load as load
     from fefinger.results.records import Plan as Plan
-    from fefinger.results.records import Result as Result
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenter import Bar as Bar
@@ -55,6 +53,7 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.tissue import Hard as Hard
     from fefinger.scene.tissue import Tissue as Tissue
+    from fefinger.studies.study import study as study
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
     from fefinger.support.checks import Stopped as Stopped
@@ -67,7 +66,7 @@ _HOMES = {
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
-    "results.netcdf": ("load",),
+    "result": ("Result", "load"),
     "scene.finger": ("Finger",),
     "scene.indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
@@ -76,18 +75,20 @@ _HOMES = {
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         "ForceSampled",
     ),
+    "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
-    "results.records": ("Plan", "Result"),
+    "results.records": ("Plan",),
     "mechanics.realtime.rolling": ("Rolling",),
     "scene.scene": ("Scene",),
+    "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
     "mechanics.realtime.stiffening": ("Stiffening",),
     "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = sorted([*_HOME, "run", "study"])
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:

@@ -8,7 +8,8 @@ if TYPE_CHECKING:
 
     from fefinger.mechanics import Mechanics
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.results.records import Plan, Response, Result
+    from fefinger.result import Result
+    from fefinger.results.records import Plan, Response
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
@@ -41,7 +42,7 @@ def run(
 
     from fefinger.mechanics import get
     from fefinger.plan import choose, settled
-    from fefinger.results.records import Result
+    from fefinger.result import Result
     from fefinger.scene import builtin
     from fefinger.support.checks import Stopped
     from fefinger.support.progress import Stages
@@ -84,7 +85,7 @@ def _noted(scene: "Scene", response: "Response") -> "Response":
 
 def _kept(scene: "Scene", plan: "Plan", response: "Response") -> "Result":
     """Return what a run that had to stop has reached; without spikes, which need the whole."""
-    from fefinger.results.records import Result
+    from fefinger.result import Result
 
     sources = _provenance(scene) | response.sources
     return Result(scene, plan, response, None, response.status, response.seconds, sources)

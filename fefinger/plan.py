@@ -8,13 +8,14 @@ from pathlib import Path
 
 from fefinger import mechanics as ladder
 from fefinger.mechanics.evidence import force_control, machine, tradeoff
+from fefinger.results.plan_text import ladder as written
+from fefinger.results.plan_text import trust
 from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
-from fefinger.support.text import beyond, duration, percent, trust
-from fefinger.support.text import ladder as written
+from fefinger.support.text import beyond, duration, percent
 
 
 LEFT_OUT = (

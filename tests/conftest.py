@@ -12,23 +12,14 @@ from threadpoolctl import threadpool_limits
 
 from fefinger.mechanics.evidence import machine
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import (
-    Fields,
-    Pad,
-    Plan,
-    Reference,
-    Refusal,
-    Response,
-    Result,
-    Rung,
-    Sites,
-)
+from fefinger.result import Result
+from fefinger.results.plan_text import trust
+from fefinger.results.records import Fields, Pad, Plan, Reference, Refusal, Response, Rung, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import RampHold
 from fefinger.scene.scene import Scene
-from fefinger.support.text import trust
 
 
 Array = NDArray[np.float64]
@@ -302,5 +293,5 @@ def make_spikes(time: Array, depth: Array, positions: Array) -> SpikeTrains:
 @pytest.fixture
 def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
     """Let `fefinger view` find the synthetic result in every folder."""
-    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.result.load", lambda folder: synthetic)
     return synthetic

@@ -16,12 +16,12 @@ from fefinger import mechanics
 from fefinger.__main__ import main
 from fefinger.commands import console
 from fefinger.mechanics import linear
-from fefinger.results.netcdf import load
+from fefinger.result import load
+from fefinger.results.plan_text import trust
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import own
 from fefinger.scene.scene import Scene
-from fefinger.support.text import trust
 
 
 QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
@@ -277,7 +277,7 @@ def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, m
 def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):
     from fefinger import view
 
-    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.result.load", lambda folder: synthetic)
     drawn = []
     monkeypatch.setattr(view, "screenshot", lambda *args, **kwargs: drawn.append((args, kwargs)))
     picture = str(tmp_path / "a.png")

@@ -106,7 +106,7 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
 def test_a_folder_in_the_place_of_a_file_is_refused(
     capsys, monkeypatch, tmp_path, synthetic, option
 ):
-    monkeypatch.setattr("fefinger.results.netcdf.load", lambda folder: synthetic)
+    monkeypatch.setattr("fefinger.result.load", lambda folder: synthetic)
     monkeypatch.chdir(tmp_path)
     name = option.split()[1]
     (tmp_path / name).mkdir()

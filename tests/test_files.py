@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 
 from fefinger.pages import report
+from fefinger.result import Result, load
 from fefinger.results import netcdf
-from fefinger.results.netcdf import LAYOUT, RECORDS, load, save
-from fefinger.results.records import Result
+from fefinger.results.netcdf import LAYOUT, RECORDS
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Sampled
 from fefinger.scene.tissue import Hard, Tissue
@@ -72,7 +72,7 @@ def test_a_saved_result_loads_equal(
     synthetic: Result, tmp_path: Path, missing: tuple[str, ...]
 ) -> None:
     result = without(synthetic, *missing)
-    written = save(result, tmp_path / "out")
+    written = result.save(tmp_path / "out")
     names = ["result.nc", "result.vtkhdf", "spikes.csv", "report.html"]
     gone = {"fields": "result.vtkhdf", "spikes": "spikes.csv"}
     expected = [name for name in names if name not in {gone.get(m) for m in missing}]
@@ -96,7 +96,7 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
         return found
 
     monkeypatch.setattr(netcdf, "_encode", former)
-    save(synthetic, tmp_path)
+    synthetic.save(tmp_path)
     found = load(tmp_path).plan
     assert found.trust == ""
     assert [rung.errors for rung in found.rungs] == [{}, {}]
@@ -140,13 +140,13 @@ def test_a_result_loads_without_the_files_of_its_finger(
     )
     scene = dataclasses.replace(synthetic.scene, finger=finger)
     result = dataclasses.replace(synthetic, scene=scene)
-    save(result, tmp_path / "out")
+    result.save(tmp_path / "out")
     for name in gone:
         named[name].unlink()
     found = load(tmp_path / "out")
     assert_same(found, result)
     assert found.scene.finger.skin.exponent == 3.0
-    save(found, tmp_path / "again")
+    found.save(tmp_path / "again")
     assert_same(load(tmp_path / "again"), result)
 
 
@@ -157,13 +157,13 @@ def test_a_long_sampled_motion_is_saved_whole(synthetic: Result, tmp_path: Path)
     result = dataclasses.replace(
         synthetic, scene=dataclasses.replace(synthetic.scene, motion=motion)
     )
-    save(result, tmp_path)
+    result.save(tmp_path)
     assert load(tmp_path).scene == result.scene
 
 
 @pytest.mark.usefixtures("plain_report")
 def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path: Path) -> None:
-    save(synthetic, tmp_path)
+    synthetic.save(tmp_path)
     with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf") as data:
         for name, variable in data.data_vars.items():
             assert variable.attrs["long_name"], name
@@ -175,7 +175,7 @@ def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path
 
 @pytest.mark.usefixtures("plain_report")
 def test_a_result_is_a_dataset_as_it_is_on_disk(synthetic: Result, tmp_path: Path) -> None:
-    save(synthetic, tmp_path)
+    synthetic.save(tmp_path)
     with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as saved:
         xr.testing.assert_identical(synthetic.to_xarray(), saved.load())
 
@@ -189,7 +189,7 @@ def test_every_array_of_the_records_has_a_place_in_the_file() -> None:
 
 @pytest.mark.usefixtures("plain_report")
 def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
-    save(synthetic, tmp_path)
+    synthetic.save(tmp_path)
     assert synthetic.spikes is not None
     with open(tmp_path / "spikes.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -203,8 +203,8 @@ def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path
 
 @pytest.mark.usefixtures("plain_report")
 def test_files_of_an_earlier_result_do_not_stay(synthetic: Result, tmp_path: Path) -> None:
-    save(synthetic, tmp_path)
-    save(without(synthetic, "fields", "spikes"), tmp_path)
+    synthetic.save(tmp_path)
+    without(synthetic, "fields", "spikes").save(tmp_path)
     assert sorted(os.listdir(tmp_path)) == ["report.html", "result.nc"]
 
 
@@ -219,7 +219,7 @@ def test_an_interruption_leaves_no_half_written_file(
     monkeypatch.setattr(report, "write", stop)
     (tmp_path / "result.nc").write_text("earlier")
     with pytest.raises(error):
-        save(synthetic, tmp_path)
+        synthetic.save(tmp_path)
     assert os.listdir(tmp_path) == ["result.nc"]
     assert (tmp_path / "result.nc").read_text() == "earlier"
 
@@ -227,13 +227,13 @@ def test_an_interruption_leaves_no_half_written_file(
 def test_a_file_in_the_place_of_the_folder_is_refused(synthetic: Result, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="output folder: expected a folder, received the file"):
-        save(synthetic, tmp_path / "file")
+        synthetic.save(tmp_path / "file")
 
 
 def test_a_folder_that_cannot_be_made_is_refused(synthetic: Result, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="output folder: expected a folder that can be written"):
-        save(synthetic, tmp_path / "file" / "out")
+        synthetic.save(tmp_path / "file" / "out")
 
 
 @pytest.mark.parametrize("path", ["nowhere", "empty", "empty/result.nc"])
@@ -257,7 +257,7 @@ def test_another_netcdf_file_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("plain_report")
 def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> None:
-    path = Path(save(synthetic, tmp_path)[0])
+    path = Path(synthetic.save(tmp_path)[0])
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with pytest.raises(InputError, match="damaged or is no result"):
         load(tmp_path)
@@ -268,7 +268,7 @@ def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> Non
 def test_a_result_with_damaged_links_is_refused(
     synthetic: Result, tmp_path: Path, part: bytes
 ) -> None:
-    path = Path(save(synthetic, tmp_path)[0])
+    path = Path(synthetic.save(tmp_path)[0])
     whole = path.read_bytes()
     assert part in whole
     path.write_bytes(whole.replace(part, b"xxxx"))
@@ -278,7 +278,7 @@ def test_a_result_with_damaged_links_is_refused(
 
 @pytest.mark.usefixtures("plain_report")
 def test_another_record_is_no_result(synthetic: Result, tmp_path: Path) -> None:
-    with xr.open_dataset(save(synthetic, tmp_path)[0], engine="h5netcdf") as kept:
+    with xr.open_dataset(synthetic.save(tmp_path)[0], engine="h5netcdf") as kept:
         other = kept.load().assign(record='{"dict": {}}')
     other.to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(InputError, match="its record is a dict, not a Result"):

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from fefinger import view
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.support.checks import InputError
 from fefinger.view import film as films
 

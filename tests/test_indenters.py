@@ -10,7 +10,7 @@ import fefinger as ff
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.evidence import reports
 from fefinger.pages.report import _touch
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.scene.indenter import Indenter
 from fefinger.support.checks import InputError
 from fefinger.view import indenter_pose

@@ -16,7 +16,6 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = {"fefinger": ROOT / "fefinger", "fefinger.validation": ROOT / "validation"}
 
 ROOMS = {
-    "fefinger.version": 0,
     "fefinger.support": 1,
     "fefinger.theory": 1,
     "fefinger.geometry": 2,

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fefinger.results.records import Result, Sites
+from fefinger.result import Result
+from fefinger.results.records import Sites
 from fefinger.view import frames, markers
 
 

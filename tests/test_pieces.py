@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fefinger.results.records import Fields, Result
+from fefinger.result import Result
+from fefinger.results.records import Fields
 from fefinger.view import frames, surfaces
 
 

@@ -16,6 +16,7 @@ from fefinger import mechanics, plan
 from fefinger.commands import console
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import machine
+from fefinger.results import plan_text
 from fefinger.results.records import Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.support import package_data, text
@@ -112,7 +113,7 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
 )  # fmt: skip
 def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
     rung = Rung("linear", 1.0, 0.04, "reports/linear.json", errors={"area": 0.3})
-    assert text.trust(rung, scene(**changes).ask) == said
+    assert plan_text.trust(rung, scene(**changes).ask) == said
 
 
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import laws, stress_kernels
-from fefinger.results.records import Fields, Result
+from fefinger.result import Result
+from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError

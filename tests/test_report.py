@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fefinger.pages import report
-from fefinger.results.records import Result, Rung
+from fefinger.result import Result
+from fefinger.results.records import Rung
 from fefinger.scene.motion import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.view import figures, renderer

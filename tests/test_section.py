@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
 from fefinger.view import frames, indenter_pose, quantities
 

@@ -3,7 +3,7 @@
 import dataclasses
 import re
 
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Sphere
 from fefinger.scene.motion import Sinusoid

@@ -13,7 +13,7 @@ from fefinger import view
 from fefinger.__main__ import main
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.scene.indenter import Flat
 from fefinger.support.checks import InputError
 from fefinger.view import frames, indenter_pose, pictures, quantities, renderer, window

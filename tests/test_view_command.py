@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fefinger.__main__ import main
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.view import quantities
 
 

@@ -7,8 +7,8 @@ import h5py
 import numpy as np
 import pytest
 
+from fefinger.result import Result
 from fefinger.results import vtkhdf
-from fefinger.results.records import Result
 
 
 def read_step(path: Path, step: int) -> tuple[tuple[float, ...], Any]:

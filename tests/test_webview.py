@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from fefinger.pages import viewer
-from fefinger.results.records import Result
+from fefinger.result import Result
 from fefinger.scene.indenter import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
 from fefinger.view import indenter_pose, quantities, surfaces

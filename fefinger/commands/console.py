@@ -14,7 +14,8 @@ from fefinger.support.text import brief, shown, strict_json, table
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.results.records import Plan, Result
+    from fefinger.result import Result
+    from fefinger.results.records import Plan
     from fefinger.studies.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress
@@ -103,7 +104,7 @@ def plan_record(plan: "Plan") -> dict[str, Any]:
 
 def plan_summary(plan: "Plan") -> str:
     """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
-    from fefinger.support.text import ladder
+    from fefinger.results.plan_text import ladder
 
     return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 

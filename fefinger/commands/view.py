@@ -29,7 +29,7 @@ def view(
     """
     from fefinger import view as pictures
     from fefinger.pages import viewer
-    from fefinger.results.netcdf import load
+    from fefinger.result import load
     from fefinger.support.outputs import check_ending, output_file
     from fefinger.view import film, frames, quantities
 

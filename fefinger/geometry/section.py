@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import Array, Integers
+from fefinger.support.arrays import Array, Integers
 
 
 BONE = 3  # the region of rigid bone, which has no field of its own

@@ -16,6 +16,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.neural.train_record import TrainRecord
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
 
@@ -23,8 +24,6 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-    from fefinger.neural.trains import SpikeTrains
 
 
 NPZ_FORMAT = "fefinger spike trains 1"
@@ -56,7 +55,7 @@ MEANINGS = {
 """What SIGNALS are, as said in files that have a place for it."""
 
 
-def to_csv(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
+def to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
     """Write one row per spike in CSV_COLUMNS, by unit and then time; empty places if unknown."""
     places: list[tuple[str, ...]] = [("", "", "")] * len(trains)
     if trains.positions is not None:
@@ -69,7 +68,7 @@ def to_csv(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
             writer.writerows((*unit, repr(float(time))) for time in times)
 
 
-def to_npz(trains: "SpikeTrains", path: str | PathLike[str]) -> None:
+def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
     """Write everything to a compressed NPZ that `read_npz` reads back to the last bit.
 
     `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
@@ -123,7 +122,7 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     return fields | {"times": tuple(pieces), "t_start": start, "t_stop": stop}
 
 
-def to_pandas(trains: "SpikeTrains") -> "pd.DataFrame":
+def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
     """Return a table with one row per spike: unit, type, x_mm, y_mm, z_mm, depth_mm, time_s."""
     import pandas as pd
 
@@ -135,7 +134,7 @@ def to_pandas(trains: "SpikeTrains") -> "pd.DataFrame":
     return pd.DataFrame(table)
 
 
-def to_xarray(trains: "SpikeTrains") -> "xr.Dataset":
+def to_xarray(trains: TrainRecord) -> "xr.Dataset":
     """Return a dataset of the signals over `time` and `unit`, and of the spikes over `spike`.
 
     `spike_unit` is the index of the unit of each spike; every variable has its units, and the
@@ -166,7 +165,7 @@ def to_xarray(trains: "SpikeTrains") -> "xr.Dataset":
     return xr.Dataset(data, coordinates, _provenance(trains))
 
 
-def to_neo(trains: "SpikeTrains") -> Any:
+def to_neo(trains: TrainRecord) -> Any:
     """Return a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
 
     Each SpikeTrain is named after its unit and annotated with afferent_class, position_mm and
@@ -197,7 +196,7 @@ def to_neo(trains: "SpikeTrains") -> Any:
 
 
 def to_nwb(
-    trains: "SpikeTrains",
+    trains: TrainRecord,
     path: str | PathLike[str],
     *,
     description: str = "simulated spike trains of tactile afferents",
@@ -250,14 +249,14 @@ def to_nwb(
         io.write(file)
 
 
-def _places(trains: "SpikeTrains") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _places(trains: TrainRecord) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return positions (n_units, 3) and depths (n_units,) in mm, nan where unknown."""
     n = len(trains)
     places = np.full((n, 3), np.nan) if trains.positions is None else trains.positions
     return places, np.full(n, np.nan) if trains.depths is None else trains.depths
 
 
-def _provenance(trains: "SpikeTrains") -> dict[str, Any]:
+def _provenance(trains: TrainRecord) -> dict[str, Any]:
     known: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
     if trains.seed is not None:
         known["seed"] = trains.seed

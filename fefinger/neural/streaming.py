@@ -6,7 +6,7 @@ or those of Hodgkin and Huxley, in compiled steps that make no array.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.streaming_step import State
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -27,30 +28,6 @@ STREAMED = ("compressive", "tangent")
 
 ROOM = 8  # spikes of one unit in one step
 SUBSTEPS = 4
-
-
-class State(NamedTuple):
-    """The units between two steps, but for their membranes.
-
-    drive (n,) a place in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
-    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, rad/s; modes (n, 2)
-    and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², the generator currents in the
-    last step; spikes (n, ROOM) ms and counts (n,) of it; clock (1,) ms.
-    """
-
-    drive: NDArray[np.int64]
-    across: Array
-    length: Array
-    gain: Array
-    at_rest: Array
-    share: Array
-    pole: Array
-    modes: Array
-    x: Array
-    levels: Array
-    spikes: Array
-    counts: NDArray[np.int64]
-    clock: Array
 
 
 class Stepped(Protocol):

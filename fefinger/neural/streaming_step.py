@@ -1,19 +1,44 @@
 """The compiled step of `streaming`; imported when units are first stepped."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.neural.generators import LARGEST_CURRENT
-from fefinger.neural.membranes.integrate_and_fire_compiled import _eventful
+from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
 from fefinger.neural.membranes.vectorized import LANES, interval
+from fefinger.support.arrays import Array
+
+
+class State(NamedTuple):
+    """The units between two steps, but for their membranes.
+
+    drive (n,) a place in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
+    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, rad/s; modes (n, 2)
+    and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², the generator currents in the
+    last step; spikes (n, ROOM) ms and counts (n,) of it; clock (1,) ms.
+    """
+
+    drive: NDArray[np.int64]
+    across: Array
+    length: Array
+    gain: Array
+    at_rest: Array
+    share: Array
+    pole: Array
+    modes: Array
+    x: Array
+    levels: Array
+    spikes: Array
+    counts: NDArray[np.int64]
+    clock: Array
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.streaming import State
+    pass
 
 
 LARGEST_STRAIN = 1e6
@@ -112,7 +137,7 @@ def integrate_and_fire(
         for k in range(substeps if dt > 0.0 else 0):
             begin, level = s.clock[0] + k * part, s.levels[k, i] / threshold
             steep = (s.levels[k + 1, i] - s.levels[k, i]) / (threshold * part)
-            s.counts[i] = _eventful(
+            s.counts[i] = eventful(
                 units[i],
                 begin,
                 begin + part,

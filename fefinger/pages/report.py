@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from fefinger import view
-from fefinger.neural.trains import FEW
+from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.pressure import highest
-from fefinger.results.records import Result
+from fefinger.results.records import ResultRecord
 from fefinger.scene.indenter import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
@@ -33,7 +33,7 @@ ALIKE = (
 )
 
 
-def write(result: Result, path: str | PathLike[str]) -> None:
+def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
     html = page.render(
         "report.html",
@@ -57,7 +57,7 @@ def write(result: Result, path: str | PathLike[str]) -> None:
     Path(path).write_text(html, encoding="utf-8")
 
 
-def _chance(result: Result) -> list[str]:
+def _chance(result: ResultRecord) -> list[str]:
     """Return what is random in the spikes, and from which seed."""
     spikes, layout = result.spikes, result.scene.ask.population
     if spikes is None:
@@ -73,7 +73,7 @@ def _chance(result: Result) -> list[str]:
     return [f"{drawn}, from the seed {spikes.seed}: the same seed gives the same spikes."]
 
 
-def answer(result: Result) -> str:
+def answer(result: ResultRecord) -> str:
     """Return the answer in one sentence: peak force, contact area, spikes."""
     said = []
     if result.force is not None:
@@ -92,7 +92,7 @@ def answer(result: Result) -> str:
     return sentence[0].upper() + sentence[1:] + "."
 
 
-def _touch(result: Result) -> str:
+def _touch(result: ResultRecord) -> str:
     """Return finger, indenter and motion in one sentence."""
     scene = result.scene
     finger, indenter, motion = scene.finger, scene.indenter, scene.motion
@@ -125,7 +125,7 @@ def _turned(roll: float) -> str:
     return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"
 
 
-def _tiles(result: Result) -> Iterator[dict[str, str]]:
+def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
     """Give the numbers that stand on top, each with its unit and the file that it is from."""
     if result.force is not None:
         yield _tile("peak force", f"{np.max(result.force):.3g} N", "result.nc: force")
@@ -150,7 +150,7 @@ def _tile(name: str, value: str, source: str) -> dict[str, str]:
     return {"name": name, "value": value, "source": source}
 
 
-def _files(result: Result) -> Iterator[tuple[str, str]]:
+def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
     """Give the files beside the report, and what each holds."""
     yield "result.nc", "every array with its unit, the scene and the plan (netCDF)"
     if result.fields is not None:
@@ -159,12 +159,12 @@ def _files(result: Result) -> Iterator[tuple[str, str]]:
         yield "spikes.csv", "one row per spike: unit, type, place in mm, time in s"
 
 
-def _warnings(result: Result) -> list[str]:
+def _warnings(result: ResultRecord) -> list[str]:
     """Return what must be seen before the answer: motion too fast for it, spikes that are none."""
     return [*quasistatic(result.scene, result.time, result.depth), *_blocked(result)]
 
 
-def _blocked(result: Result) -> list[str]:
+def _blocked(result: ResultRecord) -> list[str]:
     if result.spikes is None:
         return []
     seconds = result.spikes.block_seconds
@@ -181,7 +181,7 @@ def _blocked(result: Result) -> list[str]:
     ]
 
 
-def _parts(result: Result) -> Iterator[dict[str, Any]]:
+def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
     """Give the sections with pictures, in order."""
     if result.force is not None:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
@@ -215,7 +215,7 @@ def _parts(result: Result) -> Iterator[dict[str, Any]]:
         yield _spikes(result)
 
 
-def _spikes(result: Result) -> dict[str, Any]:
+def _spikes(result: ResultRecord) -> dict[str, Any]:
     """Return the section on the spikes; of a population a raster and a map on the pad."""
     assert result.spikes is not None
     if len(result.spikes) <= FEW:
@@ -238,7 +238,7 @@ def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
     return {"key": key, "title": title, "text": text, "picture": page.svg(drawn)}
 
 
-def _section(result: Result) -> dict[str, Any]:
+def _section(result: ResultRecord) -> dict[str, Any]:
     """Return the section on the strain in the finger: the cut, and two views in space."""
     assert result.fields is not None
     text = (
@@ -257,7 +257,7 @@ def _section(result: Result) -> dict[str, Any]:
     return _part("section", title, text, drawn) | {"pictures": pictures}
 
 
-def _screenshot(result: Result, field: str) -> bytes:
+def _screenshot(result: ResultRecord, field: str) -> bytes:
     """Return the view in space as the bytes of a PNG file."""
     with temporary_folder() as folder:
         path = folder / "picture.png"
@@ -265,14 +265,14 @@ def _screenshot(result: Result, field: str) -> bytes:
         return path.read_bytes()
 
 
-def _caption(result: Result, field: str) -> str:
+def _caption(result: ResultRecord, field: str) -> str:
     assert result.fields is not None
     frame = frames.nearest_frame(result.fields, frames.peak_time(result))
     where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
     return f"{field.capitalize()} {where}, {_time(result.fields.times[frame])}."
 
 
-def _units(result: Result) -> Iterator[dict[str, str]]:
+def _units(result: ResultRecord) -> Iterator[dict[str, str]]:
     """Give one row of the table of spikes per unit, or of many units one per type."""
     spikes = result.spikes
     if spikes is None:

@@ -16,9 +16,9 @@ import numpy as np
 
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid, Plane
-from fefinger.neural.trains import FEW
+from fefinger.neural.train_record import FEW
 from fefinger.pages import page
-from fefinger.results.records import Array, Fields, Integers, Result
+from fefinger.results.records import Array, Fields, Integers, ResultRecord
 from fefinger.support.atomic_write import moved
 from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces
 from fefinger.view.quantities import Span
@@ -56,7 +56,7 @@ class Blob:
 
 
 def write(
-    results: Result | Sequence[Result],
+    results: ResultRecord | Sequence[ResultRecord],
     path: str | PathLike[str],
     field: str = quantities.DEFAULT,
     time: float | None = None,
@@ -70,7 +70,7 @@ def write(
     results at all times. Several stand under the names of their `folders`. Raises InputError if a
     result has no fields, the field is unknown or the time is after the end.
     """
-    shown = [results] if isinstance(results, Result) else list(results)
+    shown = [results] if isinstance(results, ResultRecord) else list(results)
     quantities.named("field", field)
     wholes = [_whole(result) for result in shown]
     frames.check("time", shown, time)
@@ -102,13 +102,13 @@ def write(
         new.write_text(html, encoding="utf-8")
 
 
-def _whole(result: Result) -> Result:
+def _whole(result: ResultRecord) -> ResultRecord:
     """Return the result with fields on the whole finger."""
     fields = frames.whole(quantities.fields_of(result))
     return replace(result, response=replace(result.response, fields=fields))
 
 
-def _span(results: Sequence[Result], name: str, limits: tuple[float, float] | None) -> Span:
+def _span(results: Sequence[ResultRecord], name: str, limits: tuple[float, float] | None) -> Span:
     """Return the colors of a field over all results and times."""
     soft = [_soft(quantities.fields_of(result)) for result in results]
     return quantities.span(
@@ -143,7 +143,7 @@ def _colors(span: Span) -> list[int]:
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
-def _scene(result: Result, title: str, blob: Blob) -> dict[str, Any]:
+def _scene(result: ResultRecord, title: str, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
     fields = quantities.fields_of(result)
     mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
@@ -201,7 +201,7 @@ def _same(every: Sequence[surfaces.Piece]) -> Integers:
 
 
 def _values(
-    result: Result, every: Sequence[surfaces.Piece], name: str, blob: Blob
+    result: ResultRecord, every: Sequence[surfaces.Piece], name: str, blob: Blob
 ) -> Mapping[str, Any]:
     """Return a field on all vertices at all times, each on LEVELS of its range."""
     times = quantities.fields_of(result).times
@@ -213,7 +213,7 @@ def _values(
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
 
 
-def _force(result: Result, times: Array) -> list[float] | None:
+def _force(result: ResultRecord, times: Array) -> list[float] | None:
     if result.force is None:
         return None
     return [float(value) for value in np.interp(times, result.time, result.force)]
@@ -234,7 +234,7 @@ def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str
     }
 
 
-def _indenter(result: Result, blob: Blob) -> dict[str, Any]:
+def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
     pose = indenter_pose.pose(result, 0.0)
     count = 2 if isinstance(pose.profile, Plane) else GRID

@@ -10,12 +10,12 @@ from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Array, Pad, Result
+    from fefinger.results.records import Array, Pad, ResultRecord
     from fefinger.theory.array.sensor import ArraySensor, Reading
 
 
 def read(
-    result: "Result", sensor: "ArraySensor | None" = None, *, seed: int | None = None
+    result: "ResultRecord", sensor: "ArraySensor | None" = None, *, seed: int | None = None
 ) -> "Reading":
     """Return the readings of an array on the plate, with its middle under the center of pressure.
 
@@ -66,7 +66,7 @@ def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
     return np.asarray(weights @ fine.loads[kept])
 
 
-def on_plate(result: "Result") -> "Array":
+def on_plate(result: "ResultRecord") -> "Array":
     """Return the points of the pad (n, 2) mm as the plate sees them: distal, sideways."""
     assert result.pad is not None
     return plane(result.scene.indenter, result.pad.points)

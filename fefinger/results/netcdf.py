@@ -1,16 +1,7 @@
-"""A Result on disk: `save` writes a folder of files that other programs read, `load` reads it back.
-
-    result.nc      everything: labeled arrays with units, the scene (TOML), the plan (JSON)
-    result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
-    spikes.csv     one row per spike
-    report.html    the report
-
-Files are written into a hidden folder beside their final place and moved when all are complete.
-"""
+"""A result as one netCDF file: labeled arrays with units, the scene as TOML, the plan as JSON."""
 
 import dataclasses
 import json
-import os
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,8 +12,6 @@ from fefinger.neural.trains import SpikeTrains
 from fefinger.results import records
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
-from fefinger.support.interrupt import shielded
-from fefinger.support.outputs import output_folder
 
 
 if TYPE_CHECKING:
@@ -30,7 +19,6 @@ if TYPE_CHECKING:
 
 
 FORMAT = "fefinger result 1"
-NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
 
 
 class Variable(NamedTuple):
@@ -131,10 +119,9 @@ COORDINATES = {
     "plane_axis": ("x", "y"),
     "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
 }
-RECORDS = {
+RECORDS = {"Result": records.ResultRecord} | {
     record.__name__: record
     for record in (
-        records.Result,
         records.Plan,
         records.Rung,
         records.Settings,
@@ -149,37 +136,8 @@ RECORDS = {
 }
 
 
-def save(result: records.Result, folder: str | PathLike[str]) -> list[str]:
-    """Write `result` into `folder` and return the paths written, `result.nc` first.
-
-    `result.vtkhdf` is written only where the result has fields, `spikes.csv` only where it has
-    spikes; files of these names from an earlier result are removed. An interruption or an error
-    leaves the folder as it was. Raises InputError when the folder cannot be written, or is full.
-    """
-    from fefinger.pages import report
-    from fefinger.results import vtkhdf
-    from fefinger.support import atomic_write
-
-    target = output_folder(folder)
-    with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
-        new = {name: Path(scratch, name) for name in NAMES}
-        new["result.nc"].write_bytes(atomic_write.netcdf(dataset(result)))
-        if result.fields is not None:
-            vtkhdf.write(result.fields, new["result.vtkhdf"])
-        if result.spikes is not None:
-            result.spikes.to_csv(new["spikes.csv"])
-        report.write(result, new["report.html"])
-        with shielded():  # a signal leaves all of the result before, or all of this one
-            for name, path in new.items():
-                if path.exists():
-                    os.replace(path, target / name)
-                else:
-                    (target / name).unlink(missing_ok=True)
-    return [str(target / name) for name in NAMES if (target / name).exists()]
-
-
-def load(path: str | PathLike[str]) -> records.Result:
-    """Return the Result that `save` wrote: `path` is its folder or its `result.nc`.
+def read(path: str | PathLike[str]) -> records.ResultRecord:
+    """Read the record of a result: `path` is its folder or its `result.nc`.
 
     Raises InputError when there is no such file, or when it is foreign or damaged.
     """
@@ -209,15 +167,15 @@ def load(path: str | PathLike[str]) -> records.Result:
     raise InputError(message)
 
 
-def _result(opened: "xr.Dataset") -> records.Result:
+def _result(opened: "xr.Dataset") -> records.ResultRecord:
     found = _decode(json.loads(opened["record"].item()), opened.load())
-    if not isinstance(found, records.Result):
+    if not isinstance(found, records.ResultRecord):
         message = f"its record is a {type(found).__name__}, not a Result"
         raise TypeError(message)
     return found
 
 
-def dataset(result: records.Result) -> "xr.Dataset":
+def dataset(result: records.ResultRecord) -> "xr.Dataset":
     """Return everything in `result` as arrays with names, dimensions and units."""
     import xarray as xr
 

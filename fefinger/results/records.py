@@ -5,7 +5,6 @@ All are frozen: a stage that has not run has no field to read. `files.py` saves 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +14,6 @@ from fefinger.scene.scene import Scene
 
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from fefinger.neural.trains import SpikeTrains
 
 Array = NDArray[np.float64]
@@ -214,7 +211,7 @@ class Response:
 
 
 @dataclass(frozen=True)
-class Result:
+class ResultRecord:
     """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
 
     scene: Scene
@@ -294,21 +291,3 @@ class Result:
     def notes(self) -> tuple[str, ...]:
         """Simplifications and recorded choices that the reader has to know."""
         return self.response.notes + (self.spikes.notes if self.spikes is not None else ())
-
-    def to_xarray(self) -> "xr.Dataset":
-        """Return everything as a Dataset with units, as `result.nc` holds it."""
-        from fefinger.results.netcdf import dataset
-
-        return dataset(self)
-
-    def save(self, folder: str | PathLike[str]) -> list[str]:
-        """Write `result.nc`, `result.vtkhdf`, `spikes.csv` and `report.html` into `folder`."""
-        from fefinger.results.netcdf import save
-
-        return save(self, folder)
-
-    def show(self) -> Any:
-        """Open the strain field in a PyVista window, or inline in a notebook."""
-        from fefinger.view import show
-
-        return show(self)

@@ -7,7 +7,8 @@ import numpy as np
 
 from fefinger.mechanics.evidence.force_control import errors as at_force
 from fefinger.plan import choose, settled
-from fefinger.results.records import Result, Rung
+from fefinger.result import Result
+from fefinger.results.records import Rung
 from fefinger.scene.motion import Ramp
 from fefinger.studies.columns import ERRORS
 from fefinger.studies.times import SAME, until

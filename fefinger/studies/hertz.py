@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from fefinger.mesh.first_touch import Touch
+from fefinger.result import Result
 from fefinger.results.pressure import SPREAD
-from fefinger.results.records import Array, Result
+from fefinger.results.records import Array
 from fefinger.scene.indenter import Flat, Sphere
 from fefinger.studies.times import SAME, until
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
-from fefinger.results.records import Array, Integers, Result
+from fefinger.results.records import Array, Integers
 from fefinger.scene.indenter import Flat
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz

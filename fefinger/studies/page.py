@@ -12,7 +12,7 @@ from fefinger.support.text import brief, percent
 
 
 if TYPE_CHECKING:
-    from fefinger.studies.study import Study
+    from fefinger.studies.rows import StudyRows
 
 MEANING = (
     "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "
@@ -50,7 +50,7 @@ MOST = 15
 """Maps of the array on the page."""
 
 
-def html(study: "Study") -> str:
+def html(study: "StudyRows") -> str:
     """Return the page on a study."""
     done = study.scenes - len(study.failures)
     swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
@@ -127,7 +127,7 @@ def _values(name: str, values: Sequence[Any]) -> str:
     return f"{name} {listed}"
 
 
-def _parts(study: "Study") -> Iterator[dict[str, Any]]:
+def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
     """Give the sections: what failed, figures at each time, maps, spikes, and the table."""
     if study.failures:
         failed = [

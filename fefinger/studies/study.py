@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fefinger.studies.rows import StudyRows
+
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
     from fefinger.scene.scene import Scene
@@ -29,36 +30,8 @@ AT = ("1N", "1mm")
 
 
 @dataclass(frozen=True)
-class Study:
-    """The rows of a study in the order of its grid.
-
-    name of the scene; over: the columns of the grid; rows: one per scene and time; failures:
-    (values of the grid, sentence); scenes: how many there are; reused: how many were finished
-    before; about: what it takes to ask the same again.
-    """
-
-    name: str
-    over: tuple[str, ...]
-    rows: tuple[dict[str, Any], ...]
-    failures: tuple[tuple[dict[str, Any], str], ...]
-    scenes: int
-    reused: int
-    about: dict[str, Any]
-
-    def table(self) -> "pd.DataFrame":
-        """Return a table with one row per scene and time, units in the names of its columns.
-
-        Its `attrs` say how to make it again.
-        """
-        import pandas as pd
-
-        from fefinger.pages.page import flat
-
-        plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
-        columns = list(dict.fromkeys(key for row in plain for key in row))
-        found = pd.DataFrame(plain, columns=columns)
-        found.attrs = {"scene": self.name, **dict(flat(self.about))}
-        return found
+class Study(StudyRows):
+    """The rows of a study, and the files that they are written to."""
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the table as arrays over the fields of the grid and over `at`."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fefinger.studies.study import Study
+    from fefinger.studies.rows import StudyRows
 
 ENDINGS = ".csv", ".parquet", ".nc"
 
@@ -53,7 +53,7 @@ def check(path: str | PathLike[str], option: str) -> None:
         raise InputError(msg)
 
 
-def write(study: "Study", path: str | PathLike[str], option: str = "table") -> str:
+def write(study: "StudyRows", path: str | PathLike[str], option: str = "table") -> str:
     """Write the table of a study to a file that ends in one of ENDINGS, and return its path.
 
     The file appears complete or not at all.
@@ -85,7 +85,7 @@ def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
     return table
 
 
-def dataset(study: "Study") -> "xr.Dataset":
+def dataset(study: "StudyRows") -> "xr.Dataset":
     """Return the rows of a study as arrays over the fields of its grid and over `at`.
 
     What a scene that failed would have told is nan or empty.
@@ -135,7 +135,7 @@ def _about(name: str) -> dict[str, str]:
     return {"long_name": MEASURES.get(name, short), **units}
 
 
-def set_aside(study: "Study", folder: Path) -> list[str]:
+def set_aside(study: "StudyRows", folder: Path) -> list[str]:
     """Move the table of other scenes out of the way of that of a study; return the new paths.
 
     One whose scenes are all among those of the study, as when it is asked again or grows, stays

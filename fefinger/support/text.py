@@ -7,17 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Rung
-    from fefinger.scene.ask import Ask
-
-
-SAID = {
-    "force": "force",
-    "pressure": "highest pressure over 1 mm²",
-    "area": "contact area",
-    "strain": "strain at the end organs",
-}
-"""What errors are stated of, in words."""
+    pass
 
 
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
@@ -43,23 +33,6 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
-    """Return the ladder as a table, one line per refusal, and below it where the errors are from.
-
-    The chosen rung is marked by a star.
-    """
-    rows = []
-    for rung in rungs:
-        said = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
-        star = "*" if rung is chosen else ""
-        mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
-        first = said[0] if said else "chosen" if star else "good enough"
-        rows.append((star, rung.mechanics, mesh, error, seconds, first))
-        rows += [("", "", "", "", "", more) for more in said[1:]]
-    heading = ("", "mechanics", "mesh", "error", "time", "refused because")
-    return f"{table(rows, heading)}\n\n{_sources(rungs)}"
 
 
 def plain(text: str) -> float | str:
@@ -94,31 +67,6 @@ def brief(message: str) -> str:
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"
 
 
-def trust(rung: "Rung", ask: "Ask") -> str:
-    """Return how far from the truth each thing that is asked may be, in a sentence or two.
-
-    Where the force is prescribed, its error is that at the depth that is found, all others are at
-    that force.
-    """
-    errors = {"force": rung.error, **rung.errors}
-    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
-    wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
-    known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
-    unknown = [SAID[name] for name in wanted if name not in known]
-    words = SAID
-    if "depth" in errors:
-        known, words = ["depth", *known], SAID | {"force": "force at the depth", "depth": "depth"}
-    told = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
-    sentences = [f"Expected within: {told}."] if known else []
-    if ask.spikes and "spike count" in errors:
-        count, first = percent(errors["spike count"]), duration(errors["first spike"])
-        sentences.append(f"In scenes like it spike counts were within {count}, first ones {first}.")
-    elif ask.spikes:
-        unknown.append("spikes")
-    sentences += [f"No error is known of: {', '.join(unknown)}."] if unknown else []
-    return " ".join(sentences)
-
-
 def duration(seconds: float) -> str:
     """Return a time in the unit that reads best, a dash where it is not known."""
     if math.isnan(seconds):
@@ -127,14 +75,3 @@ def duration(seconds: float) -> str:
         if seconds < limit:
             return f"{float(f'{scale * seconds:.2g}'):g} {unit}"
     return f"{float(f'{seconds / 3600:.2g}'):g} h"
-
-
-def _sources(rungs: Sequence["Rung"]) -> str:
-    """Return one line per source of an error, with the mechanics that it is of."""
-    by_source: dict[str, list[str]] = {}
-    for rung in rungs:
-        if not math.isnan(rung.error):
-            name = f"{rung.mechanics} {rung.resolution or ''}".strip()
-            by_source.setdefault(rung.evidence, []).append(name)
-    rows = [(", ".join(names), source) for source, names in by_source.items()]
-    return table(rows, ("error of", "evidence")) if rows else "No error is known."

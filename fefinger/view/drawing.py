@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.results.records import Fields, Result
+from fefinger.results.records import Fields, ResultRecord
 from fefinger.view import frames, quantities
 from fefinger.view import markers as marks
 from fefinger.view import surfaces as pieces
@@ -23,7 +23,7 @@ class Subject:
     what is written above.
     """
 
-    result: Result
+    result: ResultRecord
     fields: Fields
     surfaces: tuple[pieces.Piece, ...]
     lines: pieces.Piece | None
@@ -32,7 +32,7 @@ class Subject:
     title: str
 
 
-def subject(result: Result, field: str, title: str = "") -> Subject:
+def subject(result: ResultRecord, field: str, title: str = "") -> Subject:
     """Return what is drawn of a result; pressure is shown on the whole finger from below.
 
     It is called `title`, or as its scene.

@@ -1,4 +1,4 @@
-"""Figures of a Result, drawn with matplotlib's objects (no pyplot) for the report and for view.
+"""Figures of a result, drawn with matplotlib's objects (no pyplot) for the report and for view.
 
 Every function returns a matplotlib Figure; `svg` and `png` turn one into text or bytes.
 """
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.endorgans import TYPES
-from fefinger.neural.trains import FEW
-from fefinger.results.records import Array, Integers, Result
+from fefinger.neural.train_record import FEW
+from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.view import quantities
 
@@ -98,7 +98,7 @@ def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
     return spans
 
 
-def signals(result: Result, rows: list[tuple[str, Array, Curves]]) -> Any:
+def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
     """Draw curves against time: one row per (axis label, time, [(label, color, values)]).
 
     Each row is drawn over all `windows`, on one scale; times in ms where the span is short.
@@ -145,7 +145,7 @@ def _label_time(axes: Any, spans: list[tuple[str, float, float]]) -> None:
             axes[-1, column].xaxis.set_major_locator(MaxNLocator(5, prune="upper"))
 
 
-def force(result: Result) -> Any:
+def force(result: ResultRecord) -> Any:
     """Draw force and depth against time."""
     rows = [
         ("force / N", result.time, [("", INK, result.response.force)]),
@@ -154,7 +154,7 @@ def force(result: Result) -> Any:
     return signals(result, rows)
 
 
-def contact(result: Result) -> Any:
+def contact(result: ResultRecord) -> Any:
     """Draw contact area and centroid against time."""
     rows = []
     if result.contact_area is not None:
@@ -178,7 +178,7 @@ def strongest(values: NDArray[Any], types: Sequence[str]) -> list[int]:
     return [int(which[np.argmax(top[which])]) for which in of_each(types).values()]
 
 
-def site_strain(result: Result) -> Any:
+def site_strain(result: ResultRecord) -> Any:
     """Draw the largest compressive and tensile strain at end-organ sites against time.
 
     Of a population the most strained site of each type.
@@ -202,7 +202,7 @@ def site_strain(result: Result) -> Any:
     return signals(result, rows)
 
 
-def currents(result: Result) -> Any:
+def currents(result: ResultRecord) -> Any:
     """Draw the input of the end organs and the generator current of the units against time.
 
     Of many units the one of each type with the largest current.
@@ -226,7 +226,7 @@ def currents(result: Result) -> Any:
     return signals(result, rows)
 
 
-def spikes(result: Result) -> Any:
+def spikes(result: ResultRecord) -> Any:
     """Draw the spike raster, and below it the instantaneous rate of units that fired twice."""
     trains = result.spikes
     assert trains is not None
@@ -271,7 +271,7 @@ def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) ->
     axis.stairs(rates, edges * scale, color=color, linewidth=1.1)
 
 
-def pressure_map(result: Result) -> Any:
+def pressure_map(result: ResultRecord) -> Any:
     """Draw the pressure on the pad at the largest force, seen from below, with its centroid."""
     assert result.pad is not None
     assert result.pressure is not None
@@ -323,7 +323,7 @@ def _mark_centroid(axis: Any, place: Array) -> None:
     )
 
 
-def stages(result: Result) -> Any:
+def stages(result: ResultRecord) -> Any:
     """Draw the wall time of every stage as bars."""
     names, seconds = list(result.seconds), list(result.seconds.values())
     with style():

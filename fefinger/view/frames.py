@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from fefinger.geometry.section import is_half
-from fefinger.results.records import Fields, Result
+from fefinger.results.records import Fields, ResultRecord
 from fefinger.support.checks import InputError, number
-from fefinger.view import frames, quantities
+from fefinger.view import quantities
 
 
-def check(name: str, results: Sequence[Result], time: float | None) -> None:
+def check(name: str, results: Sequence[ResultRecord], time: float | None) -> None:
     """Raise InputError for a `time` in s before the runs, or more than a step after all of them.
 
     `name`: what the user gave it as; None is the time of the largest force.
@@ -29,12 +29,12 @@ def check(name: str, results: Sequence[Result], time: float | None) -> None:
         raise InputError(message)
 
 
-def told(results: Sequence[Result], names: Sequence[str], time: float) -> list[str]:
+def told(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:
     """Return a sentence for each result that is shown at another time than asked."""
     sentences = []
     for result, name in zip(results, names, strict=True):
         fields = quantities.fields_of(result)
-        shown = float(fields.times[frames.nearest_frame(fields, time)])
+        shown = float(fields.times[nearest_frame(fields, time)])
         if abs(shown - time) > 1e-6 * float(fields.times[-1]):
             which = "last" if time > fields.times[-1] else f"nearest to {time:.6g} s"
             of = f"the {which} of its {len(fields.times)} stored times"
@@ -53,7 +53,7 @@ def nearest_frame(fields: Fields, time: float) -> int:
     return int(np.argmin(np.abs(fields.times - time)))
 
 
-def peak_time(result: Result) -> float:
+def peak_time(result: ResultRecord) -> float:
     """Return the time in s of the largest force."""
     return float(result.time[int(np.argmax(result.response.force))])
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.geometry.profiles import Ellipsoid, Profile, frame
-from fefinger.results.records import Array, Result
+from fefinger.results.records import Array, ResultRecord
 from fefinger.scene.indenter import STANDARD, Flat, Grating, Relief, direction
 from fefinger.view.frames import whole
 
@@ -76,7 +76,7 @@ class Pose(NamedTuple):
         return places[np.isfinite(places).all(axis=1)][:, [0, 2]]
 
 
-def pose(result: Result, depth: float) -> Pose:
+def pose(result: ResultRecord, depth: float) -> Pose:
     """Return where the indenter is after `depth` mm of travel."""
     indenter = result.scene.indenter
     roll = getattr(indenter, "roll", 0.0)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.neural.trains import FEW, SpikeTrains
-from fefinger.results.records import Array, Integers, Result
+from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import SpikeTrains
+from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.view import quantities, surfaces
 
 
@@ -31,7 +32,7 @@ class Marks:
         return np.array([float(self.trains.rate(int(unit), time)) for unit in self.units])
 
 
-def in_section(result: Result) -> Marks | None:
+def in_section(result: ResultRecord) -> Marks | None:
     """Return a mark per end organ, of a population of those within OFF_PLANE of the cut."""
     sites = result.sites
     if sites is None:
@@ -43,7 +44,7 @@ def in_section(result: Result) -> Marks | None:
     return _marks(result, sites.points[kept], kept, unit[kept])
 
 
-def on_skin(result: Result) -> Marks | None:
+def on_skin(result: ResultRecord) -> Marks | None:
     """Return a mark per unit of a population, on the skin above the middle of its end organs."""
     sites = result.sites
     if sites is None or len(sites.types) <= FEW:
@@ -56,7 +57,7 @@ def on_skin(result: Result) -> Marks | None:
     return _marks(result, places, first, units)
 
 
-def highest_rate(result: Result) -> float:
+def highest_rate(result: ResultRecord) -> float:
     """Return the highest rate in Hz of any unit at any of the stored times."""
     if result.spikes is None:
         return 0.0
@@ -64,7 +65,7 @@ def highest_rate(result: Result) -> float:
     return max(float(result.spikes.rate(unit, times).max()) for unit in range(len(result.spikes)))
 
 
-def _marks(result: Result, points: Array, sites: Integers, units: Integers) -> Marks | None:
+def _marks(result: ResultRecord, points: Array, sites: Integers, units: Integers) -> Marks | None:
     known = result.sites
     assert known is not None
     if not len(points):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import Array, Fields, Integers, Result
+from fefinger.results.records import Array, Fields, Integers, ResultRecord
 from fefinger.support.atomic_write import moved
 from fefinger.view import color_bars, figures, film, frames, quantities, renderer
 from fefinger.view import section_figure as medial
@@ -40,7 +40,7 @@ REGIONS = {1: ("skin", "#e8b89a"), 2: ("subcutaneous tissue", "#f4dc8c"), 3: ("b
 
 
 def section_figure(
-    result: Result, *, field: str = quantities.DEFAULT, time: float | None = None
+    result: ResultRecord, *, field: str = quantities.DEFAULT, time: float | None = None
 ) -> tuple[Any, str | None]:
     """Return the medial section, deformed and colored by `field`, as a matplotlib Figure.
 
@@ -58,7 +58,7 @@ def section_figure(
 
 
 def section_png(
-    result: Result,
+    result: ResultRecord,
     path: str | PathLike[str],
     *,
     field: str = quantities.DEFAULT,
@@ -73,7 +73,7 @@ def section_png(
 
 def compose(
     plotter: Any,
-    results: Sequence[Result],
+    results: Sequence[ResultRecord],
     field: str,
     limits: tuple[float, float] | None = None,
     folders: Sequence[str] = (),
@@ -105,7 +105,7 @@ def size(columns: int) -> tuple[int, int]:
 
 
 def screenshot(
-    results: Result | Sequence[Result],
+    results: ResultRecord | Sequence[ResultRecord],
     path: str | PathLike[str],
     field: str = quantities.DEFAULT,
     time: float | None = None,
@@ -120,7 +120,7 @@ def screenshot(
     force; `limits` are those of the color bar. Raises InputError if there is no renderer, there are
     no fields, the field is unknown or the time is after the end.
     """
-    shown = [results] if isinstance(results, Result) else list(results)
+    shown = [results] if isinstance(results, ResultRecord) else list(results)
     frames.check("time", shown, time)
     plotter, stages = _stages(shown, field, limits, folders)
     for stage in stages:
@@ -129,7 +129,7 @@ def screenshot(
 
 
 def movie(
-    results: Result | Sequence[Result],
+    results: ResultRecord | Sequence[ResultRecord],
     path: str | PathLike[str],
     field: str = quantities.DEFAULT,
     limits: tuple[float, float] | None = None,
@@ -140,7 +140,7 @@ def movie(
     Otherwise as `screenshot`. Times are not evenly spaced; every picture says its own.
     """
     film.check(path, "--movie")
-    shown = [results] if isinstance(results, Result) else list(results)
+    shown = [results] if isinstance(results, ResultRecord) else list(results)
     plotter, stages = _stages(shown, field, limits, folders)
     times = np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
 
@@ -161,7 +161,7 @@ def movie(
 
 
 def _stages(
-    results: Sequence[Result],
+    results: Sequence[ResultRecord],
     field: str,
     limits: tuple[float, float] | None,
     folders: Sequence[str],

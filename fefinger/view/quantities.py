@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.results import energy
-from fefinger.results.records import Array, Fields, Result
+from fefinger.results.records import Array, Fields, ResultRecord
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -119,12 +119,12 @@ def signed(field: str) -> bool:
     return field in PRINCIPAL or field.removeprefix("strain ") in COMPONENTS
 
 
-def measure(result: Result) -> str:
+def measure(result: ResultRecord) -> str:
     """Return which strain the fields of a result hold."""
     return "logarithmic strain" if result.response.finite else "small strain"
 
 
-def fields_of(result: Result) -> Fields:
+def fields_of(result: ResultRecord) -> Fields:
     """Return the fields of a result; InputError with what to do where there are none."""
     if result.fields is None:
         message = (
@@ -136,7 +136,7 @@ def fields_of(result: Result) -> Fields:
     return result.fields
 
 
-def values(result: Result, field: str, frame: int) -> Array:
+def values(result: ResultRecord, field: str, frame: int) -> Array:
     """Return a field at the mesh points (n_points,) in `unit(field)`.
 
     Raises InputError if the field is unknown or there are none.

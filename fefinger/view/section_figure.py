@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.geometry import section
-from fefinger.neural.trains import FEW
-from fefinger.results.records import Array, Integers, Result
+from fefinger.neural.train_record import FEW
+from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.view import figures, indenter_pose, quantities
 
 
@@ -55,7 +55,7 @@ class Medial:
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
 
 
-def medial(result: Result, field: str, frame: int) -> Medial:
+def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
     fields = quantities.fields_of(result)
     cut = section.cut(fields.points, fields.cells, fields.region)
@@ -79,7 +79,7 @@ def medial(result: Result, field: str, frame: int) -> Medial:
     )
 
 
-def _organs(result: Result, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
+def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
     """Return the end organs, moved with the nearest vertex of the section."""
     if result.sites is None:
         return []

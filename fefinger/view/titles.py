@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from fefinger.results.records import Result
+from fefinger.results.records import ResultRecord
 
 
 MOST = 3  # differences that a title has room for
@@ -16,7 +16,7 @@ SIZES = ("finger.width", "finger.thickness", "finger.pad_radius")  # which those
 
 
 def titles(
-    results: Sequence[Result], folders: Sequence[str | PathLike[str]] = ()
+    results: Sequence[ResultRecord], folders: Sequence[str | PathLike[str]] = ()
 ) -> tuple[str, ...]:
     """Return a title for each result: name of its scene, its folder's where there are several.
 

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import Integers, Pad, Result
+from fefinger.results.records import Integers, Pad, ResultRecord
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 
 
 BIN = 60  # bins of the histogram over the whole time
 
 
-def raster(result: Result) -> Any:
+def raster(result: ResultRecord) -> Any:
     """Draw the spikes of a population by type, nearest to the first touch on top, and its rates."""
     trains = result.spikes
     assert trains is not None
@@ -45,7 +45,7 @@ def raster(result: Result) -> Any:
         return drawn
 
 
-def rate_map(result: Result) -> Any:
+def rate_map(result: ResultRecord) -> Any:
     """Draw the places of the units seen from below, colored by their rate over the whole time."""
     trains = result.spikes
     assert trains is not None
@@ -107,7 +107,7 @@ def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:
     return which[np.argsort(np.linalg.norm(trains.positions[which], axis=1), kind="stable")]
 
 
-def _outline(axis: Any, result: Result) -> None:
+def _outline(axis: Any, result: ResultRecord) -> None:
     """Draw where the pad is pressed at the largest force."""
     pad: Pad | None = result.pad
     if pad is None or result.pressure is None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.results.records import Array, Result
+from fefinger.results.records import Array, ResultRecord
 from fefinger.support.checks import InputError
 from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer
 from fefinger.view.plot3d import Stage
@@ -29,7 +29,7 @@ class Controls:
     def __init__(
         self,
         plotter: Any,
-        results: Sequence[Result],
+        results: Sequence[ResultRecord],
         field: str,
         *,
         time: float | None = None,
@@ -127,7 +127,7 @@ class Controls:
 
 
 def show(
-    results: Result | Sequence[Result],
+    results: ResultRecord | Sequence[ResultRecord],
     field: str = quantities.DEFAULT,
     time: float | None = None,
     limits: tuple[float, float] | None = None,
@@ -138,7 +138,7 @@ def show(
     Several stand under the names of their `folders`. Raises InputError if there is no renderer or
     no display, the result has no fields, or the time is after its end.
     """
-    shown = [results] if isinstance(results, Result) else list(results)
+    shown = [results] if isinstance(results, ResultRecord) else list(results)
     for result in shown:
         quantities.fields_of(result)
     quantities.named("field", field)

@@ -11,13 +11,13 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics.press import materials, placement
+from fefinger.mechanics.press import constitutive, materials, placement
 from fefinger.mesh.store import ready
 from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
-TISSUES = materials.tissues(FINGER)
+TISSUES = constitutive.tissues(FINGER)
 
 
 @pytest.fixture(scope="module")

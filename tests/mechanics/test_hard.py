@@ -13,7 +13,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.linalg import solvers
 from fefinger.mechanics import LADDER, condensed, get, linear, solid
-from fefinger.mechanics.press import limits, materials
+from fefinger.mechanics.press import failure, materials
 from fefinger.mechanics.press.operator import operator
 from fefinger.mesh.store import ready
 from fefinger.pipeline import run
@@ -48,7 +48,7 @@ def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
     space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
     elements = continuum(space, {materials.NAIL: neo_hookean(Elastic(2e6, 0.3))})
-    stretch, _, tissue = limits.most_pressed(elements, np.zeros(space.n_unknowns))
+    stretch, _, tissue = failure.most_pressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
 

@@ -13,7 +13,14 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports
-from fefinger.mechanics.press import materials, placement, problem, small_strain, time_steps
+from fefinger.mechanics.press import (
+    constitutive,
+    materials,
+    placement,
+    problem,
+    small_strain,
+    time_steps,
+)
 from fefinger.mesh.store import ready
 from fefinger.pipeline import fire
 from fefinger.results.records import Response
@@ -35,7 +42,7 @@ def scene(**parts: object) -> ff.Scene:
 @pytest.fixture(scope="module")
 def half() -> Body:
     mesh = ready(FINGER, half=True)
-    return body(mesh, materials.tissues(FINGER), materials.held(FINGER))
+    return body(mesh, constitutive.tissues(FINGER), materials.held(FINGER))
 
 
 @pytest.fixture(scope="module")

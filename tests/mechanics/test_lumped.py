@@ -16,7 +16,7 @@ from fefinger.commands.console import run_record, run_summary
 from fefinger.mechanics import lumped
 from fefinger.mechanics.evidence import reports
 from fefinger.pages import report
-from fefinger.results.netcdf import load
+from fefinger.result import load
 from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law
 

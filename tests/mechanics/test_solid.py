@@ -16,7 +16,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.limits import most_pressed
+from fefinger.mechanics.press.failure import most_pressed
 from fefinger.neural.afferents import displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.neural.trains import COLUMNS, SpikeTrains
+from fefinger.neural.train_record import COLUMNS
+from fefinger.neural.trains import SpikeTrains
 from fefinger.support.checks import InputError
 
 

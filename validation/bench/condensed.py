@@ -26,7 +26,7 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.fem.linalg import system
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import materials, operator, operator_cache
+from fefinger.mechanics.press import constitutive, materials, operator, operator_cache
 from fefinger.mechanics.press import sites as _touch
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
@@ -124,7 +124,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, materials.tissues(finger), materials.held(finger))
+    solid = body(mesh, constitutive.tissues(finger), materials.held(finger))
     own, space = solid.system, solid.space
     found, factoring = timed(lambda: system.factor(space, own.matrix, own.fixed, "superlu"))
     count = 3 * len(palmar(solid))

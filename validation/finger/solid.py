@@ -17,8 +17,9 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.constitutive import laws, tissues
 from fefinger.mechanics.press.finite_strain import squeeze
-from fefinger.mechanics.press.materials import held, laws, tissues
+from fefinger.mechanics.press.materials import held
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask

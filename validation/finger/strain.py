@@ -15,8 +15,9 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import meshed_at
-from fefinger.mechanics.press.materials import held, tissues
+from fefinger.mechanics.press.materials import held
 from fefinger.mechanics.press.sites import sites
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin

@@ -19,8 +19,9 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.finite_strain import squeeze
-from fefinger.mechanics.press.materials import held, tissues, with_nail
+from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.small_strain import press
 from fefinger.mesh.store import ready
 from fefinger.pipeline import fire

@@ -21,8 +21,9 @@ from fefinger.validation.tradeoff import rules as tradeoff_rules
 
 from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.results.plan_text import SAID
 from fefinger.support.atomic_write import moved
-from fefinger.support.text import SAID, finite
+from fefinger.support.text import finite
 
 
 AS_REPORTED = 0.05

@@ -6,12 +6,13 @@ from fefinger.validation.tradeoff.held_out import ENOUGH
 
 from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.results.plan_text import SAID
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import Ramp
 from fefinger.scene.scene import Scene
-from fefinger.support.text import SAID, percent
+from fefinger.support.text import percent
 
 
 DEPTH = 1.0

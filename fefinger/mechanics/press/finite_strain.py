@@ -21,11 +21,11 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, response, small_strain
+from fefinger.mechanics.press.constitutive import laws, relaxations
 from fefinger.mechanics.press.discretization import meshed_at, symmetric
+from fefinger.mechanics.press.failure import told
 from fefinger.mechanics.press.finite_reference import reference
-from fefinger.mechanics.press.limits import told
 from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
-from fefinger.mechanics.press.materials import laws, relaxations
 from fefinger.mechanics.press.sites import folded, organs, unfolded
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready

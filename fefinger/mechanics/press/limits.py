@@ -1,15 +1,16 @@
-"""What is said where an object misses the vertices of the pad: none, or too few, are under it."""
+"""Limits of a press: no vertex under the object, its rim reached, too deep for the mesh."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
-from fefinger.mechanics.press.materials import NAIL
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 
+
+if TYPE_CHECKING:
+    from fefinger.fem.contact.obstacle import Obstacle
 
 NOTHING_UNDER = (
     "indenter: expected it over the pad, received one that no vertex of the pad is under; move it, "
@@ -42,39 +43,6 @@ def unresolved(depth: float) -> str:
     )
 
 
-Array = NDArray[np.float64]
-
-
-def most_pressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
-    """Return the smallest principal stretch in a body, the place (3,) mm at rest, and the tissue.
-
-    `values` (n_unknowns,) are those of the body.
-    """
-    space = elements.space
-    moved = values[space.unknowns[:, :30]].reshape(-1, 10, 3)
-    deformation = np.eye(3) + np.einsum(
-        "eni,qnk,ekj->eqij", moved, elements.reference, elements.jacobians
-    )
-    stretch = np.linalg.svd(deformation, compute_uv=False)[..., -1].min(axis=1)
-    cell = int(np.argmin(stretch))
-    place = space.points[space.vertices[cell]].mean(axis=0)
-    names = {number: name for name, number in REGIONS.items()} | {NAIL: "nail"}
-    name = names[int(space.tissue[cell])]
-    return float(stretch[cell]), place, "subcutaneous tissue" if name == "subcutaneous" else name
-
-
-def told(error: Exception, elements: Continuum, values: Array | None) -> str:
-    """Return the sentence on a press that found no equilibrium after `values`, if there are any."""
-    if values is None:
-        return str(error)
-    stretch, (x, y, z), tissue = most_pressed(elements, values)
-    return (
-        f"{error}. At the last equilibrium the {tissue} at x = {x:.1f}, y = {y:.1f}, z = {z:.1f} "
-        f"mm is pressed to {stretch:.2g} of its length: press less deep, or take another mesh "
-        "(finger.resolution) or tissue"
-    )
-
-
 def check_reached(scene: Scene, deepest: float) -> None:
     """Raise InputError for a force that presses the tissue to nothing, to `deepest` mm."""
     if scene.motion.control == "force" and deepest >= scene.finger.pulp:
@@ -86,7 +54,7 @@ def check_reached(scene: Scene, deepest: float) -> None:
         raise InputError(message)
 
 
-def check_depth(scene: Scene, mesh: FingerMesh, touch: Obstacle) -> None:
+def check_depth(scene: Scene, mesh: FingerMesh, touch: "Obstacle") -> None:
     """Raise InputError for a depth that leaves no tissue over the bone."""
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))

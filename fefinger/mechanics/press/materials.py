@@ -6,10 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
-from fefinger.fem.hyperelastic.load_path import Series
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
-from fefinger.mechanics.press import materials
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 
@@ -45,29 +42,3 @@ def with_nail(finger: Finger, mesh: FingerMesh) -> FingerMesh:
     region = mesh.region.copy()
     region[skin[nearest < len(outside[0])]] = NAIL
     return replace(mesh, region=region)
-
-
-def tissues(finger: Finger) -> dict[int, Elastic]:
-    """Return the relaxed elasticity of the regions that deform."""
-    layers = {1: finger.skin, 2: finger.subcutaneous}
-    soft = {region: Elastic(layer.modulus, layer.poisson) for region, layer in layers.items()}
-    return soft | elastic(finger)
-
-
-def laws(finger: Finger) -> dict[int, Law]:
-    """Return the relaxed hyperelastic laws of the regions that deform."""
-    layers = {1: finger.skin, 2: finger.subcutaneous}
-    elastic = materials.tissues(finger)
-    found = {region: neo_hookean(elastic[region]) for region in elastic.keys() - layers.keys()}
-    for region, layer in layers.items():
-        found[region] = law(layer.law, elastic[region], layer.exponent, layer.share)
-    return found
-
-
-def relaxations(finger: Finger) -> dict[int, Series]:
-    """Return how the soft regions relax."""
-    layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
-    own = {region: prony or finger.prony for region, prony in layers.items()}
-    return {
-        region: Series(np.array(prony.weights), np.array(prony.v)) for region, prony in own.items()
-    }

@@ -14,9 +14,10 @@ from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement
+from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import meshed_at, symmetric
 from fefinger.mechanics.press.limits import check_depth, check_reached
-from fefinger.mechanics.press.materials import held, tissues, with_nail
+from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.problem import ATTEMPTS, FORCE_DEPTH, GROW, REACH, Contact, Method
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import answer, frames_of, origins, scene_notes

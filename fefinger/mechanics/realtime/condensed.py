@@ -27,8 +27,7 @@ from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import ODD, VOIGT
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics import condensed
-from fefinger.mechanics.press import limits as _missed
-from fefinger.mechanics.press import operator, placement, problem, response
+from fefinger.mechanics.press import limits, operator, placement, problem, response
 from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.sites import folded
 from fefinger.mechanics.press.sites import sites as central_sites
@@ -220,7 +219,7 @@ class Condensed:
         output = output or self._output
         outcome = step_compiled.advance(state, memory, output, dt, target, by_force, stiffening)
         if outcome == lcp_compiled.TURNED:
-            raise InputError(_missed.rim_reached(len(self.patch.vertices)))
+            raise InputError(limits.rim_reached(len(self.patch.vertices)))
         step_compiled.check(outcome, self.deepest)
         return self._read()
 
@@ -303,7 +302,7 @@ def _answering(
         reach = problem.REACH * deepest
         on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings, within)
         if len(on_pad.vertices) == 0:
-            raise InputError(_missed.NOTHING_UNDER)
+            raise InputError(limits.NOTHING_UNDER)
         try:
             found = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:

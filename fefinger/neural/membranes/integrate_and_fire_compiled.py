@@ -51,7 +51,7 @@ def _crossing(u: float, level: float, rise: float, tau: float, length: float) ->
 
 
 @njit(cache=True)
-def _eventful(
+def eventful(
     state: NDArray[np.float64],
     t0: float,
     t1: float,
@@ -117,7 +117,7 @@ def integrate(
             end = u + (level - u) * gone + (after - level) * share
             turns = level > u and after < end
             if states[i, 2] > t0 or end > 1.0 or turns:
-                counts[i] = _eventful(
+                counts[i] = eventful(
                     states[i],
                     t0,
                     t1,

@@ -1,0 +1,85 @@
+"""The answer to a scene as users hold it: `save` writes a folder that other programs read.
+
+    result.nc      everything: labeled arrays with units, the scene (TOML), the plan (JSON)
+    result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
+    spikes.csv     one row per spike
+    report.html    the report
+
+Files are written into a hidden folder beside their final place and moved when all are complete.
+"""
+
+import os
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fefinger.results.records import ResultRecord
+from fefinger.support.interrupt import shielded
+from fefinger.support.outputs import output_folder
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
+"""Files of a saved result."""
+
+
+class Result(ResultRecord):
+    """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return everything as a Dataset with units, as `result.nc` holds it."""
+        from fefinger.results.netcdf import dataset
+
+        return dataset(self)
+
+    def save(self, folder: str | PathLike[str]) -> list[str]:
+        """Write the result into `folder` and return the paths written, `result.nc` first.
+
+        `result.vtkhdf` is written only where there are fields, `spikes.csv` only where there are
+        spikes; files of these names from an earlier result are removed. An interruption or an error
+        leaves the folder as it was.
+
+        Raises
+        ------
+        InputError
+            A folder that cannot be written, or that is full.
+        """
+        from fefinger.pages import report
+        from fefinger.results import netcdf, vtkhdf
+        from fefinger.support import atomic_write
+
+        target = output_folder(folder)
+        with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
+            new = {name: Path(scratch, name) for name in NAMES}
+            new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
+            if self.fields is not None:
+                vtkhdf.write(self.fields, new["result.vtkhdf"])
+            if self.spikes is not None:
+                self.spikes.to_csv(new["spikes.csv"])
+            report.write(self, new["report.html"])
+            with shielded():  # a signal leaves all of the result before, or all of this one
+                for name, path in new.items():
+                    if path.exists():
+                        os.replace(path, target / name)
+                    else:
+                        (target / name).unlink(missing_ok=True)
+        return [str(target / name) for name in NAMES if (target / name).exists()]
+
+    def show(self) -> Any:
+        """Open the strain field in a PyVista window, or inline in a notebook."""
+        from fefinger.view import show
+
+        return show(self)
+
+
+def load(path: str | PathLike[str]) -> Result:
+    """Return the Result that `save` wrote: `path` is its folder or its `result.nc`.
+
+    Raises InputError when there is no such file, or when it is foreign or damaged.
+    """
+    from fefinger.results.netcdf import read
+
+    return Result(**vars(read(path)))
