@@ -469,8 +469,8 @@ def _changed(table: Tables, changes: Mapping[str, Any]) -> Tables:
 
 
 def _timeless(text: str) -> str:
-    """Return a message without expected times, which depend on the machine."""
-    return re.sub(r"\b[\d.]+ (ms|s|min|h)\b", "TIME", text)
+    """Return a message without expected times, which depend on the machine, and their padding."""
+    return re.sub(r" +", " ", re.sub(r"\b[\d.]+ (ms|s|min|h)\b", "TIME", text))
 
 
 def main(arguments: list[str]) -> int:
