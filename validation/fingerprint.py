@@ -12,6 +12,10 @@ exactly; each difference is printed in one line, and the exit status is then 1.
 Each record works in an empty cache of its own: the planner looks at what is kept there, and an
 operator kept by older code would hide a change. Meshes are those that are shipped: another draw of
 the mesher would be another mesh. `--quick` leaves out `solid` and the suites.
+
+Compiled code rounds differently in the process that compiles it than when numba reads it from its
+cache, and what is iterated to a tolerance then ends within that tolerance, not at the same bits.
+So record and compare when everything is compiled: after a change run the command twice.
 """
 
 import argparse
