@@ -116,9 +116,9 @@ def test_a_unit_with_current_fires_the_same_wherever_it_stands(method):
     together = SLOWED.fire(time, currents, method=method)
     for i in (0, 1, 15, 16, 33, 34):
         alone = SLOWED.fire(time, currents[:, i], method=method)
-        np.testing.assert_allclose(together.times[i], alone.times[0], rtol=0, atol=1e-9)
-        np.testing.assert_allclose(together.final[i], alone.final[0], rtol=0, atol=1e-7)
-        assert together.peak_mV[i] == pytest.approx(alone.peak_mV[0], abs=1e-7)
+        np.testing.assert_allclose(together.times[i], alone.times[0], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(together.final[i], alone.final[0], rtol=0, atol=1e-9)
+        assert together.peak_mV[i] == pytest.approx(alone.peak_mV[0], abs=1e-9)
 
 
 def test_units_come_back_in_their_order_whenever_they_begin():
