@@ -37,7 +37,7 @@ def test_one_column_drives_a_unit_of_every_type(press):
     assert trains.types == trains.names == TYPES
     assert expected.count().min() > 0
     for a, b in zip(trains.times, expected.times, strict=True):
-        np.testing.assert_array_equal(a, b)
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-9)
     assert trains.notes == expected.notes
 
 

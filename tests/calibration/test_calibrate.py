@@ -1,6 +1,7 @@
 """Calibration on fingers whose curve is a formula; the finite elements are in the suite."""
 
 import json
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -44,19 +45,21 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     one, x0 = linear.at(0.9, 14.0), 0.4
     table = record_of(one, 1.3, x0)
     check = write(tmp_path / "wave.csv", wave_on(one, 1.3, x0))
+    started = time.process_time()
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
         finger=ff.Finger.subject("a.h."),
         mechanics="condensed",
         check=check,
     )
+    spent = time.process_time() - started
     truth = {"t_b": 1.3, "t_m": 0.9, "x0": x0, "c0": 0.3, "c1": 0.42, "v2": 9.0, "v3": 0.6}
     for name, value in truth.items():
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
         assert found[name].sd < 0.1 * value
     assert found.checks["record that was not fitted"]["mse"] < 1e-3
     assert [stage.name for stage in found.stages] == ["lumped", "condensed"]
-    assert found.stages[0].cpu > 0.02  # the fit itself
+    assert found.stages[0].cpu > 0.01 * spent  # the fit itself is a third of it
     assert "pad_radius: there are no frames, so it is kept" in found.unidentified
     assert "squared error" in found.status
     assert np.shape(found.correlations) == (10, 10) == (len(found.parameters),) * 2

@@ -92,7 +92,8 @@ def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
     for name in ("depth", "pressure", "elastic"):
         exact = getattr(expected, name)
         assert getattr(found, name) == pytest.approx(exact, rel=1e-10, abs=1e-10 * exact.max())
-    assert np.array_equal(found.pressure > 0, expected.pressure > 0)
+    # A place at the rim may touch in one of them and not in the other, by rounding alone.
+    assert ((found.pressure > 0) != (expected.pressure > 0)).mean() < 1e-3
     assert (expected.pressure > 0).any(axis=1).mean() < 0.9  # it does come off
 
 

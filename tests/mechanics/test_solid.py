@@ -42,6 +42,7 @@ def held() -> Response:
     return solid.respond(press(ff.RampHold(20, 0.5, hold=0.5), strain=True))
 
 
+@pytest.mark.long
 def test_the_answer_does_not_depend_on_which_vertices_may_touch(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -193,7 +194,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     find = Equilibrium.find
 
     def limited(self: Equilibrium, start: State, asked: Asked) -> State:
-        if asked.target > 0.15:
+        if asked.target > 0.155:  # between two steps, so that rounding does not decide
             message = "take shorter steps"
             raise ConvergenceError(message)
         return find(self, start, asked)
@@ -209,7 +210,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     assert "At the last equilibrium the subcutaneous tissue at x = " in said
     kept = ff.load(str(folder))
     assert kept.status.startswith("Stopped: ")
-    assert 0.1 < kept.depth[-1] <= 0.15
+    assert 0.1 < kept.depth[-1] < 0.155
     assert kept.force[-1] > 0
     assert kept.strain.shape[0] == len(kept.time)
 

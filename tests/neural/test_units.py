@@ -96,6 +96,7 @@ def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
 
 def test_full_wave_rectification_answers_a_pull_as_a_push():
     pushed, pulled = one([1.0], rectifier="full"), one([-1.0], rectifier="full")
+    # Exact: up to the rectifier the two differ by signs alone.
     np.testing.assert_array_equal(pushed.times[0], pulled.times[0])
     assert len(pushed.times[0]) > 0
     assert len(one([-1.0]).times[0]) == 0

@@ -116,6 +116,7 @@ def test_what_is_out_of_range_is_refused(make, sentence):
         make()
 
 
+@pytest.mark.long
 def test_under_a_thin_and_stiff_skin_the_force_rises_from_the_first_touch():
     """It was negative at a thousandth of the depth, and 35 times too large."""
     stack = Stack((Layer(0.02, 5e3, 0.45), Layer(5.0, 10.0, 0.5)))

@@ -17,6 +17,7 @@ from fefinger.validation.neural.sweep import (
     THESIS,
     Organ,
     claim,
+    cornered,
     impulses,
     peaks,
     swept,
@@ -25,7 +26,7 @@ from fefinger.validation.neural.sweep import (
 )
 
 from fefinger.neural.endorgans import END_ORGANS
-from fefinger.neural.membranes import IntegrateAndFire, Membrane
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.preliminary import derivative
 
 
@@ -88,17 +89,18 @@ def wider(name: str, other: str) -> float:
     return input_range(name) - input_range(other)
 
 
-def few(membrane: Membrane) -> float:
+def few(membrane: HodgkinHuxley) -> float:
     """Return the dB of amplitude at 0.5 Hz that give 1 to 20 impulses per cycle (4.3.2)."""
     steps = np.arange(0.0, 20.0, 0.25)
-    found = swing(SPRING, membrane, 0.5, 50.0 / 10.0 ** (steps / 20.0)).impulses
+    amplitudes, samples = 50.0 / 10.0 ** (steps / 20.0), cornered(membrane, 0.5)
+    found = swing(SPRING, membrane, 0.5, amplitudes, samples).impulses
     return 0.25 * float(np.sum((found > 0) & (found <= 20)))
 
 
-def logarithmic(organ: Organ, membrane: Membrane, frequency: float) -> float:
+def logarithmic(organ: Organ, membrane: HodgkinHuxley, frequency: float) -> float:
     """Return R² of impulses per cycle over log amplitude, less R² over amplitude."""
     amplitudes = IN_RANGE / tallest(organ, frequency)
-    found = swing(organ, membrane, frequency, amplitudes).impulses
+    found = swing(organ, membrane, frequency, amplitudes, cornered(membrane, frequency)).impulses
     fires = found > 0
 
     def explained(x: np.ndarray) -> float:

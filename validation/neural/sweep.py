@@ -103,11 +103,31 @@ def current(organ: Organ, frequency: float, turn: ArrayLike) -> Array:
     return np.maximum(np.real(response[0]) - swung, 0.0)
 
 
-def swing(organ: Organ, membrane: Membrane, frequency: float, amplitudes: ArrayLike) -> Swing:
-    """Return what A (1 - cos) of these amplitudes (uA/cm² at a gain of 1) does to a membrane."""
+def cornered(membrane: HodgkinHuxley, frequency: float) -> int:
+    """Return how many samples of a cycle make corners near the resonance of a membrane at rest.
+
+    Under a smooth current that rises slowly, a membrane stays at its unstable rest until what
+    disturbs it has grown, and that is rounding, which differs between processors. Corners 10 ms
+    apart (at full rate) disturb it far more, and alike everywhere.
+    """
+    return round(100.0 / (membrane.rate_divisor * frequency))
+
+
+def swing(
+    organ: Organ,
+    membrane: Membrane,
+    frequency: float,
+    amplitudes: ArrayLike,
+    samples: int | None = None,
+) -> Swing:
+    """Return what A (1 - cos) of these amplitudes (uA/cm² at a gain of 1) does to a membrane.
+
+    samples: of a cycle, between which the current goes straight; None for a smooth one.
+    """
     amplitudes = np.atleast_1d(np.asarray(amplitudes, float))
     cycles = max(CYCLES, 2 * int(np.ceil(0.5 * SECONDS * frequency)))
-    samples = int(np.clip(np.ceil(2000 / frequency), 40, 400))
+    if samples is None:
+        samples = int(np.clip(np.ceil(2000 / frequency), 40, 400))
     turn = np.arange(cycles * samples + 1) / samples
     shape = current(organ, frequency, turn)
     fired = amplitudes * shape.max() <= LARGEST
