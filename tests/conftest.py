@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger import machine
+from fefinger.fem import single
 from fefinger.neural.trains import SpikeTrains
 from fefinger.records import (
     Fields,
@@ -300,3 +301,21 @@ def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
     """Let `fefinger view` find the synthetic result in every folder."""
     monkeypatch.setattr("fefinger.files.load", lambda folder: synthetic)
     return synthetic
+
+
+@pytest.fixture
+def unsound(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Return what makes LAPACK's inverse of a block not a number in some precisions."""
+
+    def fail(*precisions: type) -> None:
+        sound = single.get_lapack_funcs
+
+        def functions(names: tuple[str, ...], blocks: tuple[np.ndarray]) -> list[object]:
+            *others, invert = sound(names, blocks)
+            if blocks[0].dtype.type not in precisions:
+                return [*others, invert]
+            return [*others, lambda *given, **how: (np.nan * invert(*given, **how)[0], 0)]
+
+        monkeypatch.setattr(single, "get_lapack_funcs", functions)
+
+    return fail

@@ -68,14 +68,15 @@ class Method:
     touch: Callable[[Indenter], float | tuple[float, float] | None]
 
 
-def factored(scene: Scene, mesh: FingerMesh) -> Body:
+def assembled(scene: Scene, mesh: FingerMesh, *, factored: bool) -> Body:
     """Return the finger of a scene as a body with a linear solver of its own."""
     finger = scene.finger
-    return body(with_nail(finger, mesh), tissues(finger), held(finger), scene.ask.solver)
+    whole, solver = with_nail(finger, mesh), scene.ask.solver
+    return body(whole, tissues(finger), held(finger), solver, factored=factored)
 
 
 WHOLE_MESH = Method(
-    lambda scene, mesh, report: factored(scene, mesh),
+    lambda scene, mesh, report: assembled(scene, mesh, factored=True),
     reduce,
     march,
     lambda solid, loads: solid.system.solve(loads),
@@ -120,7 +121,7 @@ def press(
         mechanics=mechanics,
         **answered,
         seconds=stages.seconds,
-        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
+        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ()), *gave_way(finger)),
         sources=origins(mesh, finger, stages),
     )
 
@@ -129,6 +130,21 @@ def origins(mesh: FingerMesh, finger: Solid, stages: Stages) -> dict[str, str]:
     """Return what an answer was computed from, with what solver, and in how much memory."""
     found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
     return found | {"solver": finger.system.name} if isinstance(finger, Body) else found
+
+
+def gave_way(finger: Solid) -> tuple[str, ...]:
+    """Return which factors in single precision failed."""
+    if not isinstance(finger, Body):
+        return ()
+    count = len(finger.system.failed)
+    if not count:
+        return finger.system.solver.notes
+    tangents = (
+        f"Single precision failed for {count} factor{'s' if count > 1 else ''} of the tangent; "
+        f"{'those' if count > 1 else 'that'} in double precision, of twice the memory, "
+        f"{'were' if count > 1 else 'was'} taken instead."
+    )
+    return (*finger.system.solver.notes, tangents)
 
 
 def tissues(finger: Finger) -> dict[int, Elastic]:

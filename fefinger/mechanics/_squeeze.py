@@ -38,6 +38,7 @@ from fefinger.units import NEWTON_PER_MILLINEWTON
 
 Array = NDArray[np.float64]
 
+SOLVER = "single"  # of the tangents; in double precision where that fails, which a note says
 WORTH = 4  # steps that are worth keeping when a run has to stop
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
@@ -71,7 +72,8 @@ def squeeze(
     with stages.stage("mesh"):
         mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
     with stages.stage("factor"):
-        finger = _press.factored(scene, mesh)
+        finger = _press.assembled(scene, mesh, factored=False)
+        _ = finger.system.rough  # that all steps start from
         elements = continuum(finger.space, laws(scene.finger), soft=(1, 2))
     touch = _placing.obstacle(scene.indenter, finger)
     _press.check_depth(scene, mesh, touch)
@@ -94,8 +96,13 @@ def squeeze(
         reference=pressed,
         fields=fields,
         seconds=stages.seconds,
-        notes=(*notes, *_press.scene_notes(scene), *mesh.quality.get("notes", ())),
-        sources=_press.origins(mesh, finger, stages),
+        notes=(
+            *notes,
+            *_press.scene_notes(scene),
+            *mesh.quality.get("notes", ()),
+            *_press.gave_way(finger),
+        ),
+        sources=_press.origins(mesh, finger, stages) | {"solver": SOLVER},
     )
     if passage.halt:
         raise Stopped(passage.halt, response)
