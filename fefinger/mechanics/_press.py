@@ -147,6 +147,22 @@ def gave_way(finger: Solid) -> tuple[str, ...]:
     return (*finger.system.solver.notes, tangents)
 
 
+def inside(gap: Array) -> float:
+    """Return how far a vertex of the pad lies inside the indenter at most, in mm.
+
+    Contact closes the gaps weighted with the hats, not the one at each vertex.
+    """
+    return float(np.maximum(-gap, 0.0).max(initial=0.0))
+
+
+def exact(penetration: float) -> str:
+    """Return in what sense the complementarity of a contact is exact, for its status."""
+    return (
+        "exact complementarity of pressures and weighted gaps; "
+        f"vertices lie up to {penetration:.2g} mm inside the indenter"
+    )
+
+
 def tissues(finger: Finger) -> dict[int, Elastic]:
     """Return the relaxed elasticity of the regions that deform."""
     layers = {1: finger.skin, 2: finger.subcutaneous}
@@ -309,6 +325,7 @@ def answer(
     asked = scene.ask.pressure
     approach = history.elastic @ contact.reduced.approach.T
     gap = on_pad.clearance(history.depth, approach)[:, column]
+    penetration = inside(gap)
     surface = Touched(pad.points, pad.triangles, contact.touch.axis, contact.touch)
     return {
         "time": contact.time,
@@ -324,11 +341,12 @@ def answer(
         "strain": strain,
         "reference": reference,
         "fields": fields,
-        "status": f"Solved: {history.exchanges} contact solutions with exact complementarity.",
+        "status": f"Solved: {history.exchanges} contact solutions with {exact(penetration)}.",
         "numbers": {
             "unknowns": finger.space.n_unknowns,
             "candidates": len(on_pad.vertices),
             "half": float(finger.half),
+            "penetration_mm": penetration,
         },
     }
 

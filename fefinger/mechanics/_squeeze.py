@@ -273,19 +273,21 @@ def _followed(
             halt = told(error, elements, recorder.last)
             if len(recorder.depth) < WORTH:
                 raise ConvergenceError(halt) from error
+    gap = np.array(recorder.gap)
+    penetration = _press.inside(gap)
     return _Passage(
         contact=contact,
         sites=sites,
         depth=np.array(recorder.depth),
         pressure=np.array(recorder.pressure),
-        gap=np.array(recorder.gap),
+        gap=gap,
         moved=np.array(recorder.moved),
         moment=np.array(recorder.moment),
         strain=np.array(recorder.strain),
         times=steps.times,
         frames=recorder.frames,
         halt=halt,
-        status=_status(equilibrium, len(recorder.depth), halt),
+        status=_status(equilibrium, len(recorder.depth), penetration, halt),
         numbers={
             "unknowns": finger.space.n_unknowns,
             "candidates": len(contact),
@@ -293,17 +295,18 @@ def _followed(
             "steps": len(recorder.depth),
             "iterations": equilibrium.iterations,
             "downhill": equilibrium.descents,
+            "penetration_mm": penetration,
         },
     )
 
 
-def _status(solver: Equilibrium, steps: int, halt: str) -> str:
+def _status(solver: Equilibrium, steps: int, penetration: float, halt: str) -> str:
     downhill = (
         f", {solver.descents} of them downhill past unstable ones," if solver.descents else ""
     )
     return (
         f"{'Stopped' if halt else 'Solved'}: {steps} steps{downhill} in {solver.iterations} "
-        f"iterations on {solver.factors + 1} factors, with exact complementarity."
+        f"iterations on {solver.factors + 1} factors, with {_press.exact(penetration)}."
         f"{f' Then: {halt}' if halt else ''}"
     )
 

@@ -25,7 +25,8 @@ SOLVERS = ("single", "multifrontal")
 NOTES = (
     "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
     "are per undeformed area, contact areas are those of the deformed skin.",
-    "Frictionless contact with a rigid indenter, which the skin may slide along.",
+    "Frictionless contact with a rigid indenter, which the skin may slide along. Gaps are closed "
+    "as weighted means over the facets around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
     "Quasi-static: no inertia and no waves.",
