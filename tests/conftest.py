@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from fefinger.fem.linalg import multifrontal_single
 from fefinger.mechanics.evidence import machine
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
@@ -295,3 +296,21 @@ def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
     """Let `fefinger view` find the synthetic result in every folder."""
     monkeypatch.setattr("fefinger.result.load", lambda folder: synthetic)
     return synthetic
+
+
+@pytest.fixture
+def unsound(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Return what makes LAPACK's inverse of a block not a number in some precisions."""
+
+    def fail(*precisions: type) -> None:
+        sound = multifrontal_single.get_lapack_funcs
+
+        def functions(names: tuple[str, ...], blocks: tuple[np.ndarray]) -> list[object]:
+            *others, invert = sound(names, blocks)
+            if blocks[0].dtype.type not in precisions:
+                return [*others, invert]
+            return [*others, lambda *given, **how: (np.nan * invert(*given, **how)[0], 0)]
+
+        monkeypatch.setattr(multifrontal_single, "get_lapack_funcs", functions)
+
+    return fail

@@ -9,7 +9,7 @@ from scipy import sparse
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Array, Integers, Space
-from fefinger.fem.linalg.system import System, factor
+from fefinger.fem.linalg.system import System, factor, prepare
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.checks import InputError
 
@@ -40,7 +40,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Body(Solid):
-    """A factored body."""
+    """A body with its linear system."""
 
     system: System
 
@@ -64,22 +64,26 @@ def body(
     tissues: Mapping[int, Elastic],
     held: Sequence[str],
     solver: str | None = None,
+    *,
+    factored: bool = True,
 ) -> Body:
     """Assemble and factor the cells of `mesh` whose region is in `tissues`.
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
     A region that is left out (a rigid bone) must be held through the facets that bound it. `solver`
-    as in `solve.factor`.
+    as in `solve.factor`; unless `factored` it is made when it is first needed.
 
     Raises
     ------
     InputError
-        If a tissue has no cells, a cell is inverted or flat, or the body can move freely.
+        If a tissue has no cells, a cell is inverted or flat, or a body to be factored can move
+        freely.
     """
     _check(mesh, tissues)
     soft = solid(mesh, tissues)
     fixed = prescribed(soft, mesh, held)
-    system = factor(soft.space, stiffness(soft.space, tissues), fixed, solver)
+    make = factor if factored else prepare
+    system = make(soft.space, stiffness(soft.space, tissues), fixed, solver)
     return Body(soft.space, soft.pad, soft.normals, soft.original, soft.half, system)
 
 

@@ -22,10 +22,14 @@ if TYPE_CHECKING:
 
 name = "solid"
 
+SOLVERS = ("single", "multifrontal")
+"""Its factors: the first, and the second where that fails."""
+
 NOTES = (
     "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
     "are per undeformed area, contact areas are those of the deformed skin.",
-    "Frictionless contact with a rigid indenter, which the skin may slide along.",
+    "Frictionless contact with a rigid indenter, which the skin may slide along. Gaps are closed "
+    "as weighted means over the facets around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
     "Quasi-static: no inertia and no waves.",
@@ -35,8 +39,9 @@ NOTES = (
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer: too many steps, or a mesh error that is not measured."""
     unable = [*too_long(scene.motion, fast="FAII" in scene.ask.spikes), *linear.unmeshable(scene)]
-    if scene.ask.solver == "iterative":
-        unable.append("ask.solver = 'iterative': it follows finite strain with factors")
+    if scene.ask.solver not in (None, *SOLVERS):
+        reason = f"ask.solver = {scene.ask.solver!r}: it follows finite strain with its own factors"
+        unable.append(reason)
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))

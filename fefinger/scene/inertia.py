@@ -33,7 +33,8 @@ QUICK = 0.05
 def wave_speed(finger: "Finger") -> float:
     """Return the speed in mm/s of shear waves in the relaxed subcutaneous tissue, the slowest.
 
-    sqrt(G / density): 3.7 m/s at 34 kPa. The kPa are 1e3 kg / (m s²), or kg / (mm s²).
+    sqrt(G / density) with G = E / (2 (1 + nu)): 3.39 m/s for E = 34 kPa and nu = 0.48. The kPa are
+    1e3 kg / (m s²), or kg / (mm s²).
     """
     tissue = finger.subcutaneous
     return math.sqrt(tissue.modulus / (2 * (1 + tissue.poisson)) / DENSITY)

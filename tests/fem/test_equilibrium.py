@@ -1,5 +1,6 @@
 """Equilibrium and its passage through time at finite strain, against closed forms."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from fefinger.fem.hyperelastic.load_path import Allowance, Path, Series, StressH
 from fefinger.fem.hyperelastic.newton import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.fem.hyperelastic.tangent import Factored
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
@@ -63,6 +64,28 @@ def test_a_cube_squeezed_to_half_its_height_has_its_closed_form(name: str, poiss
 def test_the_same_cube_in_other_units_gives_the_same_strains():
     forces = [squeezed(neo_hookean(Elastic(e, 0.49)), [0.2])[0] / e for e in (1e-3, 40.0, 1e9)]
     assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
+
+
+def test_factors_that_fail_in_single_precision_are_made_in_double(
+    unsound: Callable[..., None],
+):
+    material = demiray(Elastic(40.0, 0.49), 1.5)
+    usual, _, _ = squeezed(material, [0.2, 0.4])
+    unsound(np.float32)
+    pressed = cube(material)
+    solver = pressed.equilibrium
+    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    asked = Asked("depth", 0.2, pressed.body.at_rest)
+    state = solver.find(state, asked)
+    solver._renew(solver._look(state, asked), asked)
+    assert len(solver.system.failed) == solver.factors + 1 >= 2
+    state = solver.find(state, replace(asked, target=0.4))
+    assert float(solver.contact.travel @ state.pressure) == pytest.approx(usual, rel=1e-6)
+    unsound(np.float32, np.float64)
+    with pytest.raises(ConvergenceError, match="tangent of an iterate is singular"):
+        solver._renew(solver._look(state, asked), asked)
+    with pytest.raises(InputError, match="hold more facets or repair the mesh"):
+        cube(material)
 
 
 def test_all_nodes_of_the_plate_carry_the_same_pressure_and_none_pulls():

@@ -1,5 +1,7 @@
 """The linear solvers agree with each other and refuse what they cannot solve."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -10,8 +12,12 @@ from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg import system as solve
-from fefinger.fem.linalg.solvers import compressible
+from fefinger.fem.linalg.solvers import GAVE_WAY, compressible
 from fefinger.support.checks import ConvergenceError, InputError
+
+
+FLOATING = 1e5
+"""A modulus over that of what carries it, with which single precision finds pivots, and no more."""
 
 
 def clamped(space: Space) -> np.ndarray:
@@ -57,7 +63,7 @@ def test_the_rough_factor_takes_indefinite_matrices_and_one_or_many_loads(
     bent = matrix - sparse.diags(np.where(np.arange(space.n_unknowns) < n, 0.15, 0.0))
     block = bent[system.free[system.free < n]][:, system.free[system.free < n]].toarray()
     assert np.linalg.eigvalsh(block)[0] < -0.01
-    rough = solve.rough(space, bent.tocsr(), system)
+    rough = solve.rough(bent.tocsr(), system)
     neighbor = compressible(space, bent.tocsr())[system.free][:, system.free].toarray()
     assert rough.negative == (np.linalg.eigvalsh(neighbor) < 0).sum()
     assert rough.negative > (system.free >= n).sum()
@@ -76,14 +82,93 @@ def test_a_singular_matrix_has_no_rough_factor(space: Space) -> None:
     matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
     system = solve.factor(space, matrix, clamped(space))
     with pytest.raises(InputError, match="singular"):
-        solve.rough(space, 0 * matrix, system)
+        solve.rough(0 * matrix, system)
 
 
-def test_a_matrix_beyond_single_precision_has_no_rough_factor(space: Space) -> None:
+def test_a_matrix_beyond_single_precision_is_factored_in_double(space: Space) -> None:
     matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
     system = solve.factor(space, matrix, clamped(space))
-    with pytest.raises(InputError, match="single precision"):
-        solve.rough(space, 1e200 * matrix, system)
+    found = solve.rough(1e200 * matrix, system)
+    assert found.double
+    assert system.failed == [
+        "solve: expected numbers that single precision holds, received larger ones"
+    ]
+    right = np.random.default_rng(0).normal(size=len(system.free))
+    left = system.reduced @ found.solve(1e200 * right) - right
+    assert np.linalg.norm(left) < 1e-9 * np.linalg.norm(right)
+    with np.errstate(all="ignore"), pytest.raises(InputError, match="double precision holds"):
+        solve.rough(1e200 * (1e200 * matrix), system)
+    assert len(system.failed) == 1
+
+
+def test_a_rough_factor_that_fails_gives_way_and_then_the_body_is_at_fault(
+    space: Space, unsound: Callable[..., None]
+) -> None:
+    matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
+    system = solve.prepare(space, matrix, clamped(space))
+    usual = system.rough
+    assert not usual.double
+    unsound(np.float32)
+    found = solve.rough(matrix, system)
+    assert found.double
+    assert len(system.failed) == 1
+    assert found.negative == usual.negative
+    right = np.random.default_rng(0).normal(size=len(system.free))
+    assert found.solve(right) == pytest.approx(system.solver.solve(right), rel=1e-9, abs=1e-12)
+    again = solve.prepare(space, matrix, clamped(space))
+    assert again.rough.double
+    assert len(again.failed) == 1
+    unsound(np.float32, np.float64)
+    with pytest.raises(InputError, match="hold more facets or repair the mesh"):
+        solve.rough(matrix, system)
+    assert len(system.failed) == 1
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_body_at_rest_that_can_still_turn_has_no_rough_factor(
+    space: Space, count: int, seed: int
+) -> None:
+    points = np.random.default_rng(seed).permutation(len(space.points))[:count]
+    fixed = (3 * points[:, None] + np.arange(3)).ravel() if count else np.array([0])
+    matrix = stiffness(space, {1: Elastic(5.0, 0.49)})
+    with pytest.raises(InputError, match="hold more facets"):
+        _ = solve.prepare(space, matrix, fixed).rough
+
+
+def test_a_solver_in_single_precision_that_fails_gives_way(
+    space: Space, unsound: Callable[..., None]
+) -> None:
+    matrix, fixed = stiffness(space, {1: Elastic(5.0, 0.49)}), clamped(space)
+    right = np.random.default_rng(0).normal(size=space.n_unknowns)
+    usual = solve.factor(space, matrix, fixed, "single")
+    expected = usual.solve(right)
+    assert (usual.name, usual.solver.notes) == ("single", ())
+    large = solve.factor(space, 1e100 * matrix, fixed, "single")
+    assert (large.name, large.solver.notes) == ("multifrontal", (GAVE_WAY,))
+    small = 1e-7 * np.linalg.norm(expected)
+    assert np.linalg.norm(large.solve(1e100 * right) - expected) < small
+    unsound(np.float32)
+    found = solve.factor(space, matrix, fixed, "single")
+    assert (found.name, found.solver.notes) == ("multifrontal", (GAVE_WAY,))
+    assert np.linalg.norm(found.solve(right) - expected) < small
+    with pytest.raises(InputError, match="hold more facets or repair the mesh"):
+        solve.factor(space, 0 * matrix, fixed, "single")
+
+
+def test_a_solver_in_single_precision_that_does_not_converge_gives_way() -> None:
+    even = box(*3 * (np.linspace(0, 1, 4),))
+    tissue = np.where(even.points[even.cells][:, :, 2].mean(axis=1) < 0.5, 1, 2).astype(np.int8)
+    space = Space(even.points, even.cells, tissue)
+    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 1, 3))
+    loads = np.zeros(space.n_unknowns)
+    loads[3 * np.flatnonzero(space.node_points[:, 2] == 0) + 2] = 0.01
+    stiff = stiffness(space, {1: Elastic(FLOATING, 0.3), 2: Elastic(1.0, 0.49)})
+    found, exact = (solve.factor(space, stiff, held, name) for name in ("single", "multifrontal"))
+    assert (found.name, found.solver.notes) == ("single", ())
+    answer, expected = found.solve(loads), exact.solve(loads)
+    assert (found.name, found.solver.notes) == ("multifrontal", (GAVE_WAY,))
+    assert np.abs(answer - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 def test_reactions_balance_the_load(space: Space) -> None:

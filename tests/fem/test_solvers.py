@@ -89,7 +89,8 @@ def test_prescribed_unknowns_are_met(solver: str) -> None:
 def test_what_does_not_converge_says_so(solver: str) -> None:
     system = prepared(solver, 0.49)
     wrong = prepared(solver, 0.1).solver
-    with pytest.raises(ConvergenceError, match=rf"linear solution \({solver}\).*1e-10, reached"):
+    last = "multifrontal" if solver == "single" else solver  # to which it gives way
+    with pytest.raises(ConvergenceError, match=rf"linear solution \({last}\).*1e-10, reached"):
         replace(system, solver=wrong).solve(loads(system, 1)[:, 0])
 
 
@@ -97,12 +98,8 @@ def test_a_body_that_can_turn_is_refused_by_every_factor(solver: str) -> None:
     space = layers()
     point = 3 * int(np.argmin(space.node_points.sum(axis=1))) + np.arange(3)
     matrix = stiffness(space, dict.fromkeys((1, 2), Elastic(1.0, 0.3)))
-    if solver == "single":  # it may see rounding where there is nothing
-        with pytest.raises((InputError, ConvergenceError)):
-            solve.factor(space, matrix, point, solver).solve(np.ones(space.n_unknowns))
-    else:
-        with pytest.raises(InputError, match="held facets"):
-            solve.factor(space, matrix, point, solver)
+    with pytest.raises(InputError, match="held facets"):  # single precision may see it at a load
+        solve.factor(space, matrix, point, solver).solve(np.ones(space.n_unknowns))
 
 
 def test_minres_takes_few_more_iterations_on_a_finer_mesh() -> None:
@@ -111,9 +108,9 @@ def test_minres_takes_few_more_iterations_on_a_finer_mesh() -> None:
         space = layers(boxes)
         matrix = stiffness(space, {1: Elastic(5.0, 0.5), 2: Elastic(5e3, 0.3)})
         system = solve.factor(space, matrix, held(space), "iterative")
-        assert isinstance(system.solver, minres.Iterative)
+        assert isinstance(system.solver.made, minres.Iterative)
         right = np.random.default_rng(1).normal(size=(len(system.free), 1))
-        counts.append(system.solver.minres(right)[1])
+        counts.append(system.solver.made.minres(right)[1])
     assert 20 < counts[0]
     assert counts[1] < 1.25 * counts[0]
 
@@ -127,9 +124,9 @@ def test_minres_stops_where_it_is_told_to(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_the_preconditioner_is_symmetric_and_positive() -> None:
     system = prepared("iterative", 0.5, 1e3)
-    assert isinstance(system.solver, minres.Iterative)
+    assert isinstance(system.solver.made, minres.Iterative)
     rows = np.random.default_rng(2).normal(size=(len(system.free), 12))
-    gram = rows.T @ system.solver.precondition(rows)
+    gram = rows.T @ system.solver.made.precondition(rows)
     assert np.abs(gram - gram.T).max() < 1e-10 * np.abs(gram).max()
     assert np.linalg.eigvalsh(gram)[0] > 0
 
@@ -181,5 +178,5 @@ def test_an_unknown_or_missing_solver_is_named(monkeypatch: pytest.MonkeyPatch) 
 
 def test_the_dissection_counts_the_entries_of_the_factor() -> None:
     system = prepared("multifrontal", 0.3)
-    assert isinstance(system.solver, multifrontal.Factor)
+    assert isinstance(system.solver.made, multifrontal.Factor)
     assert system.solver.entries == system.dissection.entries

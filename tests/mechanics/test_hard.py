@@ -1,6 +1,7 @@
 """Bone and nail: rigid, elastic or left out."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.linalg import solvers
-from fefinger.mechanics import LADDER, condensed, get, linear, solid
+from fefinger.mechanics import LADDER, Mechanics, condensed, get, linear, solid
 from fefinger.mechanics.press import failure, materials
 from fefinger.mechanics.press.operator import operator
 from fefinger.mesh.store import ready
@@ -171,22 +172,43 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
         return linear.respond(scene(solver, depth=0.05))
 
     found = {name: answer(name) for name in (None, "single", "iterative")}
-    assert [found[name].sources["solver"] for name in found] == [
-        "multifrontal",
-        "single",
-        "iterative",
-    ]
+    used = {name: response.sources["solver"] for name, response in found.items()}
+    # With some processors' kernels LAPACK's inverse in single precision is at times not a number.
+    gave_way = solvers.GAVE_WAY in found["single"].notes
+    single = "multifrontal" if gave_way else "single"
+    assert used == {None: "multifrontal", "single": single, "iterative": "iterative"}
     for response in found.values():
         assert response.force == pytest.approx(found[None].force, rel=1e-8)
-    result = run(scene("single", depth=0.05), mechanics="linear")
-    assert result.provenance["solver"] == "single"
+    result = run(scene("iterative", depth=0.05), mechanics="linear")
+    assert result.provenance["solver"] == "iterative"
     assert re.search(r"in MB, by stage: mesh \d+, factor \d+", result.provenance["memory"])
+
+
+def test_single_precision_that_fails_gives_way_with_a_note(
+    unsound: Callable[..., None],
+) -> None:
+    def answer(mechanics: Mechanics, solver: str | None = None) -> Response:
+        return mechanics.respond(scene(solver, depth=0.02))
+
+    usual = {each: answer(each) for each in (linear, solid)}
+    unsound(np.float32)
+    double = {linear: answer(linear, "single"), solid: answer(solid)}
+    for each, response in double.items():
+        assert response.force == pytest.approx(usual[each].force, rel=1e-6)
+    assert solvers.GAVE_WAY in double[linear].notes
+    assert double[linear].sources["solver"] == "multifrontal"
+    assert any("Single precision failed for" in note for note in double[solid].notes)
+    unsound(np.float32, np.float64)
+    with pytest.raises(InputError, match="hold more facets or repair the mesh"):
+        answer(solid)
 
 
 def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
     asked = scene("iterative")
     told = {name: " ".join(r.reason for r in get(name).refuse(asked)) for name in LADDER}
     assert "ask.solver = 'iterative': it follows finite strain" in told[solid.name]
+    factored = [" ".join(r.reason for r in solid.refuse(scene(s))) for s in (None, "single")]
+    assert not any("ask.solver" in reasons for reasons in factored)
     assert "ask.solver = 'iterative': its operator" in told[condensed.name]
     assert "ask.solver" not in told[linear.name]
     with pytest.raises(InputError, match=r"ask\.solver: expected one of 'multifrontal'"):

@@ -52,12 +52,12 @@ def _parts(solver: Equilibrium) -> dict[str, float]:
     right = values[system.free]
     from fefinger.fem.linalg.system import rough
 
-    kept = rough(body.space, system.matrix, system)
+    kept = rough(system.matrix, system)
 
     work = {
         "residual": lambda: body.residual(values, body.at_rest),
         "tangent": lambda: body.tangent(values, body.at_rest),
-        "factor": lambda: rough(body.space, system.matrix, system),
+        "factor": lambda: rough(system.matrix, system),
         "solution": lambda: kept.solve(right),
     }
     seconds = {}

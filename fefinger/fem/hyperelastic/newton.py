@@ -22,7 +22,7 @@ from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.fem.hyperelastic.tangent import Factored
-from fefinger.fem.linalg.multifrontal_single import Single
+from fefinger.fem.linalg.multifrontal_single import Rough
 from fefinger.fem.linalg.system import System, rough
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
@@ -60,8 +60,8 @@ class Exhausted(ConvergenceError):
 class Equilibrium:
     """Solver of one body and one contact for many steps; it keeps the last factor.
 
-    `system` is the factored body at rest, with what holds it; `iterations`, `factors` and
-    `descents`, the steps that were found downhill, count the work, and `allowed` bounds `factors`.
+    `system` is the body at rest, with what holds it; `iterations`, `factors` and `descents`, the
+    steps that were found downhill, count the work, and `allowed` bounds `factors`.
     """
 
     def __init__(self, body: Continuum, contact: Sliding, system: System) -> None:
@@ -73,9 +73,8 @@ class Equilibrium:
         # A tangent has as many negative eigenvalues as pressures where the body is stable.
         self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
-        first = rough(body.space, system.matrix, system)
         loads = contact.at(State(at_rest, none, 0.0)).loads
-        self._factored = Factored(first, system.free, loads, 1.0, none, none)
+        self._factored = Factored(system.rough, system.free, loads, 1.0, none, none)
 
     def find(self, start: State, asked: Asked) -> State:
         """Return the equilibrium near `start`.
@@ -276,13 +275,13 @@ class Equilibrium:
                 return share
             share = min(STRIDE * share, 1.0)
 
-    def _rough(self, matrix: sparse.csr_matrix) -> Single:
+    def _rough(self, matrix: sparse.csr_matrix) -> Rough:
         if self.factors >= self.allowed:
             message = f"equilibrium: not reached with the {self.factors} factors that are allowed"
             raise Exhausted(message)
         self.factors += 1
         try:
-            return rough(self.body.space, matrix, self.system)
+            return rough(matrix, self.system)
         except InputError as error:
             # The body at rest was factored, so that it is this iterate that has gone astray.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"

@@ -6,7 +6,7 @@ from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.linalg.multifrontal_single import Single
+from fefinger.fem.linalg.multifrontal_single import Rough
 
 
 class Factored:
@@ -18,7 +18,7 @@ class Factored:
 
     def __init__(
         self,
-        rough: Single,
+        rough: Rough,
         free: Integers,
         loads: sparse.csc_matrix,
         gain: float,
@@ -58,7 +58,7 @@ class Factored:
         return int((values < 0).sum())
 
     def solve(self, right: Array) -> Array:
-        """Return K0^-1 `right` (n,) or (n, k) to single precision, zero where prescribed."""
+        """Return K0^-1 `right` (n,) or (n, k) to the factor's precision, zero where prescribed."""
         scale = float(np.abs(right).max(initial=0.0)) or 1.0
         answer = np.zeros_like(right)
         answer[self.free] = scale * self.rough.solve(right[self.free] / scale)

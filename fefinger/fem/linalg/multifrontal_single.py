@@ -1,9 +1,10 @@
-"""A multifrontal factor in single precision of any symmetric matrix, to iterate with.
+"""A multifrontal factor of any symmetric matrix, to iterate with: in single precision, or double.
 
 Like `multifrontal`, but the pivot block F of a front may be indefinite: it is inverted as a whole,
 with row exchanges, and F^-1 and R F^-1 (R the rows below) are kept instead of triangles. That is
 enough for the true tangent of a body under pressure, which no order of the unknowns makes definite,
-and single precision is enough for a factor whose answers are corrected by true residuals.
+and single precision is enough for a factor whose answers are corrected by true residuals. Double
+precision is for matrices on which the single one fails.
 """
 
 from collections.abc import Sequence
@@ -11,24 +12,23 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg.lapack import ssytrf, ssytrf_lwork, ssytri
+from scipy.linalg.lapack import get_lapack_funcs
 
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection, Front, add_lower, gather
+from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection, Floats, Front, add_lower, gather
 from fefinger.support.checks import InputError
 
 
-Floats = NDArray[np.float32]
+Precision = type[np.float32] | type[np.float64]
 
-LARGE = "solve: expected numbers that single precision holds, received larger ones"
+LARGE = "solve: expected numbers that {} precision holds, received larger ones"
 
 STRIP = 512  # columns of a symmetric product that are formed at once
 
 
 @dataclass(frozen=True)
-class Single:
+class Rough:
     """F^-1 and R F^-1 of all fronts.
 
     order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
@@ -47,30 +47,39 @@ class Single:
         """Number of entries stored."""
         return len(self.values)
 
+    @property
+    def double(self) -> bool:
+        """Whether it is in double precision."""
+        return bool(self.values.dtype == np.float64)
+
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
-        work = right[self.order].astype(np.float32)
+        work = right[self.order].astype(self.values.dtype)
         _solve(self.table, self.rest, self.values, work)
         answer = np.empty(right.shape)
         answer[self.order] = work
         return answer
 
 
-def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
+def factor(
+    matrix: sparse.csr_matrix,
+    dissection: Dissection,
+    precision: Precision = np.float32,
+) -> Rough:
     """Factor a symmetric matrix (n, n), given in the order of its unknowns.
 
     Raises
     ------
     InputError
-        If a pivot block is singular, or a number beyond single precision.
+        If a pivot block is singular, or a number beyond the precision.
     """
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()
     with np.errstate(over="ignore"):  # told below
-        arranged.data = arranged.data.astype(np.float32)
+        arranged.data = arranged.data.astype(precision)
     if not np.isfinite(arranged.data).all():
-        raise InputError(LARGE)
-    table, values, places = _empty(dissection.fronts)
+        raise InputError(LARGE.format("single" if precision is np.float32 else "double"))
+    table, values, places = _empty(dissection.fronts, precision)
     negative = 0
     place = np.full(len(order), -1, dtype=np.int64)
     updates: dict[int, Floats] = {}
@@ -78,8 +87,8 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
         n, m = front.stop - front.start, len(front.rest)
         place[front.start : front.stop] = np.arange(n)
         place[front.rest] = n + np.arange(m)
-        columns = np.zeros((n + m, n), dtype=np.float32, order="F")
-        rest = np.zeros((m, m), dtype=np.float32, order="F")
+        columns = np.zeros((n + m, n), dtype=precision, order="F")
+        rest = np.zeros((m, m), dtype=precision, order="F")
         gather(columns, arranged, front, place)
         for part in front.parts:
             where = place[dissection.fronts[part].rest]
@@ -94,15 +103,17 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Single:
             rest[first:, strip] -= below[first:] @ columns[n:][strip].T
         updates[index] = rest
     rests = np.concatenate([front.rest for front in dissection.fronts])
-    return Single(order, table, rests, values, negative)
+    return Rough(order, table, rests, values, negative)
 
 
-def _empty(fronts: Sequence[Front]) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
+def _empty(
+    fronts: Sequence[Front], precision: Precision
+) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
     """Return the table and the values of a factor to be filled, and where those of a front go."""
     table = np.array([(f.start, f.stop, len(f.rest)) for f in fronts])
     counts = table[:, 1] - table[:, 0]
     starts = np.concatenate([[0], np.cumsum(counts * (counts + table[:, 2]))])
-    values = np.empty(starts[-1], dtype=np.float32)
+    values = np.empty(starts[-1], dtype=precision)
     places = []
     for n, m, start, stop in zip(counts, table[:, 2], starts[:-1], starts[1:], strict=True):
         block = values[start:stop].reshape(n + m, n)
@@ -122,10 +133,11 @@ def _inverse(block: Floats) -> tuple[Floats, int]:
     """
     if not len(block):
         return block, 0
-    size = int(ssytrf_lwork(len(block), lower=1)[0])  # without it, LAPACK works column by column
-    factored, exchanges, singular = ssytrf(block, lower=1, lwork=size)
-    inverse, _ = ssytri(factored, exchanges, lower=1)
-    if singular or not np.isfinite(np.diagonal(inverse)).all():
+    sytrf, sytrf_lwork, sytri = get_lapack_funcs(("sytrf", "sytrf_lwork", "sytri"), (block,))
+    size = int(sytrf_lwork(len(block), lower=1)[0])  # without it, LAPACK works column by column
+    factored, exchanges, singular = sytrf(block, lower=1, lwork=size)
+    inverse, _ = sytri(factored, exchanges, lower=1)
+    if singular or not np.isfinite(inverse).all():
         raise InputError(SINGULAR)
     return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T), _negative(factored, exchanges)
 

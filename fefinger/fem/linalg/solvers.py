@@ -5,7 +5,7 @@ decides time and memory and never the answer. In the order of choice:
 
 - "multifrontal": our factor in double precision, the fastest where it fits in memory.
 - "single": the same in single precision, for half the memory. It converges until moduli are some
-  1e4 apart.
+  1e4 apart, and gives way to the one in double precision where it fails.
 - "iterative": MINRES with no factor of the matrix: memory grows as the unknowns do. A load costs
   some 170 iterations at every size and Poisson's ratio, and 3 times as many where a part that is
   1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
@@ -41,6 +41,11 @@ ROOM = 0.5  # part of the free memory that a factor may take
 WORKING = 1.5  # memory while factoring, over that of the factor
 SPREAD = 1e5  # of the diagonal: beyond it single precision does not converge
 
+GAVE_WAY = (
+    "The factor in single precision failed; the one in double precision, of twice the memory, "
+    "was taken instead."
+)
+
 
 class Solver(Protocol):
     """What returns solutions, approximately, for right hand sides (n,) or (n, k)."""
@@ -73,6 +78,52 @@ class Equations:
     def neighbor(self) -> sparse.csr_matrix:
         """The slightly compressible, quasi-definite matrix (n, n) that is factored."""
         return compressible(self.space, self.matrix)[self.free][:, self.free].tocsr()
+
+
+class Prepared:
+    """The solver `name` of some equations, made when it is first needed.
+
+    One in single precision that fails gives way to the one in double; `notes` then say so.
+    """
+
+    def __init__(self, name: str, equations: Equations) -> None:
+        self.name, self.equations = name, equations
+        self.notes: tuple[str, ...] = ()
+        self._made: Solver | None = None
+
+    @property
+    def made(self) -> Solver:
+        """The solver itself.
+
+        Raises
+        ------
+        InputError
+            If the matrix is singular, also in double precision, or the solver is not installed.
+        """
+        if self._made is None:
+            try:
+                self._made = SOLVERS[self.name](self.equations)
+            except InputError:
+                if not self.give_way():
+                    raise
+                self._made = SOLVERS[self.name](self.equations)
+        return self._made
+
+    @property
+    def entries(self) -> int:
+        """Number of entries stored."""
+        return self.made.entries
+
+    def solve(self, right: Array) -> Array:
+        """Return the approximate solution in the shape of `right`."""
+        return self.made.solve(right)
+
+    def give_way(self) -> bool:
+        """Turn from single to double precision; False where it is not in single precision."""
+        if self.name != "single":
+            return False
+        self.name, self.notes, self._made = "multifrontal", (GAVE_WAY,), None
+        return True
 
 
 @dataclass(frozen=True)

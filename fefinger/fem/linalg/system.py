@@ -9,37 +9,67 @@ trials PARDISO took 1.4 to 2.9 s for the factor (here 1.9 to 2.4 s) and 0.4 to 1
 For nu < 0.5 the matrix is quasi-definite; at nu = 0.5 a slightly compressible neighbor is factored.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
-from fefinger.fem.linalg.solvers import SOLVERS, Equations, Solver, choose, compressible
+from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, compressible
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.checks import ConvergenceError, InputError, choice
 from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 
 
 REFINEMENTS = 8
+LEFT = 0.1  # of a load, that the factor of a body which is held may leave of it
 
 
 @dataclass(frozen=True)
 class System:
     """A linear system with some unknowns prescribed, and its solver.
 
-    matrix: the full symmetric matrix; free, fixed: unknown numbers; reduced: the matrix of the
-    free unknowns; solver, of the kind `name`: for it or for its compressible neighbor.
+    matrix: the full symmetric matrix of `space`; free, fixed: unknown numbers; reduced: the matrix
+    of the free unknowns; solver: for it or for its compressible neighbor. failed: why single
+    precision failed, once for each factor that `rough` had to make in double.
     """
 
+    space: Space
     matrix: sparse.csr_matrix
     free: Integers
     fixed: Integers
     reduced: sparse.csr_matrix
-    name: str
-    solver: Solver
+    solver: Prepared
     dissection: multifrontal.Dissection
+    failed: list[str] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """The kind of its solver."""
+        return self.solver.name
+
+    @property
+    def rigid(self) -> Array:
+        """Its translations and rotations (n_free, 6), as far as nothing is prescribed."""
+        axes, places = np.eye(3), self.space.node_points
+        motions = np.zeros((self.space.n_unknowns, 6))
+        for k, axis in enumerate(axes):
+            motions[: self.space.n_displacements, k] = np.tile(axis, len(places))
+            motions[: self.space.n_displacements, 3 + k] = np.cross(axis, places).ravel()
+        return motions[self.free]
+
+    @cached_property
+    def rough(self) -> multifrontal_single.Rough:
+        """A factor of its own matrix to iterate with, as `rough` makes of others.
+
+        Raises
+        ------
+        InputError
+            If the matrix is singular.
+        """
+        return rough(self.matrix, self, held=True)
 
     @one_thread
     def solve(self, loads: Array, prescribed: Array | None = None) -> Array:
@@ -68,6 +98,16 @@ class System:
         return np.asarray(self.matrix[self.fixed] @ unknowns - loads[self.fixed])
 
     def _refined(self, right: Array) -> Array:
+        """Return the solution, in double precision where a factor in single does not do."""
+        try:
+            return self._iterated(right)
+        except ConvergenceError:
+            if not self.solver.give_way():
+                raise
+        return self._iterated(right)
+
+    def _iterated(self, right: Array) -> Array:
+        """Return the solution, refined until the true residual is small."""
         scale = np.linalg.norm(right, axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         answer, worst = self.solver.solve(right), np.inf
@@ -104,7 +144,7 @@ def factor(
     fixed: Integers,
     solver: str | None = None,
 ) -> System:
-    """Prepare `matrix` of `space` for loads, with the unknowns `fixed` prescribed.
+    """Prepare `matrix` of `space` for loads, with the unknowns `fixed` prescribed, and factor it.
 
     `solver` is one of `solvers.SOLVERS`; by default what `solvers.choose` takes.
 
@@ -113,6 +153,24 @@ def factor(
     InputError
         If the fixed unknowns leave a rigid motion free, a cell is degenerate, or the solver is not
         known or not installed.
+    """
+    system = prepare(space, matrix, fixed, solver)
+    _ = system.solver.made  # now, so that a body that cannot be solved is told at once
+    return system
+
+
+def prepare(
+    space: Space,
+    matrix: sparse.csr_matrix,
+    fixed: Integers,
+    solver: str | None = None,
+) -> System:
+    """Return what `factor` returns, but for the factor: that is made when it is first needed.
+
+    Raises
+    ------
+    InputError
+        If no unknown is prescribed, or the solver is not known.
     """
     is_free = np.ones(space.n_unknowns, dtype=np.bool_)
     is_free[fixed] = False
@@ -129,16 +187,36 @@ def factor(
     reduced = matrix[free][:, free].tocsr()
     equations = Equations(space, matrix, free, reduced, dissection)
     name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
-    return System(matrix, free, held, reduced, name, SOLVERS[name](equations), dissection)
+    return System(space, matrix, free, held, reduced, Prepared(name, equations), dissection)
 
 
-def rough(space: Space, matrix: sparse.csr_matrix, system: System) -> multifrontal_single.Single:
-    """Factor another `matrix` of the free unknowns of `system`, to iterate with.
+@one_thread
+def rough(
+    matrix: sparse.csr_matrix, system: System, *, held: bool = False
+) -> multifrontal_single.Rough:
+    """Factor a `matrix` of the free unknowns of `system`, to iterate with.
+
+    In single precision or, where that fails, in double. `held`: it also fails where it does not
+    answer loads that move the body as a whole, as that of a body which nothing holds.
 
     Raises
     ------
     InputError
-        If it is singular, or beyond single precision.
+        If it is singular, or beyond double precision.
     """
-    neighbor = compressible(space, matrix)[system.free][:, system.free].tocsr()
-    return multifrontal_single.factor(neighbor, system.dissection)
+    neighbor = compressible(system.space, matrix)[system.free][:, system.free].tocsr()
+    rigid = system.rigid if held else np.empty((len(system.free), 0))
+
+    def factored(precision: multifrontal_single.Precision) -> multifrontal_single.Rough:
+        found = multifrontal_single.factor(neighbor, system.dissection, precision)
+        left = np.linalg.norm(neighbor @ found.solve(rigid) - rigid, axis=0)
+        if not (left <= LEFT * np.linalg.norm(rigid, axis=0)).all():  # nor where not a number
+            raise InputError(multifrontal.SINGULAR)
+        return found
+
+    try:
+        return factored(np.float32)
+    except InputError as error:
+        found = factored(np.float64)
+        system.failed.append(str(error))
+    return found

@@ -29,6 +29,37 @@ def origins(mesh: FingerMesh, finger: Solid, stages: Stages) -> dict[str, str]:
     return found | {"solver": finger.system.name} if isinstance(finger, Body) else found
 
 
+def gave_way(finger: Solid) -> tuple[str, ...]:
+    """Return which factors in single precision failed."""
+    if not isinstance(finger, Body):
+        return ()
+    count = len(finger.system.failed)
+    if not count:
+        return finger.system.solver.notes
+    tangents = (
+        f"Single precision failed for {count} factor{'s' if count > 1 else ''} of the tangent; "
+        f"{'those' if count > 1 else 'that'} in double precision, of twice the memory, "
+        f"{'were' if count > 1 else 'was'} taken instead."
+    )
+    return (*finger.system.solver.notes, tangents)
+
+
+def inside(gap: Array) -> float:
+    """Return how far a vertex of the pad lies inside the indenter at most, in mm.
+
+    Contact closes the gaps weighted with the hats, not the one at each vertex.
+    """
+    return float(np.maximum(-gap, 0.0).max(initial=0.0))
+
+
+def exact(penetration: float) -> str:
+    """Return in what sense the complementarity of a contact is exact, for its status."""
+    return (
+        "exact complementarity of pressures and weighted gaps; "
+        f"vertices lie up to {penetration:.2g} mm inside the indenter"
+    )
+
+
 def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
     """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
@@ -59,6 +90,7 @@ def answer(
     asked = scene.ask.pressure
     approach = history.elastic @ contact.reduced.approach.T
     gap = on_pad.clearance(history.depth, approach)[:, column]
+    penetration = inside(gap)
     surface = Touched(pad.points, pad.triangles, contact.touch.axis, contact.touch)
     return {
         "time": contact.time,
@@ -74,11 +106,12 @@ def answer(
         "strain": strain,
         "reference": reference,
         "fields": fields,
-        "status": f"Solved: {history.exchanges} contact solutions with exact complementarity.",
+        "status": f"Solved: {history.exchanges} contact solutions with {exact(penetration)}.",
         "numbers": {
             "unknowns": finger.space.n_unknowns,
             "candidates": len(on_pad.vertices),
             "half": float(finger.half),
+            "penetration_mm": penetration,
         },
     }
 

@@ -20,7 +20,7 @@ from fefinger.mechanics.press.limits import check_depth, check_reached
 from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.problem import ATTEMPTS, FORCE_DEPTH, GROW, REACH, Contact, Method
 from fefinger.mechanics.press.reference import reference_of
-from fefinger.mechanics.press.response import answer, frames_of, origins, scene_notes
+from fefinger.mechanics.press.response import answer, frames_of, gave_way, origins, scene_notes
 from fefinger.mechanics.press.sites import folded, organs
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
@@ -36,14 +36,15 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 Array = NDArray[np.float64]
 
 
-def factored(scene: Scene, mesh: FingerMesh) -> Body:
+def assembled(scene: Scene, mesh: FingerMesh, *, factored: bool) -> Body:
     """Return the finger of a scene as a body with a linear solver of its own."""
     finger = scene.finger
-    return body(with_nail(finger, mesh), tissues(finger), held(finger), scene.ask.solver)
+    whole, solver = with_nail(finger, mesh), scene.ask.solver
+    return body(whole, tissues(finger), held(finger), solver, factored=factored)
 
 
 WHOLE_MESH = Method(
-    lambda scene, mesh, report: factored(scene, mesh),
+    lambda scene, mesh, report: assembled(scene, mesh, factored=True),
     reduce,
     march,
     lambda solid, loads: solid.system.solve(loads),
@@ -88,7 +89,7 @@ def press(
         mechanics=mechanics,
         **answered,
         seconds=stages.seconds,
-        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ())),
+        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ()), *gave_way(finger)),
         sources=origins(mesh, finger, stages),
     )
 
