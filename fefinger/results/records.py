@@ -181,7 +181,9 @@ class Response:
     that scales their strain.
     `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
     the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
-    sizes of the problem; `sources` what it was computed from, such as the mesh and its hash.
+    sizes of the problem and, on a mesh, how far a vertex lies inside the indenter at most at the
+    solved times (`penetration_mm`); `sources` what it was computed from, such as the mesh and its
+    hash.
     """
 
     mechanics: str
