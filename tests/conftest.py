@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger import machine
+from fefinger.mechanics import _stride
 from fefinger.neural.trains import SpikeTrains
 from fefinger.records import (
     Fields,
@@ -79,6 +80,26 @@ def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of the operators that those tests share."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
     return kept / "fefinger" / "operators"
+
+
+@pytest.fixture(scope="session")
+def stride_far() -> Callable[[pytest.MonkeyPatch], None]:
+    """Return what makes `solid` take six steps to a peak instead of 24."""
+
+    def patch(patched: pytest.MonkeyPatch) -> None:
+        patched.setattr(_stride, "STRIDES", 2)
+        patched.setattr(_stride, "PACES", 4)
+        patched.setattr(_stride, "WRONG", 0.1)
+
+    return patch
+
+
+@pytest.fixture
+def few_steps(
+    stride_far: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Take few steps through time, where time is not the question."""
+    stride_far(monkeypatch)
 
 
 @pytest.fixture(scope="session")
