@@ -338,7 +338,7 @@ def test_a_cluster_gives_the_same():
     )
     with cluster:
         far = ff.study("flat-press", over, scheduler=cluster.scheduler_address, **options)
-    near = ff.study("flat-press", over, **options)
+    near = ff.study("flat-press", over, workers=1, **options)
     assert same(far.rows, near.rows)
     assert far.failures == near.failures
 
@@ -367,7 +367,7 @@ def test_cores_are_those_this_process_may_use():
 
 def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
-    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped"}
+    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped", "workers": 1}
     found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
     assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
     found.save(tmp_path)
