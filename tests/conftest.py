@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from fefinger.fem.linalg import multifrontal_single
 from fefinger.mechanics.evidence import machine
+from fefinger.mechanics.press import load_steps
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
 from fefinger.results.plan_text import trust
@@ -75,6 +76,26 @@ def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of the operators that those tests share."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
     return kept / "fefinger" / "operators"
+
+
+@pytest.fixture(scope="session")
+def stride_far() -> Callable[[pytest.MonkeyPatch], None]:
+    """Return what makes `solid` take six steps to a peak instead of 24."""
+
+    def patch(patched: pytest.MonkeyPatch) -> None:
+        patched.setattr(load_steps, "STRIDES", 2)
+        patched.setattr(load_steps, "PACES", 4)
+        patched.setattr(load_steps, "WRONG", 0.1)
+
+    return patch
+
+
+@pytest.fixture
+def few_steps(
+    stride_far: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Take few steps through time, where time is not the question."""
+    stride_far(monkeypatch)
 
 
 @pytest.fixture(scope="session")

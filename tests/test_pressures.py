@@ -58,9 +58,9 @@ def test_a_linear_pressure_has_its_exact_moment(parts):
 def test_the_highest_pressure_is_that_of_a_convolution_with_1_mm2():
     """Gaussians convolve: 40 kPa of variance 1 mm² and one of 1 / (2 pi) mm²."""
     exact = 40 / (1 + pressures.SPREAD**2)
-    pads = [disk(seed, 3000) for seed in range(4)]
+    pads = [disk(seed, 3000) for seed in range(2)]
     found = [pressures.highest(pad, bump(pad)[None]) for pad in pads]
-    assert found == pytest.approx([exact] * 4, rel=0.015)
+    assert found == pytest.approx([exact] * 2, rel=0.015)
 
 
 def test_a_pressure_at_one_point_counts_with_its_area():

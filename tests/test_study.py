@@ -284,7 +284,7 @@ def test_a_key_follows_everything_that_decides_the_answer(tmp_path, monkeypatch)
 
 
 def test_it_goes_on_after_it_was_killed(tmp_path):
-    over = {"indenter.angle": tuple(np.linspace(20, 40, 16).round(3))}
+    over = {"indenter.angle": tuple(np.linspace(20, 40, 10).round(3))}
     listed = ",".join(map(str, over["indenter.angle"]))
     command = [sys.executable, "-m", "fefinger", "study", "flat-press", "--mechanics", "hertz"]
     command += ["--over", f"indenter.angle={listed}", "--set", "ask.spikes=[]", "--workers", "1"]
@@ -297,7 +297,7 @@ def test_it_goes_on_after_it_was_killed(tmp_path):
     process.send_signal(signal.SIGKILL)
     process.wait()
     kept = len(list((tmp_path / "scenes").glob(answered)))
-    assert 2 <= kept < 16
+    assert 2 <= kept < 10
     options = {"changes": QUICK, "mechanics": "hertz", "workers": 2}
     resumed = ff.study("flat-press", over, folder=tmp_path, **options)
     assert resumed.reused == kept
@@ -339,7 +339,7 @@ def test_a_cluster_gives_the_same():
     )
     with cluster:
         far = ff.study("flat-press", over, scheduler=cluster.scheduler_address, **options)
-    near = ff.study("flat-press", over, **options)
+    near = ff.study("flat-press", over, workers=1, **options)
     assert same(far.rows, near.rows)
     assert far.failures == near.failures
 
@@ -368,7 +368,7 @@ def test_cores_are_those_this_process_may_use():
 
 def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
-    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped"}
+    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped", "workers": 1}
     found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
     assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
     found.save(tmp_path)

@@ -160,6 +160,7 @@ def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
         linear.respond(deep)
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut() -> None:
     asked = ff.Ask(fields=False, strain=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)

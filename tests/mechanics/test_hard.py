@@ -97,6 +97,7 @@ def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
     assert volume / outline == pytest.approx(FINGER.skin.thickness, rel=0.15)
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_solid_becomes_linear_in_small_presses_on_an_elastic_bone() -> None:
     asked = scene(depth=0.05, bone=Hard(1e5), nail=NAIL, prony=Prony([1.0], []))
     forces = [float(m.respond(asked).force[-1]) for m in (linear, solid)]

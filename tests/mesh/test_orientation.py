@@ -54,9 +54,10 @@ def turned(mesh: Any, axis: str, degrees: float) -> Any:
     return mesh
 
 
-@pytest.mark.parametrize("name", SUBJECTS)
-@pytest.mark.parametrize(("widths", "askew"), [(1.5, -20.0), (1.5, 20.0), (2.0, 0.0)])
-@pytest.mark.parametrize("noise", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("name", "widths", "askew", "noise"),
+    [("d.p.", 1.5, -20.0, 0.0), ("a.h.", 2.0, 0.0, 0.1), ("p.w.", 1.5, 20.0, 0.1)],
+)
 def test_a_good_scan_gets_no_word(name: str, widths: float, askew: float, noise: float) -> None:
     mesh = finger(name, widths, askew).copy()
     mesh.vertices += np.random.default_rng(7).normal(scale=noise, size=mesh.vertices.shape)
@@ -65,14 +66,14 @@ def test_a_good_scan_gets_no_word(name: str, widths: float, askew: float, noise:
     assert lie(mesh).slender > SLENDER
 
 
-@pytest.mark.parametrize("name", SUBJECTS)
-def test_a_short_piece_is_not_taken_for_a_turned_one(name: str) -> None:
-    for askew in (-20.0, 0.0, 20.0):
-        assert check(finger(name, 1.1, askew), "surface") == ()
+@pytest.mark.parametrize("askew", [-20.0, 20.0])
+def test_a_short_piece_is_not_taken_for_a_turned_one(askew: float) -> None:
+    assert check(finger("d.s.", 1.1, askew), "surface") == ()
 
 
-@pytest.mark.parametrize("axis", "xyz")
-@pytest.mark.parametrize("degrees", [-90, -45, -30, 30, 45, 90, 120, 180])
+@pytest.mark.parametrize(
+    ("axis", "degrees"), [("x", -45), ("x", 180), ("y", 30), ("y", 120), ("z", -90), ("z", 45)]
+)
 def test_a_turned_scan_is_refused_with_what_turns_it_back(axis: str, degrees: float) -> None:
     mesh = turned(finger("a.h."), axis, degrees)
     found = lie(mesh)
@@ -88,9 +89,7 @@ def test_a_scan_turned_about_two_axes_gets_both_in_order() -> None:
         check(mesh, "surface")
 
 
-@pytest.mark.parametrize(
-    ("axis", "degrees"), [("x", 13), ("z", -13), ("y", -13), ("x", -20), ("z", 20)]
-)
+@pytest.mark.parametrize(("axis", "degrees"), [("x", 13), ("y", -13), ("z", 20)])
 def test_a_scan_that_may_be_turned_gets_a_note(axis: str, degrees: float) -> None:
     (note,) = check(turned(finger("p.w."), axis, degrees), "surface")
     assert "may be turned: to bring its symmetry and its axis into the frame" in note
