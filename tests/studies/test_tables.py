@@ -179,7 +179,9 @@ def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
     from fefinger.support import provenance
 
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
-    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "p.py"))
+    monkeypatch.setattr(
+        provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "support" / "p.py")
+    )
     (tmp_path / "installed").mkdir()
     assert provenance.commit.__wrapped__() == ""
     monkeypatch.setenv("PATH", "")

@@ -7,8 +7,8 @@ import subprocess
 import sys
 import time
 
-import beside_calls
 import numpy as np
+import process_calls
 import pytest
 
 import fefinger as ff
@@ -316,7 +316,7 @@ def test_a_damaged_file_is_answered_again(tmp_path):
 
 def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch):
     """A task without a scene is answered by a sentence; one that ends the process costs itself."""
-    monkeypatch.setattr(workers, "answer", beside_calls.end_for_odd)
+    monkeypatch.setattr(workers, "answer", process_calls.end_for_odd)
     found = dict(workers.local([0, 1, 2], 1))
     assert found[0] == found[2] == {"rows": []}
     assert "ended with status 3" in found[1]["error"]

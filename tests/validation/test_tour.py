@@ -15,7 +15,7 @@ from fefinger.__main__ import main
 from fefinger.scene import builtin
 
 
-README = Path(__file__).resolve().parents[1] / "README.md"
+README = Path(__file__).resolve().parents[2] / "README.md"
 
 
 def blocks(language: str) -> list[str]:

@@ -20,7 +20,7 @@ CASE = {
     "failure": "",
     "verdict": "pass",
 }
-REPORTS = Path(__file__).resolve().parents[1] / "reports"
+REPORTS = Path(__file__).resolve().parents[2] / "reports"
 
 
 def test_the_committed_index_is_fresh() -> None:

@@ -13,7 +13,7 @@ from fefinger.studies.tasks import Asked
 from fefinger.studies.workers import answer
 
 
-REPORTS = Path(__file__).parents[1] / "reports"
+REPORTS = Path(__file__).parents[2] / "reports"
 CASE = "a.h. to 1 mm"
 
 

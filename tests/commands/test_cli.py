@@ -316,7 +316,7 @@ def test_help_and_scenes_load_no_library_that_takes_its_time(arguments):
 def test_the_version_is_the_one_of_the_project():
     import fefinger
 
-    with open(os.path.join(os.path.dirname(__file__), "..", "pyproject.toml"), "rb") as file:
+    with open(os.path.join(os.path.dirname(__file__), "..", "..", "pyproject.toml"), "rb") as file:
         project = tomllib.load(file)["project"]
     assert project.get("version", fefinger.__version__) == fefinger.__version__
 

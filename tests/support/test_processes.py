@@ -4,7 +4,7 @@ import os
 import pickle
 import subprocess
 
-import beside_calls
+import process_calls
 import pytest
 
 from fefinger.support import processes
@@ -12,34 +12,34 @@ from fefinger.support import processes
 
 def test_every_item_has_its_value_whichever_process_it_came_from():
     numbers = [3.0, 1.0, 2.0, 5.0]
-    assert dict(processes.each(beside_calls.square, numbers, 2)) == {
+    assert dict(processes.each(process_calls.square, numbers, 2)) == {
         place: number**2 for place, number in enumerate(numbers)
     }
 
 
 def test_the_work_is_done_in_processes_that_are_kept():
-    (a, b) = (value for _, value in processes.each(beside_calls.process, [None, None], 1))
+    (a, b) = (value for _, value in processes.each(process_calls.process, [None, None], 1))
     assert a == b != os.getpid()
 
 
 def test_a_process_that_dies_costs_one_item_and_is_replaced():
-    found = dict(processes.each(beside_calls.end_for_odd, [0, 1, 2], 1))
+    found = dict(processes.each(process_calls.end_for_odd, [0, 1, 2], 1))
     assert found[0] == found[2] == {"rows": []}
     assert found[1].status == 3
 
 
 def test_an_exception_is_raised_here_and_ends_the_processes():
     with pytest.raises(ValueError, match=r"number [78]"):
-        list(processes.each(beside_calls.fail, [7.0, 8.0], 2))
+        list(processes.each(process_calls.fail, [7.0, 8.0], 2))
 
 
 def test_nothing_to_do_starts_nothing(monkeypatch):
     monkeypatch.delattr(processes, "Worker")
-    assert list(processes.each(beside_calls.square, [], 2)) == []
+    assert list(processes.each(process_calls.square, [], 2)) == []
 
 
 def test_prints_do_not_mix_with_the_answers(capfd):
-    assert dict(processes.each(beside_calls.print_and_sleep, [0.0], 1)) == {0: None}
+    assert dict(processes.each(process_calls.print_and_sleep, [0.0], 1)) == {0: None}
     assert "a print" in capfd.readouterr().err
 
 
@@ -48,7 +48,7 @@ def test_a_worker_ends_in_its_work_when_nobody_asks_any_more():
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     command, environment = processes.command("-c", processes.SERVE), processes.environment()
     with subprocess.Popen(command, env=environment, **pipes) as worker:
-        pickle.dump((beside_calls.print_and_sleep, 600.0), worker.stdin)
+        pickle.dump((process_calls.print_and_sleep, 600.0), worker.stdin)
         worker.stdin.flush()
         assert worker.stderr.readline() == b"a print\n"
         worker.stdin.close()

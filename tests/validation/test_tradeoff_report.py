@@ -24,7 +24,7 @@ from fefinger.scene.motion import Ramp
 from fefinger.scene.scene import Scene
 
 
-REPORT = Path(__file__).resolve().parents[1] / "reports" / "tradeoff.json"
+REPORT = Path(__file__).resolve().parents[2] / "reports" / "tradeoff.json"
 
 
 @pytest.fixture(scope="module")
