@@ -19,8 +19,8 @@ from fefinger.support.checks import (
 )
 
 
-SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")
-"""Names of the linear solvers of the finite elements, see `fem.solvers`."""
+SOLVERS = ("multifrontal", "single", "iterative")
+"""Names of the linear solvers of the finite elements, see `fem.linalg.solvers`."""
 
 
 @dataclass(frozen=True, kw_only=True)
