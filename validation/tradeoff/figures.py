@@ -64,7 +64,7 @@ def _scatter(axes: Any, points: dict[str, tuple[float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
 
 
-def _legend(drawn: Any, axes: Any) -> None:
+def _legend(drawn: Any) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -115,7 +115,7 @@ def _fronts(data: dict[str, Any]) -> Any:
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("error of the force")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -145,7 +145,7 @@ def _others(data: dict[str, Any]) -> Any:
         line[0].set_ylabel("error")
     for axis in grid[1]:
         axis.set_xlabel("expected time, s")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 
@@ -175,7 +175,7 @@ def _spikes(data: dict[str, Any]) -> Any:
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("distance per spike")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -258,7 +258,7 @@ def _held(data: dict[str, Any]) -> Any:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
         axis.set_ylabel("actual error")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 
