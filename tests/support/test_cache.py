@@ -225,7 +225,7 @@ def _made_up() -> Compliance:
 def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root: Path) -> None:
     pytest.importorskip("fcntl", reason="this system has no locks of files")
     killed = (
-        "import os, signal, sys; from pathlib import Path; from fefinger import cache\n"
+        "import os, signal, sys; from pathlib import Path; from fefinger.support import cache\n"
         "with cache.alone(Path(sys.argv[1])):\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
