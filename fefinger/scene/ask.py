@@ -17,8 +17,8 @@ from fefinger.support.checks import (
 from fefinger.support.vocabulary import DRIVES, GENERATORS, TYPES
 
 
-SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")
-"""Names of the linear solvers of the finite elements, see `fem.solvers`."""
+SOLVERS = ("multifrontal", "single", "iterative")
+"""Names of the linear solvers of the finite elements, see `fem.linalg.solvers`."""
 
 
 @dataclass(frozen=True, kw_only=True)
