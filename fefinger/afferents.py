@@ -59,10 +59,7 @@ def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
         response.strain,
         found.normals,
         found.types,
-        reference_depth=reference.depth,
-        reference_types=reference.types,
-        reference_strain=reference.strain,
-        reference_normals=reference.normals,
+        reference,
         drives=ask.drives,
     )
     count = np.bincount(found.unit)
