@@ -75,10 +75,10 @@ def _noted(scene: "Scene", response: "Response") -> "Response":
     """Return the response with notes on a subject's other sizes, and where statics do not hold."""
     from dataclasses import replace
 
-    from fefinger.scene.finger import own
+    from fefinger.scene.finger import origin_notes
     from fefinger.scene.inertia import jump, quasistatic
 
-    found = own(scene.finger) + jump(scene.motion)
+    found = origin_notes(scene.finger) + jump(scene.motion)
     found += quasistatic(scene, response.time, response.depth)
     return replace(response, notes=response.notes + found)
 
@@ -158,7 +158,7 @@ def _compared(spikes: "SpikeTrains", again: "SpikeTrains", mesh: str) -> tuple[s
 def _status(response: "Response", spikes: "SpikeTrains | None") -> str:
     if spikes is None:
         return response.status
-    return f"{response.status} Spikes: {spikes.told()}."
+    return f"{response.status} Spikes: {spikes.summary()}."
 
 
 def _provenance(scene: "Scene") -> dict[str, Any]:

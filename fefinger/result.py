@@ -52,7 +52,7 @@ class Result(ResultRecord):
         from fefinger.support import atomic_write
 
         target = output_folder(folder)
-        with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
+        with atomic_write.as_input_error(target), atomic_write.scratch_folder(target) as scratch:
             new = {name: Path(scratch, name) for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
             if self.fields is not None:

@@ -218,7 +218,7 @@ class Finger:
         return cls(**(values | {"subject_name": name}))
 
 
-def own(finger: Finger) -> tuple[str, ...]:
+def origin_notes(finger: Finger) -> tuple[str, ...]:
     """Return sentences on what of a finger is of another one: its tissue, or a subject's sizes."""
     fitted = {library.calibrated_name(name): name for name in library.pawluk_bulk()}
     of = fitted.get(finger.tissue, finger.subject_name)
