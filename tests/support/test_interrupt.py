@@ -107,8 +107,8 @@ def test_files_that_are_being_moved_into_place_are_moved_before_the_end(tmp_path
 
 def test_temporary_files_and_children_go_the_last_first(tmp_path):
     work = (
-        "with atomic_write.temporary_folder('.') as folder, \\\n"
-        "        atomic_write.in_place('a.txt') as new:\n"
+        "temporary, in_place = atomic_write.temporary_folder, atomic_write.in_place\n"
+        "    with temporary('.') as folder, in_place('a.txt') as new:\n"
         "        new.write_text('half'); (folder / 'b').write_text('')\n"
         "        code = 'import time; time.sleep(60)'\n"
         "        with processes.running(processes.command('-c', code)) as child:\n"
