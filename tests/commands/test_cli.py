@@ -226,7 +226,7 @@ SIZE = ("--set", "finger.width=15")
 
 
 def test_a_subject_of_another_size_is_told(capsys, tmp_path):
-    said = "The finger is not that of subject a.h.: width 15 mm in place of 14 mm."
+    said = "The finger differs from subject a.h.: width 15 mm instead of 14 mm."
     assert main(["explain", "flat-press", *SIZE]) == 0
     assert capsys.readouterr().err.strip() == said
     force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")
@@ -239,7 +239,7 @@ def test_a_subject_of_another_size_is_told(capsys, tmp_path):
 
 @pytest.mark.parametrize("name", ["d.p.", None])
 def test_tissue_that_was_fitted_to_another_subject_is_told(name):
-    said = "Its tissue was fitted to the finger of subject a.h. (calibrated_ah)."
+    said = "The tissue was fitted to subject a.h., another finger (calibrated_ah)."
     finger = ff.Finger.subject(name or "a.h.", tissue="calibrated_ah")
     assert origin_notes(replace(finger, subject_name=name)) == (said,)
     assert origin_notes(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
@@ -249,12 +249,12 @@ def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
     finger = replace(ff.Finger.subject("a.h."), tissue="calibrated_dp")
     said = origin_notes(finger)
     assert said[0] == (
-        "Not all of its tissue is that of calibrated_dp: finger.skin and finger.subcutaneous as "
-        "given."
+        "The tissue differs from calibrated_dp: finger.skin and finger.subcutaneous as given in "
+        "the scene."
     )
     assert not any("fitted" in sentence for sentence in said)
     assert origin_notes(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
-        "Not all of its tissue is that of maeno1998: finger.skin as given.",
+        "The tissue differs from maeno1998: finger.skin as given in the scene.",
     )
 
 
