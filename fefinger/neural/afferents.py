@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
 from fefinger.neural.membranes import LARGEST_STEP, Membrane
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import DRIVES, TYPES
 
 
 Array = NDArray[np.float64]
@@ -183,7 +183,9 @@ def displacements(
     x_in = np.empty(strain.shape[:2])
     for kind, length in lengths.items():
         of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
+        x_in[:, of_kind] = length * DRIVE_BY_NAME[chosen[kind]](
+            strain[:, of_kind], normals[of_kind]
+        )
     return x_in
 
 
@@ -229,7 +231,7 @@ def _lengths(
             msg = f"reference_types: expected every type that is asked, {kind} is missing"
             raise InputError(msg)
         i = types.index(kind)
-        value = float(DRIVES[name](strain[i : i + 1], normals[i : i + 1])[0])
+        value = float(DRIVE_BY_NAME[name](strain[i : i + 1], normals[i : i + 1])[0])
         norm = float(np.linalg.norm(strain[i]))
         if not value > SMALLEST_REFERENCE * norm:
             msg = (

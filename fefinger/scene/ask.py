@@ -4,9 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fefinger.neural.drives import DRIVES
-from fefinger.neural.endorgans import TYPES
-from fefinger.neural.generators import GENERATORS
 from fefinger.scene.population import Layout
 from fefinger.support.checks import (
     Frozen,
@@ -17,10 +14,11 @@ from fefinger.support.checks import (
     number,
     reject_unknown,
 )
+from fefinger.support.vocabulary import DRIVES, GENERATORS, TYPES
 
 
-SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")
-"""Names of the linear solvers of the finite elements, see `fem.linalg`."""
+SOLVERS = ("multifrontal", "single", "iterative")
+"""Names of the linear solvers of the finite elements, see `fem.linalg.solvers`."""
 
 
 @dataclass(frozen=True, kw_only=True)

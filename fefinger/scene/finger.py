@@ -131,7 +131,10 @@ class Finger:
         if given is None:
             return
         if not isinstance(given, str | Path) or not Path(given).is_file():
-            msg = f"finger.{name}: expected a file with a surface, received {given!r}, no such file"
+            msg = (
+                f"finger.{name}: expected a file with a surface, received {given!r}, which does "
+                "not exist"
+            )
             raise InputError(msg)
         object.__setattr__(self, name, str(given))
 

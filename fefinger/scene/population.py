@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from fefinger.neural.endorgans import RULES, TYPES
 from fefinger.support.checks import (
     Frozen,
     InputError,
@@ -14,6 +13,7 @@ from fefinger.support.checks import (
     numbers,
     reject_unknown,
 )
+from fefinger.support.vocabulary import RULES, TYPES
 
 
 LARGEST_RADIUS = 10.0

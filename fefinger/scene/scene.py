@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from fefinger.neural.endorgans import LONGEST_RUN
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.checks import InputError, number
+from fefinger.support.vocabulary import LONGEST_RUN
 
 
 @dataclass(frozen=True, kw_only=True)

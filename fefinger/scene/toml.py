@@ -1,16 +1,16 @@
 """Conversion between the parts of a scene and nested tables of plain values (TOML)."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import INDENTERS, Flat, Indenter, Relief
-from fefinger.scene.motion import MOTIONS, Motion, SampledMotion
+from fefinger.scene.motion import MOTIONS, ForceSampled, Motion, Sampled
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -19,6 +19,22 @@ from fefinger.theory.relaxation import Prony
 
 SUBJECT = "subject"
 PARTS = ("finger", "indenter", "motion", "ask")
+
+
+class FileReader(NamedTuple):
+    """Reader of an indenter or motion from a file: function, format, other keys of the table."""
+
+    read: Callable[..., Any]
+    format: str
+    keys: tuple[str, ...]
+
+
+FROM_FILE = {
+    Relief.kind: FileReader(Relief.from_file, "CSV or NPZ", ("angle", "tilt", "roll")),
+    Sampled.kind: FileReader(Sampled.from_csv, "CSV", ("corner",)),
+    ForceSampled.kind: FileReader(ForceSampled.from_csv, "CSV", ("corner",)),
+}
+"""Kinds of indenters and motions that can be read from the `file` of their table."""
 
 
 def read(file: str | Path) -> dict[str, Any]:
@@ -203,12 +219,8 @@ def _ask(table: dict[str, Any]) -> Ask:
 
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
     """Convert the table [indenter]."""
-    kind = table.pop("kind", Flat.kind)
-    indenter = INDENTERS[choice("indenter.kind", kind, INDENTERS)]
-    if issubclass(indenter, Relief) and "file" in table:
-        reject_unknown("indenter", table, ("file", "angle", "tilt", "roll"))
-        return indenter.from_file(folder / _file("indenter", table, "CSV or NPZ"), **table)
-    return _record(indenter, "indenter", table, kind)
+    kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS)
+    return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
 
 
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
@@ -216,21 +228,21 @@ def _motion(table: dict[str, Any], folder: Path) -> Motion:
     if "kind" not in table:
         msg = f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}"
         raise InputError(msg)
-    kind = table.pop("kind")
-    motion = MOTIONS[choice("motion.kind", kind, MOTIONS)]
-    if issubclass(motion, SampledMotion) and "file" in table:
-        reject_unknown("motion", table, ("file", "corner"))
-        return motion.from_csv(folder / _file("motion", table, "CSV"), **table)
-    return _record(motion, "motion", table, kind)
+    kind = choice("motion.kind", table.pop("kind"), MOTIONS)
+    return cast(Motion, _of_kind("motion", MOTIONS[kind], table, folder))
 
 
-def _file(part: str, table: dict[str, Any], format_: str) -> str:
-    """Remove the name of a file from a table and return it."""
+def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> Any:
+    """Construct `cls` from the table of a part, or from the file that the table names."""
+    reader = FROM_FILE.get(cls.kind)
+    if reader is None or "file" not in table:
+        return _record(cls, part, table, cls.kind)
+    reject_unknown(part, table, ("file", *reader.keys))
     name = table.pop("file")
     if not isinstance(name, str):
-        msg = f"{part}.file: expected the name of a {format_} file, received {name!r}"
+        msg = f"{part}.file: expected the name of a {reader.format} file, received {name!r}"
         raise InputError(msg)
-    return name
+    return reader.read(folder / name, **table)
 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
