@@ -216,7 +216,7 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"finger\.surface: .*'none\.stl', which does not exist"):
         ff.Finger.from_surface("none.stl")
     path = written(egg(), tmp_path / "scan.stl")
-    with pytest.raises(InputError, match=r"finger\.bone_surface: .*found none at 'none\.stl'"):
+    with pytest.raises(InputError, match=r"finger\.bone_surface: .*'none\.stl', which does not"):
         ff.Finger.from_surface(path, bone_surface="none.stl")
     with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
         ff.Finger(14, 10, bone_surface=str(path))
