@@ -109,7 +109,6 @@ CALLS = [
     lambda: PAD.depth_at(-1.0),
     lambda: PAD.depth_at(NAN),
     lambda: PAD.depth_at(INF),
-    lambda: PAD.against(0.0),
     lambda: PAD.lumped_ratio(0.0, 1.0, 1.0),
     lambda: PAD.lumped_ratio(1.0, NAN, 1.0),
     lambda: PAD.press(TIME, [0, NAN, 1.0]),
