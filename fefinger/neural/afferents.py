@@ -1,4 +1,4 @@
-"""Afferent units: skin displacement or strain at end organs in, spike trains out."""
+"""Simulation of afferent units: from skin displacement or strain at end organs to spike trains."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,7 +16,7 @@ from fefinger.support.vocabulary import DRIVES, TYPES
 Array = NDArray[np.float64]
 
 SMALLEST_REFERENCE = 0.02
-"""Reference drive over the norm of the reference strain: below it the length L is noise."""
+"""Smallest reference drive over the norm of the reference strain; below, the length is noise."""
 
 
 def simulate(
@@ -33,11 +33,11 @@ def simulate(
     tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
-    """Return the spikes of afferent units with one end organ each.
+    """Simulate the spikes of afferent units with one end organ each.
 
-    x_in = length * drive, end-organ filter, half-wave rectification, generator, membrane. The
-    drive is linear between its samples and the filter exact, so the sampling may be as uneven as
-    the signal allows. `units.simulate_units` has units of many end organs.
+    The chain: x_in = length * drive, end-organ filter, half-wave rectification, generator,
+    membrane. The drive is linear between its samples and the filter exact for that, so the sampling
+    may be uneven. `units.simulate_units` is for units with many end organs.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def simulate(
     types
         Afferent type of each unit.
     lengths
-        (n_units,) or one number: mm of skin displacement that a unit of drive stands for.
+        (n_units,) or one number: mm of skin displacement per unit of drive.
     generator
         "saturating" or "linear".
     membrane
@@ -56,10 +56,10 @@ def simulate(
     names, positions
         Names of the units (default: types, numbered where they repeat) and (n_units, 3) mm.
     dt, tolerance
-        Longest integration step in s; or the error of spike times in s that `HodgkinHuxley` is to
-        choose integrator and step by, as `HodgkinHuxley.integrator`, and the current is sampled by.
+        Longest integration step in s; or allowed error of spike times in s, from which integrator
+        and step (`HodgkinHuxley.integrator`) and the sampling of the current are chosen.
     check
-        Count again with half the step and with half of the samples; differences become notes.
+        Repeat with half the step and with half of the samples; differences of counts become notes.
 
     Raises
     ------
@@ -100,16 +100,16 @@ def from_strain(
     tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
-    """Return the spikes of afferent units from the strain at their end organs.
+    """Simulate the spikes of afferent units from the strain at their end organs.
 
     Parameters
     ----------
     time, strain, normals, types
         (n_t,) s; (n_t, n_units, 3, 3); unit normals (n_units, 3); afferent type of each unit.
     reference_depth, reference_types, reference_strain, reference_normals
-        A small flat press of the same finger: depth in mm and, for each of the n types, strain
-        (n, 3, 3) and normal (n, 3) at the central site. The length of a type is the depth over its
-        drive there, so that a flat probe gives the one-dimensional case of the thesis.
+        A small flat press of the same finger: depth in mm and, for each of n types, strain
+        (n, 3, 3) and normal (n, 3) at the central site. The length of a type is the depth divided
+        by its drive there, so that a flat probe gives the one-dimensional case of the thesis.
     drives
         Drive per type, where it is not DEFAULT_DRIVE.
     generator, names, positions, dt, tolerance, check
@@ -118,8 +118,8 @@ def from_strain(
     Raises
     ------
     InputError
-        As `simulate`; also a type without a reference, or one whose reference drive is not clearly
-        above zero.
+        As in `simulate`; also a type without a reference, or with a reference drive that is not
+        clearly above zero.
     """
     x_in = displacements(
         strain,
@@ -155,10 +155,10 @@ def displacements(
     reference_normals: ArrayLike,
     drives: Mapping[str, str] | None = None,
 ) -> Array:
-    """Return the skin displacement x_in (n_t, n_sites) in mm that strain at end organs stands for.
+    """Convert strain at end organs to equivalent skin displacement x_in (n_t, n_sites) in mm.
 
-    The drive of each site's type times its length; parameters and errors as in `from_strain`, with
-    sites, one per end organ, for units.
+    x_in is the drive of each site's type times its length; parameters and errors as in
+    `from_strain`, with sites, one per end organ, for units.
     """
     lengths = reference_lengths(
         types,
@@ -198,7 +198,7 @@ def reference_lengths(
     reference_normals: ArrayLike,
     drives: Mapping[str, str] | None = None,
 ) -> dict[str, float]:
-    """Return the length L in mm per type; parameters and errors as in `from_strain`."""
+    """Skin displacement L in mm per unit of drive, by type; parameters as in `from_strain`."""
     for kind in types:
         choice("types", kind, TYPES)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}
@@ -217,7 +217,7 @@ def reference_lengths(
 def _lengths(
     drives: Mapping[str, str], depth: float, types: tuple[str, ...], strain: Array, normals: Array
 ) -> dict[str, float]:
-    """Return the length L in mm per type: reference depth over reference drive."""
+    """Skin displacement L in mm per unit of drive, by type: reference depth / reference drive."""
     depth, n = number("reference_depth", depth, above=0.0, unit="mm"), len(types)
     if strain.shape != (n, 3, 3) or normals.shape != (n, 3):
         msg = (
@@ -228,7 +228,7 @@ def _lengths(
     lengths = {}
     for kind, name in drives.items():
         if kind not in types:
-            msg = f"reference_types: expected every type that is asked, {kind} is missing"
+            msg = f"reference_types: expected every type in use, {kind} is missing"
             raise InputError(msg)
         i = types.index(kind)
         value = float(DRIVE_BY_NAME[name](strain[i : i + 1], normals[i : i + 1])[0])

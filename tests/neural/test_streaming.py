@@ -167,7 +167,7 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
     three = {"reference_depth": 0.5, "reference_types": TYPES[:3]} | {
         name: REFERENCE[name][:3] for name in ("reference_strain", "reference_normals")
     }
-    with pytest.raises(InputError, match=f"expected every type that is asked, {TYPES[3]} is"):
+    with pytest.raises(InputError, match=f"expected every type in use, {TYPES[3]} is"):
         Afferents.of(TYPES, NORMALS, **three)
     with pytest.raises(InputError, match="types: expected one of"):
         Afferents.of(("SAX",), NORMALS[:1], **REFERENCE)
@@ -182,7 +182,7 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
         ({"normals": 0 * NORMALS}, "normals: expected unit vectors"),
         (
             {"lengths": {"SAI": 1.0}},
-            "expected one in mm for every type of the units, SAII",
+            "expected a length in mm for every type of the units, SAII",
         ),
         ({"lengths": dict.fromkeys(TYPES, -1.0)}, "lengths.SAI: expected a finite number in mm"),
         ({"substeps": 0}, "substeps: expected a whole number of 1 or more, received 0"),
