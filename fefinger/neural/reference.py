@@ -41,8 +41,8 @@ class Reference:
         Raises
         ------
         InputError
-            Unknown types or drives, a type that is missing in this press or whose drive in it is not
-            clearly above zero, or arrays of other shapes.
+            Unknown types or drives, a type that is missing in this press or whose drive in it is
+            not clearly above zero, or arrays of other shapes.
         """
         for kind in types:
             choice("types", kind, TYPES)
