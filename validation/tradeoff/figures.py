@@ -111,7 +111,7 @@ def _fronts(data: dict[str, Any]) -> Any:
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("error of the force")
     axes[3].xaxis.set_tick_params(labelbottom=True)
@@ -144,7 +144,7 @@ def _others(data: dict[str, Any]) -> Any:
             axis.set_title(f"{name}: {said}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     _legend(drawn)
     return drawn
 
@@ -171,7 +171,7 @@ def _spikes(data: dict[str, Any]) -> Any:
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("distance per spike")
     axes[3].xaxis.set_tick_params(labelbottom=True)
