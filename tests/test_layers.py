@@ -51,9 +51,9 @@ ONLY = {
     "pytetwild": "fefinger.mesh",
     "trimesh": ("fefinger.geometry", "fefinger.mesh"),
     "skfem": "fefinger.fem",
-    "pyvista": "fefinger.view",
+    "pyvista": ("fefinger.view", "fefinger.geometry.surface_file"),
     "vtk": "fefinger.view",
-    "vtkmodules": ("fefinger.view", "fefinger.geometry.surface_file"),
+    "vtkmodules": "fefinger.view",
 }
 """Libraries that one place alone imports."""
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.support.atomic_write import spoken
+from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, nearest, number, repeated
 from fefinger.support.vocabulary import TYPES
 
@@ -200,7 +200,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
     """Write FILES into a folder and return their paths."""
     paths = [folder / name for name in FILES]
-    with spoken(folder):
+    with as_input_error(folder):
         trains.to_csv(paths[0])
         trains.to_npz(paths[1])
     return [str(path) for path in paths]

@@ -1,20 +1,20 @@
-"""Names that a scene chooses from, each with its one home here.
+"""Names that a scene can choose from: afferent types, drives, generators, rules and tissue laws.
 
-The neural and the finite-element rooms hold what the names do: `neural/endorgans.py`,
-`neural/drives.py`, `neural/generators.py`, `neural/units.py` and `fem/hyperelastic/laws.py`.
+The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/generators.py`,
+`neural/units.py` and `fem/hyperelastic/laws.py`.
 """
 
 TYPES = ("SAI", "SAII", "FAI", "FAII")
-"""Types of afferent units: slowly and fast adapting, of small and of large receptive fields."""
+"""Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
 
 DRIVES = ("compressive", "tensile", "tangent", "energy", "von_mises")
-"""Parts of the strain at an end organ that may move it."""
+"""Components of the strain at an end organ that can drive it."""
 
 GENERATORS = ("saturating", "linear")
-"""Generator currents as functions of the end organ's output, the default first."""
+"""Laws from the output of an end organ to the generator current, the default first."""
 
 RULES = ("mean", "max", "first")
-"""How the generator currents of a unit's end organs meet.
+"""Combination of the generator currents of a unit's end organs.
 
 "mean": the mean current on one membrane, the spatial summation of generator current. "max": at
 every time the largest one on one membrane. "first": a membrane for each branch; the first to fire
@@ -24,11 +24,11 @@ integration per branch, the others one per unit. With one input to all branches 
 """
 
 LONGEST_RUN = 3600.0
-"""s that spikes are computed for at once: an hour is 72 million steps of every membrane."""
+"""Longest run with spikes in s: an hour is 72 million steps of every membrane."""
 
 SHARES = {"neo-hookean": 1.0, "mooney-rivlin": 0.5, "demiray": 1.0, "veronda-westmann": 2.0}
-"""Hyperelastic laws, and the part of the shear modulus that the first invariant carries where the
-tissue has no share of its own."""
+"""Hyperelastic laws, with the default fraction of the shear modulus that the first invariant I1
+carries."""
 
 EXPONENTIAL = ("demiray", "veronda-westmann")
-"""Laws that stiffen exponentially and need an exponent."""
+"""Laws that stiffen exponentially; they need an exponent."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger.afferents import fire
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
@@ -21,7 +22,6 @@ from fefinger.mechanics.press import (
     time_steps,
 )
 from fefinger.mesh.store import ready
-from fefinger.pipeline import fire
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
@@ -165,7 +165,7 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     counts = []
     for refine in (1, 2):
         response = small_strain.press(pressed, mechanics="linear", notes=(), refine=refine)
-        counts.append(fire(pressed, response).count().tolist())
+        counts.append(fire(pressed.ask, response).count().tolist())
     assert counts[0] == counts[1]
     assert min(counts[0]) >= 1
 
