@@ -10,14 +10,13 @@ import numpy as np
 
 from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.reports import smallest_radius
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Array
 from fefinger.mechanics.press.notes import apart, normalized, yielding
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Ellipsoid, Flat, Sphere
+from fefinger.scene.indenter import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond
@@ -127,17 +126,21 @@ def half_space(scene: Scene) -> HalfSpace:
     from fefinger.theory.contact.curvature import equivalent_radius, relative_radius
 
     pad, indenter = scene.finger.pad_radius, scene.indenter
-    if isinstance(indenter, Ellipsoid):
-        height = indenter.radii[2]
-        sides = [relative_radius(pad, radius**2 / height) for radius in indenter.radii[:2]]
-        return HalfSpace(equivalent_radius(*sides), *tissue(scene.finger))
-    return HalfSpace(relative_radius(pad, smallest_radius(indenter)), *tissue(scene.finger))
+    radii = indenter.hertzian or (indenter.least_radius,) * 2
+    first, second = (relative_radius(pad, radius) for radius in radii)
+    return HalfSpace(equivalent_radius(first, second), *tissue(scene.finger))
+
+
+def elliptic(scene: Scene) -> bool:
+    """Return whether the object has two radii of its own, so that its contact is an ellipse."""
+    indenter = scene.indenter
+    return indenter.hertzian is not None and indenter.flat is indenter.ball_radius is None
 
 
 def refuse(scene: Scene) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
     unable = lacking(scene)
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+    if scene.indenter.hertzian is None:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     depth, radius = scene.motion.peak, half_space(scene).relative_radius
     if scene.motion.control == "depth" and depth > radius:
@@ -156,7 +159,7 @@ def lacking(scene: Scene) -> list[str]:
     unable += too_long(scene.motion, fast="FAII" in scene.ask.spikes)
     if scene.ask.fields:
         unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+    if scene.indenter.hertzian is None:
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
     elif axisymmetric.touch(scene) is None:
         unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
@@ -206,7 +209,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "the compliances of skin and pulp averaged by thickness."
     )
     notes = (*NOTES, used, *normalized(scene.finger.prony))
-    if isinstance(scene.indenter, Ellipsoid):
+    if elliptic(scene):
         notes = (*notes, ELLIPTIC)
     numbers = {
         "relative_radius_mm": body.relative_radius,
@@ -245,7 +248,7 @@ def _doubts_of_size(scene: Scene) -> list[str]:
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
         doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
-    steep = widest(scene) / smallest_radius(scene.indenter)
+    steep = widest(scene) / scene.indenter.least_radius
     if steep > STEEP:
         doubts.append(
             f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no paraboloid"
@@ -259,15 +262,15 @@ def doubts_of_place(scene: Scene) -> list[str]:
     if scene.finger.surface is not None:
         radius = f"{scene.finger.pad_radius:g} mm"
         doubts.append(f"finger.surface: the scan is left out; pad_radius = {radius} stands for it")
-    indenter = scene.indenter
-    if isinstance(indenter, Flat):
-        if abs(indenter.angle - STANDARD.angle) > ASIDE:
-            reason = f"angle = {indenter.angle:g} degrees is not within {ASIDE:g} of "
+    flat = scene.indenter.flat
+    if flat is not None:
+        if abs(flat.angle - STANDARD.angle) > ASIDE:
+            reason = f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
             doubts.append(f"{reason}{STANDARD.angle:g}: to it the pad is alike at all angles")
-        if indenter.tilt:
-            doubts.append(f"tilt = {indenter.tilt:g} > 0 degrees: R is that of the middle")
+        if flat.tilt:
+            doubts.append(f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle")
         return doubts
-    away = float(np.hypot(*(getattr(indenter, "at", None) or (0.0, 0.0))))
+    away = float(np.hypot(*(scene.indenter.place or (0.0, 0.0))))
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
         doubts.append(f"{reason}: R is that of the middle")

@@ -16,7 +16,6 @@ from fefinger.mechanics.press.notes import normalized
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
-from fefinger.scene.indenter import Ellipsoid
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
@@ -151,7 +150,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         stack(scene.finger), scene.finger.pad_radius, REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
     notes = (*NOTES, *normalized(scene.finger.prony))
-    if isinstance(scene.indenter, Ellipsoid):
+    if hertz.elliptic(scene):
         notes = (*notes, hertz.ELLIPTIC)
     peak = scene.motion.peak
     if scene.motion.control == "force":
@@ -178,7 +177,7 @@ def _doubts(scene: Scene) -> list[str]:
             f"depth / measured depth = {depth:.3g} / {measured:.3g} mm = {depth / measured:.3g}"
         )
         doubts.append(f"{reason} > 1: the force is not measured there")
-    radius, least = reports.smallest_radius(scene.indenter), reports.LINEAR_RADIUS
+    radius, least = scene.indenter.least_radius, reports.LINEAR_RADIUS
     if radius < least:
         doubts.append(f"radius = {radius:.3g} mm < {least:g} mm: the force is not measured there")
     return doubts

@@ -12,7 +12,6 @@ from fefinger.mechanics.press.notes import apart, hard
 from fefinger.mechanics.press.time_steps import too_long
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.progress import Progress
@@ -61,7 +60,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     found += [Refusal(name, "accuracy", reason) for reason in doubts]
     if tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
         return tuple(found)
-    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
+    radius, least = scene.indenter.least_radius, reports.linear_radius(scene)
     if radius < least:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         found.append(Refusal(name, "accuracy", reason))
@@ -84,7 +83,7 @@ def unmeshable(scene: Scene) -> tuple[str, ...]:
 
     touch = meshed_at(scene.indenter)
     # That place is rounded: whether it is on the pad is asked of the one that the scene has.
-    at = getattr(scene.indenter, "at", None) if isinstance(touch, tuple) else None
+    at = scene.indenter.place if isinstance(touch, tuple) else None
     said = fault(scene.finger, touch, at)
     return (said,) if said else ()
 
@@ -107,7 +106,7 @@ def unmeasured(finger: Finger) -> list[str]:
 
 def too_small(scene: Scene) -> tuple[str, ...]:
     """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+    if scene.indenter.hertzian is None:
         return ()
     facet = reports.FACETS[scene.finger.mesh]
     facets = hertz.widest(scene) / facet

@@ -10,7 +10,6 @@ from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import beyond
@@ -58,7 +57,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
     unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
     unable += [*yielding(scene.finger), *apart(scene.finger)]
     unable += [*too_long(scene.motion, fast=False, most=MOST)]
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+    if scene.indenter.hertzian is None:
         unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
     if unable:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
@@ -77,7 +76,7 @@ def error(scene: Scene) -> tuple[float, str]:
     Not a number where no press has identified the law of the scene's finger under its plate.
     """
     found = law(scene)
-    if found.doubt or not isinstance(scene.indenter, Flat):
+    if found.doubt or scene.indenter.flat is None:
         return float("nan"), "not known: no press like it was measured"
     said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
     return found.error + NUMERICAL, said
@@ -130,13 +129,13 @@ def _beyond(scene: Scene) -> list[str]:
 
 def _doubts(scene: Scene) -> list[str]:
     """Return in which way the scene differs from what was measured, with the numbers."""
-    indenter, found = scene.indenter, law(scene)
+    flat, found = scene.indenter.flat, law(scene)
     doubts = [found.doubt] if found.doubt else []
-    if not isinstance(indenter, Flat):
-        doubts.append(f"indenter = {indenter.kind}: it was measured with a flat plate")
-    elif found.printed and not (ANGLES[0] <= indenter.angle <= ANGLES[1] and not indenter.tilt):
+    if flat is None:
+        doubts.append(f"indenter = {scene.indenter.kind}: it was measured with a flat plate")
+    elif found.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
         doubts.append(
-            f"indenter.angle, tilt = {indenter.angle:g}, {indenter.tilt:g} degrees: it was "
+            f"indenter.angle, tilt = {flat.angle:g}, {flat.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
     return doubts + (_too_hard(scene, found) if found.printed else [])

@@ -46,7 +46,7 @@ def refuse(scene: Scene) -> tuple[Refusal, ...]:
         return tuple(Refusal(name, "ability", reason) for reason in unable)
     doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))
     measured = tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None
-    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
+    radius, least = scene.indenter.least_radius, reports.linear_radius(scene)
     if radius < least and not measured:
         reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
         doubts = (reason, *doubts)

@@ -35,7 +35,6 @@ from fefinger.mechanics.evidence import reports, tradeoff
 from fefinger.mechanics.evidence.lumped_law import between
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
 
 
 Array = NDArray[np.float64]
@@ -80,13 +79,13 @@ def springs(name: str) -> tuple[float, float]:
         return own.b, own.m
     plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
     rows = [
-        {"angle": plate.angle, "b": identified(each).b, "m": identified(each).m}
+        {"angle": plate.flat.angle, "b": identified(each).b, "m": identified(each).m}
         for each, plate in plates.items()
-        if isinstance(plate, Flat)
+        if plate.flat is not None
     ]
-    plate = scenes.PRESSES[name].indenter
-    assert isinstance(plate, Flat)
-    found = between(rows, plate.angle)
+    flat = scenes.PRESSES[name].indenter.flat
+    assert flat is not None
+    found = between(rows, flat.angle)
     assert found is not None
     return found
 
@@ -136,10 +135,10 @@ def _short(values: Array) -> list[float]:
 def row(name: str) -> dict[str, Any]:
     """Return what the rules hold of one press."""
     true, made = converged(name), scenes.PRESSES[name]
-    kind = {"angle": getattr(made.indenter, "angle", None)}
+    flat = made.indenter.flat
     return {
-        **kind,
-        "radius": getattr(made.indenter, "radius", None),
+        "angle": None if flat is None else flat.angle,
+        "radius": made.indenter.ball_radius,
         "width_mm": scenes.finger(name).width,
         "thickness_mm": scenes.finger(name).thickness,
         "pad_radius_mm": scenes.finger(name).pad_radius,

@@ -14,7 +14,6 @@ from fefinger.mechanics.evidence import reached_depth, reports, tradeoff
 from fefinger.mechanics.evidence.reached_depth import REPORT
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
 from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
 from fefinger.theory.lumped.spring import Spring
@@ -54,8 +53,9 @@ def law(scene: Scene) -> Law:
     rows = [row for row in reports.read(REPORT)["rows"] if _same(scene.finger, row)]
     if not rows:
         return _table(scene, doubt=_strange(scene.finger))
-    if isinstance(scene.indenter, Flat) and not scene.indenter.tilt:
-        found = between(rows, scene.indenter.angle)
+    flat = scene.indenter.flat
+    if flat is not None and not flat.tilt:
+        found = between(rows, flat.angle)
         if found is not None:
             return _own(scene, rows, *found)
     angles = sorted(row["angle"] for row in rows)
@@ -111,15 +111,15 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
 
 def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    indenter, angle, unknown = scene.indenter, reached_depth.read()["angle"], float("nan")
-    if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != angle:
+    angle, unknown = reached_depth.read()["angle"], float("nan")
+    if scene.indenter.flat != (angle, 0.0):
         return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
     depth = scene.finger.thickness * reached_depth.part(scene, row, row["force_N"])
     if depth > row["depth_mm"][-1]:
         return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
     error = float(np.interp(depth, row["depth_mm"], row["error"]))
     shares = tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
-    error *= 1 + tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
+    error *= 1 + tradeoff.moving(shares, (f"flat-{angle:g}",))
     more = float(row["relaxing"]) if scene.finger.prony.v else 0.0
     source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
     return error + more, f"{source}, and {percent(more)} for what relaxation adds"

@@ -9,7 +9,6 @@ import numpy as np
 
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
 from fefinger.scene.scene import Scene
 from fefinger.support.package_data import report
 
@@ -44,7 +43,7 @@ def part(scene: Scene, row: Mapping[str, Any], force: Sequence[float]) -> float:
     thickness, wanted = scene.finger.thickness, scene.motion.peak
     if scene.motion.control == "depth":
         return wanted / thickness
-    own = calibrated(scene.finger) if isinstance(scene.indenter, Flat) else None
+    own = calibrated(scene.finger) if scene.indenter.flat is not None else None
     if own is not None:
         return _extended(wanted, own["force_N"], own["depth_mm"]) / thickness
     stiffer = scene.finger.subcutaneous.modulus / row["subcutaneous_kPa"]

@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence import reached_depth
 from fefinger.mechanics.evidence.machine import slowness
@@ -14,16 +13,7 @@ from fefinger.mechanics.press.discretization import meshed_at, symmetric
 from fefinger.mechanics.press.operator_cache import at_hand
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.scene.finger import RESOLUTIONS
-from fefinger.scene.indenter import (
-    Bar,
-    Cylinder,
-    Ellipsoid,
-    Flat,
-    Grating,
-    Indenter,
-    Relief,
-    Sphere,
-)
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
@@ -129,7 +119,8 @@ def condensed_seconds(scene: Scene) -> float:
     """
     whole = _spent(condensed()[scene.finger.mesh], scene, 1.0 if symmetric(scene) else 2.0)
     whole = whole * slowness(read(CONDENSED_REPORT)) + once("condensed", scene)
-    steep = isinstance(scene.indenter, Flat | Grating | Relief) and scene.indenter.angle > STEEPEST
+    plate = scene.indenter.plate
+    steep = plate is not None and plate.angle > STEEPEST
     return whole + linear_seconds(scene) if steep else whole
 
 
@@ -194,20 +185,18 @@ def linear_mesh_error(scene: Scene) -> tuple[float, str]:
 
 def linear_radius(scene: Scene) -> float:
     """Return the smallest radius in mm for which the mesh error of `linear` is measured."""
-    sharp = isinstance(scene.indenter, Bar | Grating | Relief)
-    return LINEAR_EDGE if sharp else LINEAR_RADIUS
+    return LINEAR_EDGE if scene.indenter.sharp else LINEAR_RADIUS
 
 
 def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
     """Return which of the measured presses is next to that of an indenter."""
-    if isinstance(indenter, Flat):
+    flat = indenter.flat
+    if flat is not None:
         angles = {press: float(press[5:]) for press in presses if press.startswith("flat-")}
-        return min(angles, key=lambda press: abs(angles[press] - indenter.angle))
-    if isinstance(indenter, Bar):
-        return "edge"
-    if isinstance(indenter, Grating | Relief):
-        return "grating"
-    return "sphere-5" if smallest_radius(indenter) >= 5 else "sphere-2"
+        return min(angles, key=lambda press: abs(angles[press] - flat.angle))
+    if indenter.sharp:
+        return "edge" if indenter.plate is None else "grating"
+    return "sphere-5" if indenter.least_radius >= 5 else "sphere-2"
 
 
 def layered() -> dict[str, Any]:
@@ -242,41 +231,9 @@ def layered_depth(indenter: Indenter) -> float:
 
 def layered_press(indenter: Indenter) -> str:
     """Return the measured press whose object is next blunter, because the error grows with it."""
-    radius = smallest_radius(indenter)
-    if isinstance(indenter, Ellipsoid):
-        a, b, c = indenter.radii
-        radius = max(a, b) ** 2 / c
+    radius = max(indenter.hertzian or (indenter.least_radius,))
     blunter = [press for press, measured in LAYERED_PRESSES.items() if measured >= radius]
     return min(blunter, key=LAYERED_PRESSES.__getitem__)
-
-
-def smallest_radius(indenter: Indenter) -> float:
-    """Return the smallest radius of curvature in mm of what the pad meets of an indenter.
-
-    That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
-    """
-    if isinstance(indenter, Sphere | Cylinder):
-        return indenter.radius
-    if isinstance(indenter, Ellipsoid):
-        a, b, c = indenter.radii
-        return min(a, b) ** 2 / c
-    if isinstance(indenter, Bar):
-        return indenter.corner
-    if isinstance(indenter, Grating | Relief):
-        _, _, curvature = indenter.profile.height(_crests(indenter))
-        return float(1 / max(np.linalg.eigvalsh(curvature).max(), 1e-12))
-    return float("inf")
-
-
-def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
-    """Return places (n, 2) mm that are close enough to find the sharpest crest within 1 %."""
-    if isinstance(indenter, Grating):
-        return np.column_stack([np.linspace(0, indenter.period, 401), np.zeros(401)])
-    fine = (
-        np.interp(np.arange(0, len(x) - 1, 0.2), np.arange(len(x)), x)
-        for x in (indenter.x, indenter.y)
-    )
-    return np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def solid() -> dict[str, Any]:
@@ -291,9 +248,9 @@ def solid_press(scene: Scene) -> str:
 
     Small strain errs more under a blunter object; an edge or ridge is none of these.
     """
-    if isinstance(scene.indenter, Bar | Grating | Relief):
+    if scene.indenter.sharp:
         return "flat-30"
-    radius = smallest_radius(scene.indenter)
+    radius = scene.indenter.least_radius
     for press in sorted(solid(), key=LAYERED_PRESSES.__getitem__):
         if LAYERED_PRESSES[press] >= radius and _part(scene, press) <= solid_reach(press):
             return press

@@ -198,21 +198,23 @@ def where(scene: Scene) -> Place | None:
     """Return the place of a scene, None where no press is like it."""
     if _other(scene.indenter):
         return None
-    known = "angle" if isinstance(scene.indenter, Flat) else "radius"
-    value = getattr(scene.indenter, known)
-    values = [row[known] for row in rules()["presses"].values() if row[known] is not None]
-    beyond = value > max(values) and known == "angle"
-    if value < min(values) or beyond:
-        return None
-    return place(value, None) if known == "angle" else place(None, value)
+    flat, radius = scene.indenter.flat, scene.indenter.ball_radius
+    presses = rules()["presses"].values()
+    if flat is not None:
+        angles = [row["angle"] for row in presses if row["angle"] is not None]
+        return place(flat.angle, None) if min(angles) <= flat.angle <= max(angles) else None
+    assert radius is not None
+    smallest = min(row["radius"] for row in presses if row["radius"] is not None)
+    return place(None, radius) if radius >= smallest else None
 
 
 def _other(indenter: Indenter) -> str:
     """Return in which way an object is none that was pressed; empty if it is a plate or ball."""
-    if isinstance(indenter, Flat):
-        return f"indenter.tilt = {indenter.tilt:g} degrees" if indenter.tilt else ""
-    if isinstance(indenter, Sphere):
-        away = float(np.hypot(*(indenter.at or (0.0, 0.0))))
+    if indenter.flat is not None:
+        tilt = indenter.flat.tilt
+        return f"indenter.tilt = {tilt:g} degrees" if tilt else ""
+    if indenter.ball_radius is not None:
+        away = float(np.hypot(*(indenter.place or (0.0, 0.0))))
         said = f"a ball {away:.2g} mm away from the middle of the pad"
         return said if away > NEAR else ""
     return f"indenter.kind = {indenter.kind!r}"
@@ -224,9 +226,9 @@ def unlike(scene: Scene) -> str:
     if said:
         return said
     if where(scene) is None:
-        flat = isinstance(scene.indenter, Flat)
-        value = getattr(scene.indenter, "angle" if flat else "radius")
-        return f"a plate at {value:g} degrees" if flat else f"a ball of {value:g} mm"
+        flat = scene.indenter.flat
+        plate = f"a plate at {flat.angle:g} degrees" if flat is not None else ""
+        return plate or f"a ball of {scene.indenter.ball_radius:g} mm"
     if not like(scene.finger):
         surface = scene.finger.surface is not None
         return f"a finger {'from a surface' if surface else 'of other tissue, bone or nail'}"
@@ -349,7 +351,8 @@ def _least(candidate: str, scene: Scene) -> Stated | None:
     Nothing that is known less of has a smaller error, and no smaller margins.
     """
     nearest = _nearest(scene.indenter)
-    indenter = nearest if isinstance(nearest, Flat | Sphere) else Flat(30)
+    pressed = nearest.flat is not None or nearest.ball_radius is not None
+    indenter = nearest if pressed else Flat(30)
     own = replace(scene, finger=Finger.subject(PRESSED), indenter=indenter)
     at = where(own)
     if at is None:
@@ -376,10 +379,10 @@ def _deep(scene: Scene) -> tuple[float, float]:
 def _nearest(indenter: Indenter) -> Indenter:
     """Return the plate or ball next to one that was not pressed; another object as it is."""
     presses = rules()["presses"].values()
-    if isinstance(indenter, Flat):
-        return Flat(min(indenter.angle, max(row["angle"] or 0.0 for row in presses)))
-    if isinstance(indenter, Sphere):
-        return Sphere(max(indenter.radius, min(row["radius"] or np.inf for row in presses)))
+    if indenter.flat is not None:
+        return Flat(min(indenter.flat.angle, max(row["angle"] or 0.0 for row in presses)))
+    if indenter.ball_radius is not None:
+        return Sphere(max(indenter.ball_radius, min(row["radius"] or np.inf for row in presses)))
     return indenter
 
 

@@ -15,7 +15,7 @@ from fefinger.mechanics.press.skin import spherical
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Pad, Response, Sites
-from fefinger.scene.indenter import STANDARD, Flat, direction
+from fefinger.scene.indenter import STANDARD, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
@@ -62,9 +62,9 @@ def touch(scene: Scene) -> Touch | None:
     """Return the first touch on the spherical pad, or None if the place is not on it."""
     upright = direction(STANDARD)
     center = scene.finger.pad_radius * upright
-    at = getattr(scene.indenter, "at", None)
-    if isinstance(scene.indenter, Flat):
-        axis = direction(scene.indenter)
+    at, flat = scene.indenter.place, scene.indenter.flat
+    if flat is not None:
+        axis = direction(flat)
     elif at is None:
         axis = upright
     else:
@@ -138,7 +138,7 @@ def _touched(scene: Scene) -> Touch:
     if first is None:
         msg = (
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
-            f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
+            f"under the 30 degree plate, received {scene.indenter.place}"
         )
         raise InputError(msg)
     return first

@@ -2,7 +2,7 @@
 
 from fefinger.results.records import Refusal
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, direction
+from fefinger.scene.indenter import Plate, direction
 from fefinger.scene.scene import Scene
 
 
@@ -19,12 +19,12 @@ coarse meshes of d.p. at 1.05 to 1.15, `solid` at 0.97 to 0.99, on the tissue ca
 
 def reached(name: str, scene: Scene) -> tuple[Refusal, ...]:
     """Return the refusal of a mechanics by name, if the plate goes too deep for the finger."""
-    indenter, motion, finger = scene.indenter, scene.motion, scene.finger
-    if not isinstance(indenter, Flat) or indenter.angle > ALONG:
+    flat, motion, finger = scene.indenter.flat, scene.motion, scene.finger
+    if flat is None or flat.angle > ALONG:
         return ()
     if motion.control != "depth" or finger.surface is not None:
         return ()
-    gap = _gap(finger, indenter)
+    gap = _gap(finger, flat)
     if motion.peak <= NEAR * gap:
         return ()
     sure = motion.peak > FAR * gap
@@ -36,7 +36,7 @@ def reached(name: str, scene: Scene) -> tuple[Refusal, ...]:
     return (Refusal(name, "ability" if sure else "accuracy", reason),)
 
 
-def _gap(finger: Finger, plate: Flat) -> float:
+def _gap(finger: Finger, plate: Plate) -> float:
     from fefinger.mesh.first_touch import at_cut
     from fefinger.mesh.recipe import Recipe
 

@@ -108,12 +108,12 @@ class Condensed:
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         choice("precision", precision, ("double", "single"))
-        half = isinstance(indenter, Indenter) and indenter.mirrored
+        half = not isinstance(indenter, Rigid) and indenter.mirrored
         solid = operator.operator(finger, half=half)
-        if isinstance(indenter, Indenter):
-            touch: Rigid = placement.obstacle(indenter, solid)
+        if isinstance(indenter, Rigid):
+            touch: Rigid = indenter
         else:
-            touch = indenter
+            touch = placement.obstacle(indenter, solid)
         if sites is None:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(_scene(finger, indenter), origin, touch.axis)
@@ -337,7 +337,7 @@ def _scene(
     """Return the scene; an obstacle of one's own stands in it as a plate at 0 degrees."""
     return Scene(
         finger=finger,
-        indenter=indenter if isinstance(indenter, Indenter) else Flat(0.0),
+        indenter=Flat(0.0) if isinstance(indenter, Rigid) else indenter,
         motion=motion or Ramp(1.0, 1.0),
         ask=Ask(fields=False, spikes=tuple(dict.fromkeys(types))),
     )
