@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from fefinger.results.records import ResultRecord
-from fefinger.scene.finger import own
+from fefinger.scene.finger import origin_notes
 from fefinger.scene.inertia import jump, quasistatic
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
@@ -54,10 +54,10 @@ class Result(ResultRecord):
         is of another one, and on motions that are too fast for statics. Strain that was computed
         for the spikes alone is left out.
         """
-        notes = own(scene.finger) + jump(scene.motion)
+        notes = origin_notes(scene.finger) + jump(scene.motion)
         notes += quasistatic(scene, response.time, response.depth)
         strain = response.strain if scene.ask.strain else None
-        fired = f" Spikes: {spikes.told()}." if spikes is not None else ""
+        fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
         return cls(
             scene=scene,
             plan=plan,
@@ -91,7 +91,7 @@ class Result(ResultRecord):
         from fefinger.support import atomic_write
 
         target = output_folder(folder)
-        with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
+        with atomic_write.as_input_error(target), atomic_write.scratch_folder(target) as scratch:
             new = {name: Path(scratch, name) for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
             if self.fields is not None:

@@ -12,11 +12,11 @@ from fefinger.mechanics import get
 from fefinger.mechanics.press import population
 from fefinger.mechanics.press.sites import folded, unfolded
 from fefinger.mechanics.press.skin import meshed, spherical
-from fefinger.neural.endorgans import TYPES
 from fefinger.pages import report
 from fefinger.scene import builtin, library
 from fefinger.scene.indenter import STANDARD, direction
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 AXIS = direction(STANDARD)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
 from fefinger.neural.membranes import LARGEST_STEP, Membrane
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
@@ -157,5 +157,7 @@ def displacements(
     x_in = np.empty(strain.shape[:2])
     for kind, length in lengths.items():
         of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
+        x_in[:, of_kind] = length * DRIVE_BY_NAME[chosen[kind]](
+            strain[:, of_kind], normals[of_kind]
+        )
     return x_in

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import DRIVES, TYPES
 
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Reference:
             msg = f"reference.types: expected every type that is asked, {kind} is missing"
             raise InputError(msg)
         i = self.types.index(kind)
-        value = float(DRIVES[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])
+        value = float(DRIVE_BY_NAME[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])
         norm = float(np.linalg.norm(self.strain[i]))
         if not value > SMALLEST_DRIVE * norm:
             msg = (

@@ -9,10 +9,10 @@ import pytest
 
 from fefinger.neural.afferents import from_strain, simulate
 from fefinger.neural.checked_signals import count_changes
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.reference import Reference
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 FLAT = np.diag([0.04, 0.05, -0.1])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from fefinger.neural.afferents import displacements
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 TIME = np.arange(801) * 1e-3

@@ -8,15 +8,16 @@ import pytest
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
-from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero
+from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
 from fefinger.neural.reference import Reference
-from fefinger.neural.units import RULES, simulate_units
+from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import RULES, TYPES
 
 
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
