@@ -18,6 +18,7 @@ from fefinger.mechanics.press import (
     constitutive,
     materials,
     placement,
+    problem,
     small_strain,
     time_steps,
 )
@@ -105,7 +106,7 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
     asked = scene(indenter=ff.Flat(30, tilt), ask=ff.Ask(fields=False, strain=False))
     found = []
     for reach in (1.1, 2.0):
-        monkeypatch.setattr(small_strain, "REACH", reach)
+        monkeypatch.setattr(problem, "REACH", reach)
         found.append(linear.respond(asked))
     near, far = found
     assert near.numbers["candidates"] < far.numbers["candidates"]
