@@ -71,6 +71,7 @@ def calibrate(
 
 def _tell(found: list["Calibration"], files: list[str], *, as_json: bool) -> None:
     from fefinger.calibration import jobs
+    from fefinger.results.candidate import MECHANICS
 
     if as_json:
         records = [each.record() for each in found]
@@ -78,5 +79,5 @@ def _tell(found: list["Calibration"], files: list[str], *, as_json: bool) -> Non
         return
     texts = [jobs.summary(each) for each in found]
     click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
-    if any(each.mechanics != "solid" for each in found):
+    if not all(MECHANICS[each.mechanics].finite for each in found):
         click.echo("no tissue.toml: t(u) stiffens the force, not a tissue; --mechanics solid")

@@ -14,7 +14,8 @@ from fefinger.mechanics.press.sites import REFERENCE_DEPTH, organs, sites
 from fefinger.mechanics.press.skin import spherical
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Reference, Response, Sites
-from fefinger.scene.indenter import STANDARD, Flat, direction
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Flat, Indenter, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
@@ -57,21 +58,21 @@ class Touch:
     axis: Array
 
 
-def touch(scene: Scene) -> Touch | None:
+def touch(finger: Finger, indenter: Indenter) -> Touch | None:
     """Return the first touch on the spherical pad, or None if the place is not on it."""
     upright = direction(STANDARD)
-    center = scene.finger.pad_radius * upright
-    at = getattr(scene.indenter, "at", None)
-    if isinstance(scene.indenter, Flat):
-        axis = direction(scene.indenter)
+    center = finger.pad_radius * upright
+    at = getattr(indenter, "at", None)
+    if isinstance(indenter, Flat):
+        axis = direction(indenter)
     elif at is None:
         axis = upright
     else:
-        across = (center[:2] - np.asarray(at)) / scene.finger.pad_radius
+        across = (center[:2] - np.asarray(at)) / finger.pad_radius
         if across @ across >= 1:
             return None
         axis = np.append(across, np.sqrt(1 - across @ across))
-    return Touch(center - scene.finger.pad_radius * axis, axis)
+    return Touch(center - finger.pad_radius * axis, axis)
 
 
 def press(
@@ -133,7 +134,7 @@ def press(
 
 def _touched(scene: Scene) -> Touch:
     """Return the first touch, or raise InputError for a place that is not on the pad."""
-    first = touch(scene)
+    first = touch(scene.finger, scene.indenter)
     if first is None:
         msg = (
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
