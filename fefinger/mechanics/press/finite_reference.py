@@ -3,7 +3,7 @@
 import numpy as np
 
 from fefinger.fem.body import Body
-from fefinger.fem.contact.deformed_gap import sliding
+from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
@@ -32,7 +32,7 @@ def reference(scene: Scene, finger: Body, elements: Continuum) -> Reference:
     """
     touch = placement.obstacle(STANDARD, finger)
     reach = 2 * problem.REACH * REFERENCE_DEPTH
-    contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
+    contact = contact_surface(finger.space, finger.pad, finger.normals, touch, reach)
     equilibrium = Equilibrium(elements, contact, finger.system)
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)

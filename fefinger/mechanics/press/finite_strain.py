@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Body
-from fefinger.fem.contact.contact_area import Surface
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.contact_area import CandidateSurface
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.probe import gradient_at_vertices
@@ -131,7 +131,7 @@ class _Passage:
     components; moment (n, 3) mN mm of the meshed part; strain (n, n_sites, 3, 3).
     """
 
-    contact: Sliding
+    contact: ContactSurface
     sites: Sites | None
     depth: Array
     pressure: Array
@@ -153,7 +153,7 @@ class _Rim(Exception):
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, finger: Body, contact: Sliding, probe: Any, frames: set[int]) -> None:
+    def __init__(self, finger: Body, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = finger.space.node_points
         on = contact.on
@@ -208,7 +208,7 @@ def _passage(
         deepest = problem.FORCE_DEPTH * scene.finger.thickness
     reach = SPREAD * problem.REACH * deepest
     for _ in range(problem.ATTEMPTS):
-        contact = sliding(finger.space, finger.pad, finger.normals, touch, reach)
+        contact = contact_surface(finger.space, finger.pad, finger.normals, touch, reach)
         limits.check_under(scene, len(contact))
         passage = _followed(scene, finger, elements, contact, found, steps, stages, allowance)
         pressed = np.asarray((passage.pressure > 0).any(axis=0))
@@ -224,7 +224,7 @@ def _followed(
     scene: Scene,
     finger: Body,
     elements: Continuum,
-    contact: Sliding,
+    contact: ContactSurface,
     sites: Sites | None,
     steps: Stride,
     stages: Stages,
@@ -323,7 +323,7 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
     on_pad = ("contact_area", "centroid", "pad", "pressure", "gap", "moment")
     if not scene.ask.pressure:
         return answer | dict.fromkeys(on_pad)
-    seen = passage.contact.seen
+    seen = passage.contact.neighborhood
     pad, column = response.whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
     pressure = response.on_seen(pressure, seen)[:, column]
     return answer | {
@@ -338,12 +338,18 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
 
 def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
-    touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
+    touch, seen, sign = (
+        passage.contact.obstacle,
+        passage.contact.neighborhood,
+        np.ones((len(column), 3)),
+    )
     sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
     pressed = response.on_seen(passage.pressure, seen)[:, column] > 0
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
-        surface = Surface(pad.points + sign * moved[column], pad.triangles, touch.axis, touch)
+        surface = CandidateSurface(
+            pad.points + sign * moved[column], pad.triangles, touch.axis, touch
+        )
         areas[step] = surface.area(pressed[step][None], passage.gap[step][column][None])[0]
     return areas
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Body, Solid
-from fefinger.fem.contact.contact_area import Surface as Touched
-from fefinger.fem.contact.patch import Seen
+from fefinger.fem.contact.contact_area import CandidateSurface
+from fefinger.fem.contact.patch import Neighborhood
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.notes import normalized, relaxing
@@ -77,7 +77,7 @@ def answer(
 ) -> dict[str, Any]:
     """Return the fields of a Response that the solved contact gives."""
     history, on_pad = contact.history, contact.reduced.patch
-    seen = on_pad.seen
+    seen = on_pad.neighborhood
     pad, column = whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
     pressure = on_seen(history.pressure, seen)[:, column]
     sides = 2 if finger.half else 1
@@ -91,7 +91,7 @@ def answer(
     approach = history.elastic @ contact.reduced.approach.T
     gap = on_pad.clearance(history.depth, approach)[:, column]
     penetration = inside(gap)
-    surface = Touched(pad.points, pad.triangles, contact.touch.axis, contact.touch)
+    surface = CandidateSurface(pad.points, pad.triangles, contact.touch.axis, contact.touch)
     return {
         "time": contact.time,
         "depth": history.depth,
@@ -116,7 +116,7 @@ def answer(
     }
 
 
-def on_seen(pressure: Array, seen: Seen) -> Array:
+def on_seen(pressure: Array, seen: Neighborhood) -> Array:
     """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
     return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
 
