@@ -1,10 +1,10 @@
-"""A finite-element fingertip, from a touch to the spikes of its nerve fibers.
+"""A finite-element fingertip: force, pressure, strain and nerve spikes of a touch.
 
     import fefinger as ff
     scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.RampHold(60, 1.5, hold=5))
     result = ff.run(scene)
 
-Names are imported when they are used, so that importing the package costs nothing.
+Public names are imported at first use, so that importing the package is cheap.
 """
 
 import importlib
@@ -92,6 +92,7 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:
+    """Import a public name at its first use."""
     if name not in _HOME:
         msg = f"module 'fefinger' has no attribute {name!r}"
         raise AttributeError(msg)
@@ -99,5 +100,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    own = [name for name in globals() if name.startswith("__")]
-    return sorted([*own, *__all__])
+    """List the public names and the attributes of every module."""
+    attributes = [name for name in globals() if name.startswith("__")]
+    return sorted([*attributes, *__all__])

@@ -1,6 +1,6 @@
-"""The entry point: `fefinger ...` and `python -m fefinger ...`.
+"""Entry point of the command line: `fefinger ...` and `python -m fefinger ...`.
 
-Nothing is imported before signals are blocked: Ctrl-C would end an import with a traceback.
+The commands are imported after signals are blocked: Ctrl-C would end an import with a traceback.
 """
 
 import sys
@@ -9,7 +9,7 @@ from fefinger.support.interrupt import interruptible
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line and return its exit status; without arguments, for the process."""
+    """Run the command line and return its exit status; by default with the process's arguments."""
     if arguments is None:
         return interruptible(lambda: main(sys.argv[1:]))
     from fefinger.commands.cli import run

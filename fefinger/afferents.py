@@ -1,7 +1,7 @@
-"""Afferent units under a pad, with the published anatomy: the sites that a mechanics is asked for.
+"""From the strain at the end organs to spikes, and whether their counts depend on the mesh.
 
-`layout.py` is what a scene says of them, `neural/populations.py` places them on a skin; here the
-two meet the library's numbers.
+`scene/population.py` describes a population, `mechanics/press/population.py` places it under the
+skin, `neural/units.py` makes units of end organs fire; this module puts the published anatomy in.
 """
 
 from collections.abc import Sequence
@@ -17,27 +17,22 @@ from fefinger.support.checks import InputError, choice, number
 
 
 if TYPE_CHECKING:
+    from fefinger.mechanics import Mechanics
+    from fefinger.neural.reference import Reference
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.results.records import Response
+    from fefinger.results.records import Response, Sites
     from fefinger.scene.ask import Ask
+    from fefinger.scene.scene import Scene
 
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def delays(types: Sequence[str], distance: float) -> Array:
-    """Return the conduction delay in s of units of these types over `distance` mm of nerve."""
-    distance = number("distance", distance, at_least=0.0, unit="mm")
-    known = library.innervation()
-    return np.array([1e-3 * distance / known[choice("types", t, known)].velocity for t in types])
+def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
+    """Spikes of the population that `ask` describes, or of one unit of each of its types.
 
-
-def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
-    """Return the spikes of a population from the strain of a response at its end organs.
-
-    Further options as in `neural.units.simulate_units`. A unit is where its end organs are in the
-    mean.
+    Further options as in `neural.units.simulate_units`.
 
     Raises
     ------
@@ -46,57 +41,97 @@ def fire(response: "Response", ask: "Ask", **options: Any) -> "SpikeTrains":
     """
     from fefinger.neural.afferents import displacements
     from fefinger.neural.units import simulate_units
+
+    strain, sites, reference = _strain_at_sites(ask, response)
+    x_in = displacements(strain, sites.normals, sites.types, reference, drives=ask.drives)
+    units: dict[str, Any] = {
+        "types": sites.types,
+        "unit": np.arange(len(sites.types)),
+        "positions": sites.points,
+        "depths": sites.depths,
+    }
+    notes: tuple[str, ...] = ()
+    if ask.population is not None:
+        units, notes = _population(ask.population, ask.spikes, sites)
+    trains = simulate_units(response.time, x_in, generator=ask.generator, **units, **options)
+    return replace(trains, notes=notes + trains.notes)
+
+
+def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene") -> "SpikeTrains":
+    """Add notes on whether the spike counts are the same on the next coarser mesh.
+
+    There are none where the mechanics has no mesh, or no coarser one is at hand.
+    """
+    coarser = mechanics.coarser(scene)
+    if coarser is None:
+        return spikes
+    lean = replace(coarser, ask=replace(coarser.ask, fields=False, pressure=False))
+    mesh = f"the mesh is {coarser.finger.mesh}"
+    try:
+        notes = _count_changes(spikes, fire(lean.ask, mechanics.respond(lean)), mesh)
+    except Exception as error:  # Whatever it is, the answer itself is finished.
+        notes = (f"Spike counts could not be checked when {mesh}: {error}",)
+    return replace(spikes, notes=spikes.notes + notes)
+
+
+def delays(types: Sequence[str], distance: float) -> Array:
+    """Conduction delay (n,) in s of units of these types over `distance` mm of nerve."""
+    distance = number("distance", distance, at_least=0.0, unit="mm")
+    rows = library.innervation()
+    return np.array([1e-3 * distance / rows[choice("types", t, rows)].velocity for t in types])
+
+
+def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, Reference]":
+    """Strain, end organs and reference press of a response; InputError where it lacks them."""
+    strain, sites, reference = response.strain, response.sites, response.reference
+    field = "ask.spikes" if ask.population is None else "ask.population"
+    if strain is None or sites is None or reference is None:
+        msg = f"{field}: {response.mechanics!r} gives no strain under the skin to make spikes from"
+        raise InputError(msg)
+    if ask.population is not None and sites.unit is None:
+        msg = f"{field}: {response.mechanics!r} has no end organs of a population"
+        raise InputError(msg)
+    return strain, sites, reference
+
+
+def _population(
+    layout: Layout, kinds: Sequence[str], sites: "Sites"
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Options of `simulate_units` for the units of a population, and notes on places left out.
+
+    A unit is where its end organs are in the mean.
+    """
     from fefinger.neural.variation import Variation
 
-    reference, found, layout = response.reference, response.sites, ask.population
-    if response.strain is None or found is None or reference is None:
-        msg = f"ask.population: {response.mechanics!r} gives no strain under the skin to fire from"
-        raise InputError(msg)
-    if layout is None or found.unit is None:
-        msg = f"ask.population: {response.mechanics!r} has no end organs of a population"
-        raise InputError(msg)
-    x_in = displacements(
-        response.strain,
-        found.normals,
-        found.types,
-        reference_depth=reference.depth,
-        reference_types=reference.types,
-        reference_strain=reference.strain,
-        reference_normals=reference.normals,
-        drives=ask.drives,
-    )
-    count = np.bincount(found.unit)
-    first = np.searchsorted(found.unit, np.arange(len(count)))
-    types = tuple(found.types[i] for i in first)
-    numbers = np.arange(len(types)) if found.number is None else found.number[first]
-    drawn = Variation(
+    assert sites.unit is not None
+    count = np.bincount(sites.unit)
+    first = np.searchsorted(sites.unit, np.arange(len(count)))
+    types = tuple(sites.types[i] for i in first)
+    numbers = np.arange(len(types)) if sites.number is None else sites.number[first]
+    variation = Variation(
         seed=layout.seed,
         spread=layout.spread,
         noise=layout.noise,
         numbers=tuple(numbers.tolist()),
     )
-    names, notes = _told(layout, ask.spikes, types, numbers)
-    trains = simulate_units(
-        response.time,
-        x_in,
-        types=types,
-        unit=found.unit,
-        rule=layout.rule,
-        delays=delays(types, layout.distance),
-        variation=drawn if layout.random else None,
-        generator=ask.generator,
-        names=names,
-        positions=np.add.reduceat(found.points, first) / count[:, None],
-        depths=found.depths[first],
-        **options,
-    )
-    return replace(trains, notes=notes + trains.notes)
+    names, notes = _grid_names(layout, kinds, types, numbers)
+    units = {
+        "types": types,
+        "unit": sites.unit,
+        "rule": layout.rule,
+        "delays": delays(types, layout.distance),
+        "variation": variation if layout.random else None,
+        "names": names,
+        "positions": np.add.reduceat(sites.points, first) / count[:, None],
+        "depths": sites.depths[first],
+    }
+    return units, notes
 
 
-def _told(
-    layout: Layout, asked: Sequence[str], types: tuple[str, ...], numbers: Integers
+def _grid_names(
+    layout: Layout, kinds: Sequence[str], types: tuple[str, ...], numbers: Integers
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """Return the names of units, where they have their own, and a note on places left out.
+    """Names of the units of a grid, and a note on places beside the skin; None: default names.
 
     The units of a grid are named after the places of the whole grid, so that a name is the same
     unit on every mesh, whichever places lie beside its skin.
@@ -105,13 +140,35 @@ def _told(
         return None, ()
     from fefinger.neural.populations import squares
 
-    places = numbers // len(asked)
+    places = numbers // len(kinds)
     names = tuple(f"{kind}-{place + 1}" for kind, place in zip(types, places, strict=True))
-    total, kept = len(squares(layout.spacing, layout.radius)), len(np.unique(places))
-    if kept == total:
+    total, on_skin = len(squares(layout.spacing, layout.radius)), len(np.unique(places))
+    if on_skin == total:
         return names, ()
     note = (
-        f"ask.population: {total - kept} of the {total} places of the grid lie beside the skin of "
-        "the pad and have no units."
+        f"ask.population: {total - on_skin} of the {total} places of the grid lie beside the skin "
+        "of the pad and have no units."
     )
     return names, (note,)
+
+
+def _count_changes(spikes: "SpikeTrains", coarser: "SpikeTrains", mesh: str) -> tuple[str, ...]:
+    """Compare the units, by name, that both have, in notes; a coarser skin may end elsewhere."""
+    from fefinger.neural.checked_signals import count_changes
+
+    shared = set(coarser.names)
+    names = [name for name in spikes.names if name in shared]
+    fine, coarse = (
+        [trains.times[trains.index(name)] for name in names] for trains in (spikes, coarser)
+    )
+    changes = count_changes(names, fine, coarse, mesh)
+    if names and not changes:
+        changes = (f"All spike counts are the same when {mesh}.",)
+    alone = len(spikes.names) - len(names)
+    if not alone:
+        return changes
+    left_out = (
+        f"Not compared: {alone} of {len(spikes)} units, whose places lie beside the skin when "
+        f"{mesh}."
+    )
+    return (*changes, left_out)

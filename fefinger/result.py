@@ -8,18 +8,28 @@
 Files are written into a hidden folder beside their final place and moved when all are complete.
 """
 
+import hashlib
 import os
+from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from fefinger.results.records import ResultRecord
+from fefinger.scene.finger import origin_notes
+from fefinger.scene.inertia import jump, quasistatic
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
+from fefinger.support.provenance import software
 
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from fefinger.neural.trains import SpikeTrains
+    from fefinger.results.records import Plan, Response
+    from fefinger.scene.scene import Scene
 
 
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
@@ -28,6 +38,35 @@ NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
 
 class Result(ResultRecord):
     """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
+
+    @classmethod
+    def of(
+        cls,
+        scene: "Scene",
+        plan: "Plan",
+        response: "Response",
+        spikes: "SpikeTrains | None" = None,
+        seconds: Mapping[str, float] | None = None,
+    ) -> Self:
+        """Put a result together from what the stages of a run have returned.
+
+        `seconds` are those of the stages after the mechanics. Notes are added on what of the finger
+        is of another one, and on motions that are too fast for statics. Strain that was computed
+        for the spikes alone is left out.
+        """
+        notes = origin_notes(scene.finger) + jump(scene.motion)
+        notes += quasistatic(scene, response.time, response.depth)
+        strain = response.strain if scene.ask.strain else None
+        fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
+        return cls(
+            scene=scene,
+            plan=plan,
+            response=replace(response, strain=strain, notes=response.notes + notes),
+            spikes=spikes,
+            status=f"{response.status}{fired}",
+            seconds={**response.seconds, **(seconds or {})},
+            provenance=_provenance(scene) | response.sources,
+        )
 
     def to_xarray(self) -> "xr.Dataset":
         """Return everything as a Dataset with units, as `result.nc` holds it."""
@@ -52,7 +91,7 @@ class Result(ResultRecord):
         from fefinger.support import atomic_write
 
         target = output_folder(folder)
-        with atomic_write.spoken(target), atomic_write.kept_apart(target) as scratch:
+        with atomic_write.as_input_error(target), atomic_write.scratch_folder(target) as scratch:
             new = {name: Path(scratch, name) for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
             if self.fields is not None:
@@ -83,3 +122,8 @@ def load(path: str | PathLike[str]) -> Result:
     from fefinger.results.netcdf import read
 
     return Result(**vars(read(path)))
+
+
+def _provenance(scene: "Scene") -> dict[str, Any]:
+    """Versions, commit, system and date, with the hash of the scene: to make the result again."""
+    return {**software(), "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest()}

@@ -13,10 +13,11 @@ from threadpoolctl import threadpool_limits
 from fefinger.fem.linalg import multifrontal_single
 from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.press import load_steps
+from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
 from fefinger.results.plan_text import trust
-from fefinger.results.records import Fields, Pad, Plan, Reference, Refusal, Response, Rung, Sites
+from fefinger.results.records import Fields, Pad, Plan, Refusal, Response, Rung, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat

@@ -7,16 +7,16 @@ import pytest
 
 import fefinger as ff
 from fefinger import afferents
+from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.mechanics.press import population
 from fefinger.mechanics.press.sites import folded, unfolded
 from fefinger.mechanics.press.skin import meshed, spherical
-from fefinger.neural.endorgans import TYPES
 from fefinger.pages import report
-from fefinger.pipeline import fire
 from fefinger.scene import builtin, library
 from fefinger.scene.indenter import STANDARD, direction
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 AXIS = direction(STANDARD)
@@ -75,8 +75,8 @@ def test_places_of_a_grid_beside_the_skin_are_noted():
         unit=response.sites.unit[~lost] - 2,
         number=response.sites.number[~lost],
     )
-    whole = fire(asked_grid, response)
-    fewer = fire(asked_grid, replace(response, sites=kept, strain=response.strain[:, ~lost]))
+    whole = fire(asked_grid.ask, response)
+    fewer = fire(asked_grid.ask, replace(response, sites=kept, strain=response.strain[:, ~lost]))
     assert fewer.names == whole.names[2:]
     assert not any("beside the skin" in note for note in whole.notes)
     said = "ask.population: 1 of the 13 places of the grid lie beside the skin of the pad and have"
@@ -132,8 +132,8 @@ def test_half_a_finger_and_the_whole_give_the_same_strain(halved):
 
 
 def test_the_central_unit_fires_as_the_one_under_first_touch():
-    central = fire(scene(None), get("hertz").respond(scene(None)))
-    across = fire(scene(LINE), get("hertz").respond(scene(LINE)))
+    central = fire(scene(None).ask, get("hertz").respond(scene(None)))
+    across = fire(scene(LINE).ask, get("hertz").respond(scene(LINE)))
     assert central.count().sum() > 3
     for k, kind in enumerate(("SAI", "FAI")):
         middle = across.index(f"{kind}-3")
@@ -143,7 +143,9 @@ def test_the_central_unit_fires_as_the_one_under_first_touch():
 
 def test_hertz_is_the_same_in_every_direction():
     ring = [[0.0, 2.0], [0.0, -2.0]]
-    found = fire(scene(ff.Places(places=ring)), get("hertz").respond(scene(ff.Places(places=ring))))
+    found = fire(
+        scene(ff.Places(places=ring)).ask, get("hertz").respond(scene(ff.Places(places=ring)))
+    )
     np.testing.assert_allclose(found.x_in[:, 0], found.x_in[:, 2], atol=1e-9)
     np.testing.assert_allclose(found.x_in[:, 1], found.x_in[:, 3], atol=1e-9)
 
@@ -151,8 +153,8 @@ def test_hertz_is_the_same_in_every_direction():
 def test_spread_noise_and_distance_reach_the_units():
     layout = replace(LINE, spread=0.5, noise=0.5, distance=500.0, seed=7)
     response = get("hertz").respond(scene(layout))
-    found = fire(scene(layout), response)
-    plain = fire(scene(LINE), response)
+    found = fire(scene(layout).ask, response)
+    plain = fire(scene(LINE).ask, response)
     assert found.seed == 7
     assert plain.seed is None
     assert not np.allclose(found.current.max(axis=0), plain.current.max(axis=0))
@@ -169,9 +171,9 @@ def test_delays_are_distance_over_velocity():
 
 def test_a_response_without_these_end_organs_is_refused(synthetic):
     with pytest.raises(InputError, match="'linear' has no end organs of a population"):
-        afferents.fire(synthetic.response, asked(LINE))
+        fire(asked(LINE), synthetic.response)
     with pytest.raises(InputError, match="gives no strain"):
-        afferents.fire(replace(synthetic.response, strain=None), asked(LINE))
+        fire(asked(LINE), replace(synthetic.response, strain=None))
 
 
 REFUSED = [

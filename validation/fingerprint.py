@@ -4,18 +4,19 @@
     python -m fefinger.validation.fingerprint compare FILE [--quick]
 
 A fingerprint holds every built-in scene answered by every mechanics, the planner's choice for it,
-the values of the quick validation suites, and the messages that bad input gets. Only public names
-and the command line are used, so that modules can be moved under it. Numbers are compared to
-`RELATIVE` of the largest absolute value of their array, spike times to `SPIKE_SECONDS`, texts
-exactly; each difference is printed in one line, and the exit status is then 1.
+the values of the quick validation suites, and the messages that bad input gets. Of the package it
+uses the way of a scene and the command line, so that other modules can be moved under it. Numbers
+are compared to `RELATIVE` of the largest absolute value of their array, spike times to
+`SPIKE_SECONDS`, texts exactly; each difference is printed in one line, and the exit status is then
+1.
 
 Each record works in an empty cache of its own: the planner looks at what is kept there, and an
 operator kept by older code would hide a change. Meshes are those that are shipped: another draw of
 the mesher would be another mesh. `--quick` leaves out `solid` and the suites.
 
 Compiled code rounds differently in the process that compiles it than when numba reads it from its
-cache, and what is iterated to a tolerance then ends within that tolerance, not at the same bits.
-So record and compare when everything is compiled: after a change run the command twice.
+cache, and what is iterated to a tolerance then ends within that tolerance, not at the same bits. So
+record and compare when everything is compiled: after a change run the command twice.
 """
 
 import argparse
@@ -36,7 +37,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-import fefinger as ff
+from fefinger.pipeline import run
+from fefinger.plan import choose, explain
+from fefinger.results.records import Plan
+from fefinger.scene.scene import Scene
+from fefinger.support.checks import ConvergenceError, InputError
 
 
 Array = NDArray[np.float64]
@@ -305,10 +310,10 @@ def record(*, quick: bool) -> Fingerprint:
         tables = {name: _table(name) for name in _scenes()}
         for name, table in tables.items():
             with _told(f"{name}: plan"):
-                _plan(made, name, ff.Scene.from_dict(table))
+                _plan(made, name, Scene.from_dict(table))
         for name, table in tables.items():  # measures the machine, on which a plan may depend
             with _told(f"{name}: ladder"):
-                _ladder(made, name, ff.Scene.from_dict(table))
+                _ladder(made, name, Scene.from_dict(table))
         for name, table in tables.items():
             for mechanics in MECHANICS[:-1] if quick else MECHANICS:
                 with _told(f"{name}: {mechanics}"):
@@ -376,11 +381,11 @@ def _label(*parts: str) -> str:
     return SEPARATOR.join(parts)
 
 
-def _plan(made: Fingerprint, name: str, scene: ff.Scene) -> None:
+def _plan(made: Fingerprint, name: str, scene: Scene) -> None:
     """Record what the planner chooses, with the times of the machine of the reports."""
     try:
-        plan = ff.choose(scene)
-    except ff.InputError as error:
+        plan = choose(scene)
+    except InputError as error:
         made.texts[_label(name, "plan", "refused")] = _timeless(str(error))
         return
     made.texts[_label(name, "plan", "mechanics")] = plan.mechanics
@@ -388,15 +393,15 @@ def _plan(made: Fingerprint, name: str, scene: ff.Scene) -> None:
     made.texts[_label(name, "plan", "trust")] = plan.trust
 
 
-def _settings(plan: ff.Plan) -> str:
+def _settings(plan: Plan) -> str:
     return json.dumps(None if plan.settings is None else asdict(plan.settings))
 
 
-def _ladder(made: Fingerprint, name: str, scene: ff.Scene) -> None:
+def _ladder(made: Fingerprint, name: str, scene: Scene) -> None:
     """Record the expected errors and the refusals of every mechanics on every mesh."""
     try:
-        plan = ff.explain(scene)
-    except ff.InputError as error:
+        plan = explain(scene)
+    except InputError as error:
         made.texts[_label(name, "ladder", "refused")] = _timeless(str(error))
         return
     for rung in plan.rungs:
@@ -414,8 +419,8 @@ def _answer(made: Fingerprint, name: str, table: Tables, mechanics: str) -> None
         return
     changes = {**CHANGED.get(name, {}), **ASKED[mechanics]}
     try:
-        result = ff.run(ff.Scene.from_dict(_changed(table, changes)), mechanics=mechanics)
-    except (ff.InputError, ff.ConvergenceError) as error:
+        result = run(Scene.from_dict(_changed(table, changes)), mechanics=mechanics)
+    except (InputError, ConvergenceError) as error:
         text = f"{type(error).__name__}: {error}"
         made.texts[_label(name, mechanics, "refused")] = _timeless(text)
         return
@@ -436,9 +441,9 @@ def _messages(made: Fingerprint, table: Tables, folder: Path) -> None:
     for changes in BAD_TABLES:
         label = _label("messages", "scene", json.dumps(changes))
         try:
-            ff.Scene.from_dict(_changed(table, changes))
+            Scene.from_dict(_changed(table, changes))
             made.texts[label] = "accepted"
-        except ff.InputError as error:
+        except InputError as error:
             made.texts[label] = str(error)
     for name, text in FILES.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The commands of `fefinger`, one file each; what they need is imported when they run."""
+"""The commands of `fefinger`, one file each; a command imports what it needs when it runs."""
 
 from fefinger.commands.bench import bench
 from fefinger.commands.cache import cache
@@ -19,4 +19,4 @@ COMMANDS = (
     *(run, explain, scenes, study, mesh, spikes, view, live, fit, calibrate, validate, bench),
     cache,
 )
-"""In the order of the help."""
+"""All commands, in the order of the help text."""

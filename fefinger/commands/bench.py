@@ -1,4 +1,4 @@
-"""`fefinger bench`: measure speed and accuracy."""
+"""`fefinger bench`: measure speed and accuracy against a baseline."""
 
 import click
 

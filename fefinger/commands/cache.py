@@ -1,4 +1,4 @@
-"""`fefinger cache`: see and prune what is kept to be used again."""
+"""`fefinger cache`: list and prune the cache of meshes, operators, patches and presses."""
 
 from typing import Any
 
@@ -9,25 +9,27 @@ from fefinger.commands.options import json_option
 
 
 @click.command()
-@click.option("--prune", "days", type=float, metavar="DAYS", help="Remove what was unused so long.")
+@click.option(
+    "--prune", "days", type=float, metavar="DAYS", help="Remove entries unused for so many days."
+)
 @json_option
 def cache(days: float | None, as_json: bool) -> None:
-    """See and prune what is kept to be used again.
+    """List and prune the cache.
 
-    Meshes that were built, operators of condensed fingers (a few hundred MB each), patches, one
-    for every indenter and set of end organs, and presses of a calibration (small). Beyond 10 GB
-    of operators and 2 GB of patches the least recently used go by themselves. All is made anew
-    when it is needed; `--prune 0` removes everything.
+    The cache holds meshes, operators of condensed fingers (a few hundred MB each), patches (one
+    per indenter and set of end organs) and presses of a calibration (small). Beyond 10 GB of
+    operators and 2 GB of patches the least recently used are removed automatically. Entries are
+    built again when they are needed; `--prune 0` removes everything.
     """
-    from fefinger.support import cache as kept
+    from fefinger.support import cache as store
     from fefinger.support.checks import number
 
-    removed: tuple[kept.Entry, ...] = ()
+    removed: tuple[store.Entry, ...] = ()
     if days is not None:
-        removed = kept.remove(kept.unused(number("--prune", days, at_least=0, unit="days")))
+        removed = store.remove(store.unused(number("--prune", days, at_least=0, unit="days")))
     record: dict[str, Any] = {
-        "folder": str(kept.root()),
-        "entries": [console.cache_record(entry) for entry in kept.entries()],
+        "folder": str(store.root()),
+        "entries": [console.cache_record(entry) for entry in store.entries()],
         "removed": [console.cache_record(entry) for entry in removed],
     }
     if as_json:

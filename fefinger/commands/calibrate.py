@@ -19,16 +19,20 @@ if TYPE_CHECKING:
     "subjects",
     multiple=True,
     metavar="NAME",
-    help="Subject of the thesis to fit (repeatable), or whose size the finger in DATA.csv has.",
+    help="Subject of the thesis to fit (repeatable), or whose finger size applies to DATA.csv.",
 )
 @click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
-@click.option("--thickness", type=float, help="Its thickness in mm.")
-@click.option("--pad-radius", type=float, help="Its effective pad radius in mm.")
+@click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
+@click.option("--pad-radius", type=float, help="Effective pad radius of that fingertip in mm.")
 @click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
-@click.option("--check", metavar="FILE", help="CSV of a motion that is predicted, not fitted.")
-@click.option("--mechanics", default="solid", help="solid, or condensed: small strain times t(u).")
-@click.option("--resolution", default="standard", help="Mesh to end on: coarse, standard, fine.")
-@click.option("--workers", default=1, type=click.IntRange(1), help="Subjects at a time.")
+@click.option("--check", metavar="FILE", help="CSV of a motion to predict, not to fit.")
+@click.option("--mechanics", default="solid", help="solid, or condensed (small strain times t(u)).")
+@click.option(
+    "--resolution", default="standard", help="Mesh of the last step: coarse, standard, fine."
+)
+@click.option(
+    "--workers", default=1, type=click.IntRange(1), help="Subjects fitted at the same time."
+)
 @output_option("calibration.json and, by solid, tissue.toml")
 @json_option
 def calibrate(
@@ -47,8 +51,8 @@ def calibrate(
 ) -> None:
     """Fit a finger to subjects of the thesis, or to your own ramp and hold.
 
-    DATA.csv has the columns time (s), position (mm) and force (N). What was solved is kept, so an
-    interrupted calibration goes on where it stopped.
+    DATA.csv has the columns time (s), position (mm) and force (N). Solved presses are cached: an
+    interrupted calibration continues where it stopped.
     """
     from fefinger.calibration import jobs
 
@@ -61,22 +65,25 @@ def calibrate(
     )
     with jobs.folders(todo, output) as folders:
         with console.progress() as report:
-            found = jobs.run(todo, workers, report)
+            calibrations = jobs.run(todo, workers, report)
         files: list[str] = []
         try:
-            files = jobs.save(found, folders)
-        finally:  # the answer is told, also where it cannot be saved
-            _tell(found, files, as_json=as_json)
+            files = jobs.save(calibrations, folders)
+        finally:  # print the answer also where saving it fails
+            _print(calibrations, files, as_json=as_json)
 
 
-def _tell(found: list["Calibration"], files: list[str], *, as_json: bool) -> None:
+def _print(calibrations: list["Calibration"], files: list[str], *, as_json: bool) -> None:
+    """Print calibrations and the files that they were saved to."""
     from fefinger.calibration import jobs
 
     if as_json:
-        records = [each.record() for each in found]
+        records = [each.record() for each in calibrations]
         console.print_json({"calibrations": records, "files": files})
         return
-    texts = [jobs.summary(each) for each in found]
+    texts = [jobs.summary(each) for each in calibrations]
     click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
-    if any(each.mechanics != "solid" for each in found):
-        click.echo("no tissue.toml: t(u) stiffens the force, not a tissue; --mechanics solid")
+    if any(each.mechanics != "solid" for each in calibrations):
+        click.echo(
+            "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
+        )

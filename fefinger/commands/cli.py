@@ -1,14 +1,14 @@
-"""The command line: its group of commands, its errors and exit statuses.
+"""The command line: group of commands, error messages and exit status.
 
-Exit status: 0 done, 1 the answer failed its check, 2 unusable input, 130 interrupted. Standard
-output has the answer alone; progress, warnings and errors go to standard error.
+Exit status: 0 done, 1 the answer failed its check, 2 invalid input, 130 interrupted. Standard
+output holds the answer alone; progress, warnings and errors go to standard error.
 """
 
 import click
 
 from fefinger.commands import COMMANDS
 from fefinger.commands.options import DONE, FAILED, UNUSABLE
-from fefinger.support.atomic_write import FULL, said
+from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
 from fefinger.support.version import VERSION
@@ -30,7 +30,7 @@ def run(arguments: list[str]) -> int:
     except OSError as error:
         if error.errno not in FULL:
             raise
-        click.echo(f"error: {said(error, error.filename)}", err=True)
+        click.echo(f"error: {write_error(error, error.filename)}", err=True)
         return UNUSABLE
     except (KeyboardInterrupt, click.Abort):
         click.echo(MESSAGE, err=True)
@@ -41,7 +41,7 @@ def run(arguments: list[str]) -> int:
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(VERSION)
 def cli() -> None:
-    """Touch with a finite-element fingertip, and read the spikes of its nerve fibers.
+    """Simulate a touch with a finite-element fingertip: force, pressure, strain and spikes.
 
     SCENE is the name of a built-in scene (`fefinger scenes` lists them) or a TOML file.
     """

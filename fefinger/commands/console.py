@@ -1,4 +1,4 @@
-"""What the command line shows: a progress bar on a terminal, plain tables, records for --json."""
+"""Console output of the commands: progress bar, tables of text, and records for --json."""
 
 import sys
 from collections.abc import Iterator
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fefinger.studies.grid import remarks
 from fefinger.support.text import brief, shown, strict_json, table
 
 
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress() -> "Iterator[Progress | None]":
-    """Yield a progress report that draws bars on standard error; None where that is no terminal."""
+    """Yield a progress callback that draws bars on standard error; None outside a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -43,7 +42,7 @@ def progress() -> "Iterator[Progress | None]":
 
 
 def remark(line: str) -> None:
-    """Say on a terminal what is being done; nothing in a pipe."""
+    """Print a line on standard error if that is a terminal."""
     if sys.stderr.isatty():
         click.echo(line, err=True)
 
@@ -54,7 +53,7 @@ def print_json(record: Any) -> None:
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:
-    """Return what `run --json` prints; area and centroid are those at the largest force."""
+    """JSON record of `fefinger run`; area and centroid are those at the largest force."""
     import numpy as np
 
     force, area, centroid = result.force, result.contact_area, result.centroid
@@ -72,7 +71,7 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
 
 
 def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -> str:
-    """Return the same as text for a reader."""
+    """Summary of a result as text."""
     record = run_record(result, seconds, files)
     rows = [("mechanics", result.plan.sentence)]
     if result.force is not None:
@@ -85,7 +84,7 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm² at the peak"))
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
-        rows.append(("spikes", result.spikes.told()))
+        rows.append(("spikes", result.spikes.summary()))
     if result.plan.trust:
         rows.append(("trust", result.plan.trust))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
@@ -96,21 +95,21 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
 
 
 def plan_record(plan: "Plan") -> dict[str, Any]:
-    """Return what `explain --json` prints."""
+    """JSON record of `fefinger explain`."""
     from dataclasses import asdict
 
     return asdict(plan)
 
 
 def plan_summary(plan: "Plan") -> str:
-    """Return a plan as text: the choice, the ladder it was made from, and where errors are from."""
+    """Format a plan: the choice, its trust, the table of mechanics and meshes, and the machine."""
     from fefinger.results.plan_text import ladder
 
     return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
-    """Return what `mesh --json` prints."""
+    """JSON record of `fefinger mesh`."""
     return {
         "name": mesh.name,
         "half": mesh.half,
@@ -122,7 +121,7 @@ def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
 
 
 def mesh_summary(mesh: "FingerMesh") -> str:
-    """Return the size, recipe and quality of a mesh as text."""
+    """Format size, recipe and quality of a mesh as text."""
     record = mesh_record(mesh)
     rows = [(key, str(record[key])) for key in ("name", "half", "points", "tetrahedra")]
     for part in ("recipe", "quality"):
@@ -131,7 +130,7 @@ def mesh_summary(mesh: "FingerMesh") -> str:
 
 
 def spikes_record(trains: "SpikeTrains", files: list[str]) -> dict[str, Any]:
-    """Return what `spikes --json` prints; null where a unit has no spikes to tell it from."""
+    """JSON record of `fefinger spikes`; null where a unit has too few spikes for a value."""
     span = trains.t_stop - trains.t_start
     units = [
         {
@@ -149,7 +148,7 @@ def spikes_record(trains: "SpikeTrains", files: list[str]) -> dict[str, Any]:
 
 
 def spikes_summary(record: dict[str, Any]) -> str:
-    """Return the same as text: a table of units, then notes and files."""
+    """Format the record of `spikes_record`: a table of units, then notes and files."""
     keys = ("spikes", "mean_rate_Hz", "peak_rate_Hz", "first_spike_s")
     rows = [
         (unit["name"], unit["type"], *("" if unit[k] is None else _short(unit[k]) for k in keys))
@@ -166,7 +165,7 @@ def _short(value: Any) -> str:
 
 
 def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
-    """Return what `study --json` prints."""
+    """JSON record of `fefinger study`."""
     return {
         "scenes": study.scenes,
         "reused": study.reused,
@@ -194,22 +193,24 @@ STUDY = (
 
 
 def study_summary(record: dict[str, Any]) -> str:
-    """Return the same as text: a table of the main columns, then what failed, then files."""
-    known = {name for row in record["rows"] for name in row}
-    shown = [*record["over"], *(name for name in STUDY if name in known)]
-    told = [row for row in record["rows"] if row["status"] == "done"]
-    rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in told]
+    """Format the record of `study_record`: main columns, failed scenes, notes and files."""
+    from fefinger.studies.grid import remarks
+
+    available = {name for row in record["rows"] for name in row}
+    shown = [*record["over"], *(name for name in STUDY if name in available)]
+    finished = [row for row in record["rows"] if row["status"] == "done"]
+    rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in finished]
     below = [
         ("failed", f"{_at(each['scene'])}: {brief(each['error'])}") for each in record["failed"]
     ]
     notes = [record["chosen"], *remarks(record["rows"], record["over"])]
-    below += [("to be known", said) for said in notes if said]
+    below += [("note", note) for note in notes if note]
     below += [("file", file) for file in record["files"]]
     done = record["scenes"] - len(record["failed"])
-    used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in told)
+    used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in finished)
     by = f" by {', '.join(used)}" if used else ""
-    said = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them from before"
-    return "\n".join([table(rows, shown), said, *([table(below)] if below else [])])
+    total = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them reused"
+    return "\n".join([table(rows, shown), total, *([table(below)] if below else [])])
 
 
 def _at(scene: dict[str, Any]) -> str:
@@ -217,7 +218,7 @@ def _at(scene: dict[str, Any]) -> str:
 
 
 def validation_summary(record: dict[str, Any]) -> str:
-    """Return the outcome of the suites as text, one line per case."""
+    """Format the outcome of validation suites, one line per case."""
     rows = [
         (
             suite["suite"],
@@ -230,21 +231,25 @@ def validation_summary(record: dict[str, Any]) -> str:
         for case in suite["cases"]
     ]
     verdicts = [case["verdict"] for suite in record["suites"] for case in suite["cases"]]
-    counted = [f"{verdicts.count(name)} {said}" for name, said in SAID.items() if name in verdicts]
+    counted = [
+        f"{verdicts.count(name)} {meaning}"
+        for name, meaning in VERDICTS.items()
+        if name in verdicts
+    ]
     return f"{table(rows, ('suite', 'case', 'value', 'expected', 'verdict'))}\n{', '.join(counted)}"
 
 
-SAID = {
+VERDICTS = {
     "pass": "pass",
-    "documented": "documented (the published number is known to be wrong)",
-    "short": "short (as far as it is known to be, and not where it is wanted)",
+    "documented": "documented (the published number is wrong, for a documented reason)",
+    "short": "short (within its known error, but not within the wanted one)",
     "fail": "FAIL",
 }
-"""What the verdicts of a validation mean."""
+"""Verdicts of a validation with their meaning."""
 
 
 def bench_summary(record: dict[str, Any]) -> str:
-    """Return the figures of a benchmark as text, one line each."""
+    """Format the figures of a benchmark, one line each."""
     rows = [
         (
             figure["name"],
@@ -258,7 +263,7 @@ def bench_summary(record: dict[str, Any]) -> str:
 
 
 def cache_record(entry: "Entry") -> dict[str, Any]:
-    """Return what `cache --json` prints of one entry."""
+    """JSON record of one entry of the cache."""
     from datetime import UTC, datetime
 
     return {
@@ -271,13 +276,13 @@ def cache_record(entry: "Entry") -> dict[str, Any]:
 
 
 def cache_summary(record: dict[str, Any]) -> str:
-    """Return what is kept and what was removed as text."""
+    """Format the entries of the cache and what was removed."""
     rows = [
         (entry["kind"], f"{entry['MB']:.1f}", entry["used"][:16], entry["what"])
         for entry in record["entries"]
     ]
     total = sum(entry["MB"] for entry in record["entries"])
-    lines = [f"{record['folder']}: {len(rows)} kept, {total:.0f} MB"]
+    lines = [f"{record['folder']}: {len(rows)} entries, {total:.0f} MB"]
     if record["removed"]:
         freed = sum(entry["MB"] for entry in record["removed"])
         lines.append(f"{len(record['removed'])} removed, {freed:.0f} MB")

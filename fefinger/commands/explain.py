@@ -1,4 +1,4 @@
-"""`fefinger explain`: say which mechanics would answer SCENE."""
+"""`fefinger explain`: show which mechanics would answer a scene, with its error and cost."""
 
 import sys
 from typing import TYPE_CHECKING
@@ -18,26 +18,26 @@ if TYPE_CHECKING:
 @changes_option
 @json_option
 def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
-    """Say which mechanics would answer SCENE.
+    """Show which mechanics would answer SCENE.
 
-    With how well and how fast it would, and why the others would not.
+    Prints the expected error and time of every mechanics and mesh, and why the others are refused.
     """
     from fefinger import plan
     from fefinger.scene import builtin
-    from fefinger.scene.finger import own
+    from fefinger.scene.finger import origin_notes
 
-    asked = builtin.load(scene, builtin.settings(changes))
-    for sentence in (*own(asked.finger), *_too_fast(asked)):
+    loaded = builtin.load(scene, builtin.settings(changes))
+    for sentence in (*origin_notes(loaded.finger), *_too_fast(loaded)):
         click.echo(sentence, err=True)
-    found = plan.explain(asked)
+    chosen = plan.explain(loaded)
     if as_json:
-        console.print_json(console.plan_record(found))
+        console.print_json(console.plan_record(chosen))
     else:
-        click.echo(console.plan_summary(found))
+        click.echo(console.plan_summary(chosen))
 
 
 def _too_fast(scene: "Scene") -> tuple[str, ...]:
-    """Return the warnings of an answer to a motion, as far as it prescribes the depth."""
+    """Warnings on jumps and on speed, for motions that prescribe the depth; else on jumps alone."""
     from fefinger.mechanics.press.time_steps import time_grid
     from fefinger.scene.inertia import jump, quasistatic
 

@@ -1,4 +1,4 @@
-"""`fefinger live`: watch a finger being pressed and rolled."""
+"""`fefinger live`: show a finger that is pressed and rolled, while it is computed."""
 
 from pathlib import Path
 
@@ -6,14 +6,16 @@ import click
 
 
 @click.command()
-@click.option("-o", "output", metavar="FILE", help="Record a .gif or .mp4 instead of a window.")
-@click.option("--subject", default="a.h.", metavar="NAME", help="Whose finger, a.h. by default.")
-@click.option("--resolution", default="standard", metavar="MESH", help="coarse or standard.")
+@click.option("-o", "output", metavar="FILE", help="Record to a .gif or .mp4 file instead.")
+@click.option(
+    "--subject", default="a.h.", metavar="NAME", help="Subject of the thesis, by default a.h."
+)
+@click.option("--resolution", default="standard", metavar="MESH", help="Mesh: coarse or standard.")
 def live(output: str | None, subject: str, resolution: str) -> None:
     """Watch a finger being pressed and rolled.
 
-    Pressure, strain in the medial section and spikes as they are computed. The first time, the
-    finger is condensed, which takes about a minute.
+    Shows pressure, strain in the medial section and spikes as they are computed. The first run
+    builds the operator of the finger, which takes about a minute.
     """
     from fefinger.mechanics.realtime import show
     from fefinger.scene.finger import Finger

@@ -8,7 +8,7 @@ from fefinger.commands.options import changes_option, json_option
 
 @click.command()
 @click.argument("scene", default="flat-press")
-@click.option("--whole", is_flag=True, help="The whole finger, not the half that is enough.")
+@click.option("--whole", is_flag=True, help="Mesh the whole finger, not its symmetric half.")
 @click.option("-o", "--output", metavar="FILE.vtu", help="File to write the mesh to.")
 @click.option("--picture", metavar="PNG", help="Draw the mesh.")
 @changes_option
@@ -23,7 +23,7 @@ def mesh(
 ) -> None:
     """Build, check and draw a finger mesh.
 
-    Takes the ready mesh of the finger of SCENE if there is one.
+    Uses the shipped or cached mesh of the finger of SCENE if there is one.
     """
     from fefinger.mesh import quality, vtu
     from fefinger.mesh.store import ready

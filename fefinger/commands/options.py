@@ -1,4 +1,4 @@
-"""Options that several commands have, and their exit statuses."""
+"""Options that several commands share, and the exit statuses."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,7 +18,7 @@ def changes_option(command: Command) -> Command:
         "changes",
         multiple=True,
         metavar="FIELD=VALUE",
-        help="Change a value of the scene, as in --set motion.depth=2 (repeatable).",
+        help="Change a value of the scene, such as motion.depth=2 (repeatable).",
     )(command)
 
 
@@ -28,9 +28,9 @@ def json_option(command: Command) -> Command:
 
 
 def output_option(what: str) -> Callable[[Command], Command]:
-    """Add `-o DIR`, the folder that `what` is written to."""
+    """Add `-o DIR`, the output folder; `what` is named in the help."""
     return click.option("-o", "--output", metavar="DIR", help=f"Folder to write {what} to.")
 
 
 def silent(stage: str, fraction: float) -> None:
-    """Report no progress."""
+    """Ignore progress."""

@@ -1,4 +1,4 @@
-"""`fefinger run`: answer SCENE: force, pressure, strain and spikes."""
+"""`fefinger run`: answer a scene with force, pressure, strain and spikes."""
 
 import time
 
@@ -12,26 +12,28 @@ from fefinger.support.checks import InputError, Stopped
 @click.command()
 @click.argument("scene")
 @output_option("the result, its pictures and its report")
-@click.option("--mechanics", metavar="NAME", help="Use this mechanics, not the cheapest.")
+@click.option(
+    "--mechanics", metavar="NAME", help="Use this mechanics instead of the cheapest good enough."
+)
 @changes_option
 @json_option
 def run(
     scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
 ) -> None:
-    """Answer SCENE: force, pressure, strain and spikes."""
+    """Answer SCENE with force, pressure, strain and spikes."""
     from fefinger.pipeline import run as answer
     from fefinger.scene import builtin
     from fefinger.scene.inertia import quasistatic
     from fefinger.support import outputs
 
-    asked = builtin.load(scene, builtin.settings(changes))
+    loaded = builtin.load(scene, builtin.settings(changes))
     with outputs.output(output):
         with console.progress() as report:
             try:
-                result = answer(asked, mechanics=mechanics, progress=report)
+                result = answer(loaded, mechanics=mechanics, progress=report)
             except Stopped as stop:
                 if output is not None:
-                    _keep(stop, output)
+                    _save_partial(stop, output)
                 raise
         seconds, written = dict(result.seconds), list[str]()
         try:
@@ -39,8 +41,8 @@ def run(
                 started = time.perf_counter()
                 written = result.save(output)
                 seconds["save"] = time.perf_counter() - started
-        finally:  # the answer is told, also where it cannot be saved
-            for warning in quasistatic(asked, result.time, result.depth):
+        finally:  # print the answer also where saving it fails
+            for warning in quasistatic(loaded, result.time, result.depth):
                 click.echo(warning, err=True)
             if as_json:
                 console.print_json(console.run_record(result, seconds, written))
@@ -48,9 +50,9 @@ def run(
                 click.echo(console.run_summary(result, seconds, written))
 
 
-def _keep(stop: Stopped, output: str) -> None:
-    """Save what a run that had to stop has reached, and tell where; or why not."""
+def _save_partial(stop: Stopped, output: str) -> None:
+    """Save the partial result of a run that stopped early, and print where or why not."""
     try:
-        click.echo(f"kept: {', '.join(stop.reached.save(output))}", err=True)
-    except InputError as error:  # the reason to stop is told all the same
-        click.echo(f"not kept: {error}", err=True)
+        click.echo(f"saved up to there: {', '.join(stop.reached.save(output))}", err=True)
+    except InputError as error:  # the caller still raises the reason of the stop
+        click.echo(f"not saved: {error}", err=True)

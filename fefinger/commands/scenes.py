@@ -13,7 +13,7 @@ from fefinger.support.text import table
 def scenes(name: str | None, as_json: bool) -> None:
     """List the built-in scenes, or print one.
 
-    The scene called NAME is printed as TOML to start from.
+    Prints the scene called NAME as TOML, to start a scene of your own from.
     """
     from fefinger.scene import builtin as library
 
@@ -24,7 +24,7 @@ def scenes(name: str | None, as_json: bool) -> None:
         else:
             click.echo(text, nl=False)
         return
-    rows = [(known, library.summary(known)) for known in library.names()]
+    rows = [(each, library.summary(each)) for each in library.names()]
     if as_json:
         console.print_json({"scenes": [{"name": n, "summary": summary} for n, summary in rows]})
     else:

@@ -1,4 +1,4 @@
-"""`fefinger spikes`: fire afferent units from a series of one's own."""
+"""`fefinger spikes`: spikes of afferent units driven by a displacement or strain series."""
 
 import click
 
@@ -9,9 +9,14 @@ from fefinger.commands.options import json_option, output_option
 @click.command()
 @click.option("--from", "source", required=True, metavar="SIGNALS.csv", help="Series to read.")
 @click.option("--type", "types", multiple=True, metavar="TYPE", help="SAI, SAII, FAI or FAII.")
-@click.option("--length", type=float, metavar="MM", help="Displacement that a strain of 1 means.")
-@click.option("--corners", is_flag=True, help="Lines between coarse samples are meant as they are.")
-@click.option("--tolerance", type=float, metavar="MS", help="Error of spike times in ms.")
+@click.option(
+    "--length",
+    type=float,
+    metavar="MM",
+    help="Displacement in mm that corresponds to a strain of 1.",
+)
+@click.option("--corners", is_flag=True, help="Take straight lines between samples as exact.")
+@click.option("--tolerance", type=float, metavar="MS", help="Allowed error of spike times in ms.")
 @output_option("spikes.csv and spikes.npz")
 @json_option
 def spikes(
@@ -23,13 +28,13 @@ def spikes(
     output: str | None,
     as_json: bool,
 ) -> None:
-    """Fire afferent units from a series of one's own.
+    """Compute spikes of afferent units driven by your own series.
 
-    SIGNALS.csv has a column time (s) and others whose names end with displacement_mm,
-    displacement_um or strain, as in left_displacement_mm. Each drives a unit of every TYPE
+    SIGNALS.csv has a column time (s) and columns whose names end with displacement_mm,
+    displacement_um or strain, such as left_displacement_mm. Each drives a unit of every TYPE
     (repeatable, by default all four); one named FAI_displacement_mm drives a unit of FAI alone.
-    Displacement is positive into the skin, strain where it excites: compression for SAI and FAII,
-    stretch of the skin for SAII and FAI.
+    Displacement is positive into the skin. Strain is positive where it excites: compression for
+    SAI and FAII, stretch of the skin for SAII and FAI.
     """
     from fefinger.neural import series
     from fefinger.support import outputs
@@ -40,7 +45,7 @@ def spikes(
         files: list[str] = []
         try:
             files = [] if folder is None else series.save(trains, folder)
-        finally:  # the answer is told, also where it cannot be saved
+        finally:  # print the answer also where saving it fails
             record = console.spikes_record(trains, files)
             if as_json:
                 console.print_json(record)

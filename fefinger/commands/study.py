@@ -1,4 +1,4 @@
-"""`fefinger study`: answer a grid of scenes side by side."""
+"""`fefinger study`: answer a grid of scenes in parallel."""
 
 import shlex
 from contextlib import nullcontext
@@ -16,7 +16,7 @@ from fefinger.support.interrupt import advice
 if TYPE_CHECKING:
     from fefinger.studies.study import Study
 
-GOES_ON = "the same command goes on from the scenes that are finished"
+GOES_ON = "the same command continues from the finished scenes"
 
 
 @click.command()
@@ -33,14 +33,14 @@ GOES_ON = "the same command goes on from the scenes that are finished"
     "--at",
     multiple=True,
     metavar="FORCE|DEPTH",
-    help="Tell of this force or depth on loading too, by default 1N and 1mm (repeatable).",
+    help="Also report at this force or depth on loading, by default 1N and 1mm (repeatable).",
 )
 @changes_option
 @click.option(
     "--mechanics",
     metavar="NAME|each",
-    help="Use this one, not the cheapest that answers all, on one mesh too; each: the cheapest, "
-    "scene by scene.",
+    help="Use this mechanics on one mesh, not the cheapest one that answers all scenes; each: the "
+    "cheapest for each scene.",
 )
 @click.option("--workers", type=int, metavar="N", help="Processes, by default one per core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler to use instead.")
@@ -49,7 +49,7 @@ GOES_ON = "the same command goes on from the scenes that are finished"
     "tables",
     multiple=True,
     metavar="FILE",
-    help="Write the table to this .csv, .parquet or .nc file too (repeatable).",
+    help="Also write the table to this .csv, .parquet or .nc file (repeatable).",
 )
 @output_option("the table, its report and the finished scenes")
 @json_option
@@ -65,10 +65,10 @@ def study(
     output: str | None,
     as_json: bool,
 ) -> int:
-    """Answer a grid of scenes side by side.
+    """Answer a grid of scenes in parallel.
 
-    SCENE is answered for every combination of the values of --over. With -o, scenes that are
-    finished are kept: the same command goes on where it was stopped.
+    Answers SCENE for every combination of the values of --over. With -o, finished scenes are
+    saved, and the same command continues where it was stopped.
     """
     from fefinger.scene.builtin import settings
     from fefinger.studies.grid import parse_over
@@ -79,9 +79,9 @@ def study(
     over, changed = parse_over(grid), settings(changes)
     for file in tables:
         check(file, "--table")
-    kept = advice(GOES_ON) if output is not None else nullcontext()
-    with kept, console.progress() as report:
-        found = answer(
+    message = advice(GOES_ON) if output is not None else nullcontext()
+    with message, console.progress() as report:
+        answered = answer(
             scene,
             over,
             changes=changed,
@@ -92,34 +92,34 @@ def study(
             scheduler=scheduler,
             progress=report,
         )
-    asked = {"--over": grid, "--at": at, "--set": changes}
-    command = _command(scene, asked, mechanics)
-    found = replace(found, about={"command": command, **found.about})
+    options = {"--over": grid, "--at": at, "--set": changes}
+    command = _command(scene, options, mechanics)
+    answered = replace(answered, about={"command": command, **answered.about})
     files: list[str] = []
     try:
-        files += [] if output is None else _saved(found, output)
-        files += [write(found, file, "--table") for file in tables]
-    finally:  # the answers are told, also where they cannot be saved
-        record = console.study_record(found, files)
+        files += [] if output is None else _saved(answered, output)
+        files += [write(answered, file, "--table") for file in tables]
+    finally:  # print the answers also where saving them fails
+        record = console.study_record(answered, files)
         if as_json:
             console.print_json(record)
         else:
             click.echo(console.study_summary(record))
-    return FAILED if found.failures else DONE
+    return FAILED if answered.failures else DONE
 
 
-def _command(scene: str, asked: dict[str, tuple[str, ...]], mechanics: str | None) -> str:
-    """Return the command that asks the same again, wherever and with however many processes."""
-    words = [word for option, texts in asked.items() for text in texts for word in (option, text)]
+def _command(scene: str, options: dict[str, tuple[str, ...]], mechanics: str | None) -> str:
+    """Command line that repeats the study, without output folder and number of processes."""
+    words = [word for option, texts in options.items() for text in texts for word in (option, text)]
     words += ["--mechanics", mechanics] if mechanics else []
     return shlex.join(["fefinger", "study", scene, *words])
 
 
-def _saved(found: "Study", output: str) -> list[str]:
-    """Save a study, and tell where the table of other scenes is that was there."""
+def _saved(study: "Study", output: str) -> list[str]:
+    """Save a study; print where the table of an earlier study in the folder was moved to."""
     from fefinger.studies.tables import NAMES
 
-    files = found.save(output)
+    files = study.save(output)
     for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
-        click.echo(f"kept: the table of other scenes that was there is now in {folder}", err=True)
+        click.echo(f"moved: the table of other scenes that was there is now in {folder}", err=True)
     return files

@@ -1,4 +1,4 @@
-"""`fefinger validate`: compare with theory and published numbers."""
+"""`fefinger validate`: compare fefinger with theory and published numbers."""
 
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,10 @@ from fefinger.support.checks import InputError
 
 @click.command()
 @click.argument("suites", nargs=-1)
-@click.option("--quick", is_flag=True, help="Leave out what takes longer than seconds.")
+@click.option("--quick", is_flag=True, help="Leave out cases that take longer than seconds.")
 @click.option("--all", "every", is_flag=True, help="Run the long suites too.")
 @output_option("validation.json and validation.html")
-@click.option("--name", default="validation", metavar="NAME", help="Name of these files instead.")
+@click.option("--name", default="validation", metavar="NAME", help="Base name of these files.")
 @json_option
 def validate(
     suites: tuple[str, ...],
@@ -25,31 +25,31 @@ def validate(
     name: str,
     as_json: bool,
 ) -> int:
-    """Compare with theory and published numbers.
+    """Compare fefinger with theory and published numbers.
 
-    Runs the SUITES named, or all but the long ones (--all: those too; --quick: all, in seconds).
-    If DIR has an index.html, of all that was validated there, it is brought up to date.
+    Runs the SUITES named, or all but the long ones (--all: these too; --quick: all, shortened).
+    If DIR has an index.html of validations, it is updated.
     """
     from fefinger.support import outputs
-    from fefinger.validation import suites as known
+    from fefinger.validation import suites as available
 
     if not name.strip() or Path(name).name != name:
-        message = f"--name: expected a name of files, as validation, received {name!r}"
+        message = f"--name: expected a base name of files, such as validation, received {name!r}"
         raise InputError(message)
     written: list[str] = []
     with outputs.output(output) as folder:
-        for suite in known.left_out(suites, quick=quick, every=every):
-            said = f"{suite} is left out, because it takes {known.LONG[suite]}"
-            click.echo(f"{said}: name it, or give --all.", err=True)
+        for suite in available.left_out(suites, quick=quick, every=every):
+            reason = f"{suite} is left out, because it takes {available.LONG[suite]}"
+            click.echo(f"{reason}: name it, or give --all.", err=True)
         with console.progress() as report:
-            outcomes = known.run(suites, quick=quick, every=every, progress=report or silent)
-        record = known.as_json(outcomes)
+            outcomes = available.run(suites, quick=quick, every=every, progress=report or silent)
+        record = available.as_json(outcomes)
         try:
             if folder is not None:
                 options = {"--quick": quick, "--all": every}
                 words = [*suites, *(key for key, given in options.items() if given)]
                 written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
-        finally:  # what was found is told, also where it cannot be saved
+        finally:  # print the outcome also where saving it fails
             if as_json:
                 console.print_json(record)
             else:
@@ -59,7 +59,7 @@ def validate(
 
 
 def _save(record: dict[str, Any], folder: Path, name: str, command: str) -> list[str]:
-    """Write the record and its page, and return a line for each file, also of the index."""
+    """Write the record, its page and an existing index; return a line of output per file."""
     from fefinger.validation import index, page, suites
     from fefinger.validation.provenance import provenance
 

@@ -1,4 +1,4 @@
-"""`fefinger view`: look at the strain or the pressure in DIR."""
+"""`fefinger view`: show the strain or pressure of saved results."""
 
 from typing import Any
 
@@ -7,12 +7,16 @@ import click
 
 @click.command()
 @click.argument("folders", metavar="DIR...", nargs=-1, required=True)
-@click.option("--field", metavar="NAME", help="What to color the finger by; `list` lists them.")
-@click.option("--time", "at", type=float, metavar="T", help="Time in s, else the largest force.")
-@click.option("--limits", metavar="LOW:HIGH", help="Ends of the color bar, else all that is shown.")
+@click.option("--field", metavar="NAME", help="Quantity to color the finger by; `list` lists them.")
+@click.option(
+    "--time", "at", type=float, metavar="T", help="Time in s, by default that of the largest force."
+)
+@click.option(
+    "--limits", metavar="LOW:HIGH", help="Ends of the color bar, by default the full range."
+)
 @click.option("--screenshot", metavar="PNG", help="Draw to this file instead of a window.")
 @click.option("--movie", metavar="FILE", help="Draw all times to a .gif or .mp4 file.")
-@click.option("--html", metavar="FILE", help="Write a page to turn and play in any browser.")
+@click.option("--html", metavar="FILE", help="Write an interactive page for any browser.")
 def view(
     folders: tuple[str, ...],
     field: str | None,
@@ -22,9 +26,9 @@ def view(
     movie: str | None,
     html: str | None,
 ) -> None:
-    """Look at the strain or the pressure in DIR.
+    """Show the strain or the pressure in DIR.
 
-    DIR is a folder that `fefinger run -o` wrote; several stand side by side with the same colors.
+    DIR is a folder that `fefinger run -o` wrote; several are shown side by side on one color scale.
     Without --screenshot, --movie or --html a window opens.
     """
     from fefinger import view as pictures
@@ -48,7 +52,7 @@ def view(
     results = [load(folder) for folder in folders]
     for folder, result in zip(folders, results, strict=True):
         if result.fields is None:
-            click.echo(f"{folder} has nothing to view:", err=True)
+            click.echo(f"{folder} holds no fields to view:", err=True)
         quantities.fields_of(result)
     frames.check("--time", results, at)
     for sentence in [] if at is None else frames.told(results, folders, at):

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry import scan_orientation
 from fefinger.support.checks import InputError
 
 
@@ -34,7 +33,20 @@ LENGTH = 24.0
 COARSE = 1.0
 """mm of the triangles among which intersections are looked for."""
 
-LEGACY = (".vtk", ".vtp", ".vtu")
+VTK = (".vtk", ".vtp", ".vtu")
+
+SHORTEST = 0.9
+"""Length over width or thickness that a fingertip has at least: a stout one cut behind its nail."""
+
+THICKEST = 1.1
+"""Thickness over width that a fingertip has at most; it is 0.7 to 0.85 in the subjects' fingers."""
+
+AHEAD = 0.01
+"""Part of the length by which the center of mass may be ahead of the middle of the box.
+
+It is 0.015 to 0.12 behind in the subjects' fingers, cut 1.1 to 2 widths from the tip, squarely or
+20 degrees askew, with 0.1 mm of noise or without: their wider, cut end is proximal.
+"""
 
 
 @dataclass(frozen=True)
@@ -67,14 +79,15 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
             "surface: remesh it or remove the overlap in the program that made it"
         )
         raise InputError(message)
-    turned = _check_frame(mesh, name)
     tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
     width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
+    _check_frame(mesh, width, thickness, name)
     stated = (
         f"Surface {file.name}: {len(mesh.faces)} triangles in a box of {size} mm, taken as mm with "
-        f"x distal, y radial and z dorsal; {width:.3g} mm wide and {thickness:.3g} mm thick."
+        f"x distal, y radial and z dorsal; {width:.3g} mm wide and {thickness:.3g} mm thick. That "
+        "the nail is up (z) is not checked: look at it with `fefinger mesh --picture`."
     )
-    return SurfaceFile(mesh, width, thickness, (stated, *notes, *turned))
+    return SurfaceFile(mesh, width, thickness, (stated, *notes))
 
 
 def _loaded(file: Path, field: str) -> Any:
@@ -85,7 +98,7 @@ def _loaded(file: Path, field: str) -> Any:
         message = f"{field}: expected a surface file, received {str(file)!r}, which does not exist"
         raise InputError(message)
     try:
-        if file.suffix.lower() in LEGACY:
+        if file.suffix.lower() in VTK:
             mesh = trimesh.Trimesh(*_vtk(file))
         else:
             mesh = trimesh.load_mesh(file)
@@ -107,27 +120,10 @@ def _loaded(file: Path, field: str) -> Any:
 
 def _vtk(file: Path) -> tuple[Array, NDArray[np.int64]]:
     """Return points and triangles of a VTK file: the outer surface of whatever it holds."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-    from vtkmodules.vtkIOLegacy import vtkGenericDataObjectReader
-    from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
+    import pyvista as pv
 
-    legacy = file.suffix.lower() == ".vtk"
-    reader: Any = vtkGenericDataObjectReader() if legacy else vtkXMLGenericDataObjectReader()
-    reader.SetFileName(str(file))
-    outer: Any = vtkDataSetSurfaceFilter()
-    outer.SetInputConnection(reader.GetOutputPort())
-    triangles: Any = vtkTriangleFilter()
-    triangles.SetInputConnection(outer.GetOutputPort())
-    triangles.SetPassLines(False)
-    triangles.SetPassVerts(False)
-    triangles.Update()
-    found = triangles.GetOutput()
-    if not found.GetNumberOfPolys():
-        return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
-    cells = vtk_to_numpy(found.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    return np.array(vtk_to_numpy(found.GetPoints().GetData()), dtype=float), cells.astype(np.int64)
+    outer = pv.read(file).extract_surface(algorithm=None).triangulate()
+    return np.array(outer.points, dtype=float), np.array(outer.regular_faces, dtype=np.int64)
 
 
 def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
@@ -156,7 +152,7 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
         raise InputError(message)
     for loop in _holes(mesh, file, field):
         notes.append(_filled(mesh, loop))
-    _orient(mesh)
+    _face_outward(mesh)
     if not mesh.is_watertight or mesh.volume <= 0:
         message = (
             f"{field}: expected a closed surface, {file.name} has edges that do not join two "
@@ -166,59 +162,44 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
     return mesh, tuple(notes)
 
 
-def _orient(mesh: Any) -> None:
+def _face_outward(mesh: Any) -> None:
     """Turn triangles over until neighbors agree and the volume is positive."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import breadth_first_order
+    import pyvista as pv
 
-    pairs, edges = mesh.face_adjacency, mesh.face_adjacency_edges
-    count = len(mesh.faces)
-
-    def forward(side: int) -> NDArray[np.bool_]:
-        """Whether a face runs along the shared edge in the edge's own direction."""
-        corners = mesh.faces[pairs[:, side]]
-        first = np.argmax(corners == edges[:, :1], axis=1)
-        after = np.take_along_axis(corners, ((first + 1) % 3)[:, None], axis=1)[:, 0]
-        return np.asarray(after == edges[:, 1])
-
-    agree = np.where(forward(0) != forward(1), 1, -1)
-    links = coo_array((agree, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
-    links = (links + links.T).tocsr()
-    order, before = breadth_first_order(abs(links), 0, directed=False)
-    sign = np.ones(count, dtype=np.int64)
-    steps = np.asarray(links[before[order[1:]], order[1:]]).ravel()
-    for face, parent, step in zip(order[1:], before[order[1:]], steps, strict=True):
-        sign[face] = sign[parent] * step
-    faces = np.where(sign[:, None] > 0, mesh.faces, mesh.faces[:, ::-1])
-    corners = mesh.vertices[faces]
-    mesh.faces = faces if np.linalg.det(corners).sum() > 0 else faces[:, ::-1]
+    if mesh.is_winding_consistent and mesh.volume > 0:
+        return
+    surface = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
+    oriented = surface.compute_normals(
+        split_vertices=False, consistent_normals=True, auto_orient_normals=True
+    )
+    mesh.faces = np.array(oriented.regular_faces)
 
 
 def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
-    """Return the rims of the holes that may be filled: small ones, and the open proximal end."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    """Return the rims of the holes that may be filled: small ones, and the open proximal end.
 
-    edges = mesh.edges_sorted
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    rim = unique[count == 1]
-    if not len(rim):
-        return []
-    size = len(mesh.vertices)
-    links = coo_array((np.ones(len(rim)), (rim[:, 0], rim[:, 1])), shape=(size, size))
-    _, label = connected_components(links, directed=False)
+    A rim holds the edges (n, 2) in the direction of their triangles.
+    """
+    from trimesh.graph import connected_component_labels
+    from trimesh.grouping import group_rows
+
+    rim = mesh.edges[group_rows(mesh.edges_sorted, require_count=1)]
+    label = connected_component_labels(rim, node_count=len(mesh.vertices))[rim[:, 0]]
     low, high = mesh.bounds
-    loops = [rim[label[rim[:, 0]] == one] for one in np.unique(label[rim[:, 0]])]
+    quarter = BACK * (high[0] - low[0])
+    loops = [rim[label == one] for one in np.unique(label)]
     for loop in loops:
         points = mesh.vertices[np.unique(loop)]
         across = float(np.ptp(points, axis=0).max())
-        behind = bool((points[:, 0] < low[0] + BACK * (high[0] - low[0])).all())
+        behind = bool((points[:, 0] < low[0] + quarter).all())
         if not behind and across > HOLE * float(np.sort(high - low)[1]):
             x, y, z = points.mean(axis=0)
             message = (
                 f"{field}: expected a closed surface, {file.name} has a hole {across:.3g} mm wide "
                 f"near ({x:.3g}, {y:.3g}, {z:.3g}) mm; close it in the program that made it"
             )
+            if (points[:, 0] > high[0] - quarter).all():
+                message += ", or if it is the proximal end, turn the finger about z by 180 degrees"
             raise InputError(message)
     return loops
 
@@ -227,7 +208,7 @@ def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
     """Close a hole with a fan about its middle, and return what was done."""
     middle = mesh.vertices[np.unique(loop)].mean(axis=0)
     number = len(mesh.vertices)
-    fan = np.column_stack([loop, np.full(len(loop), number)])
+    fan = np.column_stack([loop[:, ::-1], np.full(len(loop), number)])
     mesh.vertices = np.vstack([mesh.vertices, middle])
     mesh.faces = np.vstack([mesh.faces, fan])
     x, y, z = middle
@@ -249,17 +230,24 @@ def _check_size(extents: Array, name: str) -> str:
     raise InputError(message)
 
 
-def _check_frame(mesh: Any, name: str) -> tuple[str, ...]:
-    """Return notes on the frame, or raise InputError unless the tip is ahead and the pad down."""
-    notes = scan_orientation.check(mesh, name)
-    length, width, thickness = np.ptp(mesh.bounds, axis=0)
-    if length < 0.9 * max(width, thickness):
-        message = (
-            f"{name} is longest across x; expected x distal, y radial and z dorsal: turn it about "
-            "y or z until the finger lies along x"
-        )
+def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
+    """Raise InputError where the box or the center of mass is not that of a finger along x.
+
+    width, thickness: of the LENGTH behind the tip, in mm. Whether the nail is up is not checked.
+    """
+    length, middle = mesh.extents[0], mesh.bounds[:, 0].mean()
+    turn = None
+    if length < SHORTEST * max(width, thickness):
+        axis, other = ("y", "z") if width > thickness else ("z", "y")
+        turn = f"is longest along {axis}", f"{other} by 90 or -90 degrees"
+    elif thickness > THICKEST * width:
+        turn = "is thicker along z than it is wide along y", "x by 90 or -90 degrees"
+    elif mesh.center_mass[0] > middle + AHEAD * length:
+        turn = "has its narrower end, the tip, at the smaller x", "z by 180 degrees"
+    if turn is not None:
+        shape, back = turn
+        message = f"{name} {shape}; expected x distal, y radial and z dorsal: turn it about {back}"
         raise InputError(message)
-    return notes
 
 
 def crossings(mesh: Any) -> Array | None:

@@ -5,18 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
 from fefinger.neural.membranes import LARGEST_STEP, Membrane
+from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError
 
 
 Array = NDArray[np.float64]
-
-SMALLEST_REFERENCE = 0.02
-"""Reference drive over the norm of the reference strain: below it the length L is noise."""
 
 
 def simulate(
@@ -87,11 +84,8 @@ def from_strain(
     strain: ArrayLike,
     normals: ArrayLike,
     types: Sequence[str],
+    reference: Reference,
     *,
-    reference_depth: float,
-    reference_types: Sequence[str],
-    reference_strain: ArrayLike,
-    reference_normals: ArrayLike,
     drives: Mapping[str, str] | None = None,
     generator: str = "saturating",
     names: Sequence[str] | None = None,
@@ -106,10 +100,9 @@ def from_strain(
     ----------
     time, strain, normals, types
         (n_t,) s; (n_t, n_units, 3, 3); unit normals (n_units, 3); afferent type of each unit.
-    reference_depth, reference_types, reference_strain, reference_normals
-        A small flat press of the same finger: depth in mm and, for each of the n types, strain
-        (n, 3, 3) and normal (n, 3) at the central site. The length of a type is the depth over its
-        drive there, so that a flat probe gives the one-dimensional case of the thesis.
+    reference
+        A small flat press of the same finger. The length of a type is its depth over the drive of
+        that type in it, so that a flat probe gives the one-dimensional case of the thesis.
     drives
         Drive per type, where it is not DEFAULT_DRIVE.
     generator, names, positions, dt, tolerance, check
@@ -121,16 +114,7 @@ def from_strain(
         As `simulate`; also a type without a reference, or one whose reference drive is not clearly
         above zero.
     """
-    x_in = displacements(
-        strain,
-        normals,
-        types,
-        reference_depth=reference_depth,
-        reference_types=reference_types,
-        reference_strain=reference_strain,
-        reference_normals=reference_normals,
-        drives=drives,
-    )
+    x_in = displacements(strain, normals, types, reference, drives=drives)
     return simulate(
         time,
         x_in,
@@ -148,11 +132,8 @@ def displacements(
     strain: ArrayLike,
     normals: ArrayLike,
     types: Sequence[str],
+    reference: Reference,
     *,
-    reference_depth: float,
-    reference_types: Sequence[str],
-    reference_strain: ArrayLike,
-    reference_normals: ArrayLike,
     drives: Mapping[str, str] | None = None,
 ) -> Array:
     """Return the skin displacement x_in (n_t, n_sites) in mm that strain at end organs stands for.
@@ -160,14 +141,7 @@ def displacements(
     The drive of each site's type times its length; parameters and errors as in `from_strain`, with
     sites, one per end organ, for units.
     """
-    lengths = reference_lengths(
-        types,
-        reference_depth=reference_depth,
-        reference_types=reference_types,
-        reference_strain=reference_strain,
-        reference_normals=reference_normals,
-        drives=drives,
-    )
+    lengths = reference.lengths(types, drives)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}
     strain, normals = np.asarray(strain, float), np.asarray(normals, float)
     n = len(types)
@@ -183,60 +157,7 @@ def displacements(
     x_in = np.empty(strain.shape[:2])
     for kind, length in lengths.items():
         of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = length * DRIVES[chosen[kind]](strain[:, of_kind], normals[of_kind])
-    return x_in
-
-
-def reference_lengths(
-    types: Sequence[str],
-    *,
-    reference_depth: float,
-    reference_types: Sequence[str],
-    reference_strain: ArrayLike,
-    reference_normals: ArrayLike,
-    drives: Mapping[str, str] | None = None,
-) -> dict[str, float]:
-    """Return the length L in mm per type; parameters and errors as in `from_strain`."""
-    for kind in types:
-        choice("types", kind, TYPES)
-    chosen = {**DEFAULT_DRIVE, **(drives or {})}
-    for kind, name in chosen.items():
-        choice("drives", kind, TYPES)
-        choice(f"drives.{kind}", name, DRIVES)
-    return _lengths(
-        {kind: chosen[kind] for kind in types},
-        reference_depth,
-        tuple(reference_types),
-        np.asarray(reference_strain, float),
-        np.asarray(reference_normals, float),
-    )
-
-
-def _lengths(
-    drives: Mapping[str, str], depth: float, types: tuple[str, ...], strain: Array, normals: Array
-) -> dict[str, float]:
-    """Return the length L in mm per type: reference depth over reference drive."""
-    depth, n = number("reference_depth", depth, above=0.0, unit="mm"), len(types)
-    if strain.shape != (n, 3, 3) or normals.shape != (n, 3):
-        msg = (
-            f"reference_strain, reference_normals: expected ({n}, 3, 3) and ({n}, 3) for {n} "
-            f"types, received {strain.shape} and {normals.shape}"
+        x_in[:, of_kind] = length * DRIVE_BY_NAME[chosen[kind]](
+            strain[:, of_kind], normals[of_kind]
         )
-        raise InputError(msg)
-    lengths = {}
-    for kind, name in drives.items():
-        if kind not in types:
-            msg = f"reference_types: expected every type that is asked, {kind} is missing"
-            raise InputError(msg)
-        i = types.index(kind)
-        value = float(DRIVES[name](strain[i : i + 1], normals[i : i + 1])[0])
-        norm = float(np.linalg.norm(strain[i]))
-        if not value > SMALLEST_REFERENCE * norm:
-            msg = (
-                f"drives.{kind}: the drive {name!r} is {value:.3g} at the site of {kind} in the "
-                f"reference press of {depth:g} mm, against a strain of {norm:.3g}; expected it "
-                "clearly above zero; choose another drive or another depth of the site"
-            )
-            raise InputError(msg)
-        lengths[kind] = depth / value
-    return lengths
+    return x_in

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import LONGEST_RUN, TYPES
 from fefinger.neural.membranes import Firing
 from fefinger.support.checks import InputError, choice
 from fefinger.support.checks import names as different
+from fefinger.support.vocabulary import LONGEST_RUN, TYPES
 
 
 Array = NDArray[np.float64]

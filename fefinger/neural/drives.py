@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import DRIVES
 
 
 Array = NDArray[np.float64]
@@ -67,9 +68,10 @@ def von_mises(strain: Array, normals: Array) -> Array:
 
 Drive = Callable[[Array, Array], Array]
 
-DRIVES: dict[str, Drive] = {
-    f.__name__: f for f in (compressive, tensile, tangent, energy, von_mises)
-}
+DRIVE_BY_NAME: dict[str, Drive] = dict(
+    zip(DRIVES, (compressive, tensile, tangent, energy, von_mises), strict=True)
+)
+"""What each of DRIVES computes."""
 
 DEFAULT_DRIVE: dict[str, str] = {
     "SAI": "compressive",

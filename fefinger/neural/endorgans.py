@@ -186,21 +186,6 @@ The FA filters are phenomenological: the spring and damper chain of Eq. B.27 int
 and poles, so it cannot have both zeros at 0 Hz.
 """
 
-TYPES: tuple[str, ...] = tuple(END_ORGANS)
-
-LONGEST_RUN = 3600.0
-"""s that spikes are computed for at once: an hour is 72 million steps of every membrane."""
-
-RULES = ("mean", "max", "first")
-"""How the generator currents of a unit's end organs meet.
-
-"mean": the mean current on one membrane, the spatial summation of generator current. "max": at
-every time the largest one on one membrane. "first": a membrane for each branch; the first to fire
-fires the unit and its impulse invades the others, which take over its state (that branches of SAI
-units reset each other: Lesniak et al. 2014, doi:10.7554/eLife.01488, and PMC4332704). It costs one
-integration per branch, the others one per unit. With one input to all branches the three agree.
-"""
-
 
 def rectify(x_out: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the half-wave rectified nerve displacement, mm (thesis Eq. B.19, after the filter)."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ
+from fefinger.support.vocabulary import GENERATORS
 
 
 LARGEST_CURRENT = 100.0
@@ -37,7 +38,7 @@ def saturating(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
 
 Generator = Callable[[NDArray[np.float64], Gain], NDArray[np.float64]]
 
-GENERATORS: dict[str, Generator] = {f.__name__: f for f in (saturating, linear)}
+GENERATOR_BY_NAME: dict[str, Generator] = dict(zip(GENERATORS, (saturating, linear), strict=True))
 
 
 def transduce(
@@ -59,4 +60,4 @@ def transduce(
     """
     x_out = (organ or END_ORGANS[kind]).respond(time, x_in, at)
     x_nerve = RECTIFIERS[rectifier](x_out)
-    return GENERATORS[generator](x_nerve, gain)
+    return GENERATOR_BY_NAME[generator](x_nerve, gain)

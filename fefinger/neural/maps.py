@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.populations import Surface
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import TYPES
 
 
 Array = NDArray[np.float64]

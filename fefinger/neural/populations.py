@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.endorgans import TYPES
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import TYPES
 
 
 Array = NDArray[np.float64]

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.support.atomic_write import spoken
+from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, nearest, number, repeated
+from fefinger.support.vocabulary import TYPES
 
 
 if TYPE_CHECKING:
@@ -145,7 +146,6 @@ def fire(
     """
     from fefinger.neural.afferents import simulate
     from fefinger.neural.checked_signals import count_changes
-    from fefinger.neural.endorgans import TYPES
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
     if repeated(types):
@@ -178,8 +178,6 @@ def fire(
 
 def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
     """Return column, type and name of every unit; InputError for a header that is almost a type."""
-    from fefinger.neural.endorgans import TYPES
-
     columns: list[int] = []
     kinds: list[str] = []
     names: list[str] = []
@@ -202,7 +200,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
     """Write FILES into a folder and return their paths."""
     paths = [folder / name for name in FILES]
-    with spoken(folder):
+    with as_input_error(folder):
         trains.to_csv(paths[0])
         trains.to_npz(paths[1])
     return [str(path) for path in paths]

@@ -11,12 +11,12 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.afferents import reference_lengths
 from fefinger.neural.checked_signals import known_types
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.reference import Reference
 from fefinger.neural.streaming_step import State
 from fefinger.support.checks import InputError, choice, number
 
@@ -159,22 +159,11 @@ class Afferents:
         cls,
         types: Sequence[str],
         normals: ArrayLike,
-        *,
-        reference_depth: float,
-        reference_types: Sequence[str],
-        reference_strain: ArrayLike,
-        reference_normals: ArrayLike,
+        reference: Reference,
         **options: Any,
     ) -> Self:
-        """Return units whose lengths follow from a small flat press, as `afferents.from_strain`."""
-        lengths = reference_lengths(
-            types,
-            reference_depth=reference_depth,
-            reference_types=reference_types,
-            reference_strain=reference_strain,
-            reference_normals=reference_normals,
-            drives=options.get("drives"),
-        )
+        """Units whose lengths follow from a small flat press, as in `afferents.from_strain`."""
+        lengths = reference.lengths(types, options.get("drives"))
         return cls(types, normals, lengths, **options)
 
     def reset(self) -> None:

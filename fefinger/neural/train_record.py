@@ -85,7 +85,7 @@ class TrainRecord:
         """Return the number of spikes of each unit, (n_units,)."""
         return np.array([len(times) for times in self.times], np.int64)
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """Return the numbers of spikes in words: by unit where they are few, else by type."""
         counts = self.count()
         if len(self) <= FEW:

@@ -21,20 +21,19 @@ from fefinger.neural.checked_signals import (
 from fefinger.neural.endorgans import (
     END_ORGANS,
     RECTIFIERS,
-    RULES,
-    TYPES,
     Organ,
     PoleZero,
     chord_steps,
 )
 from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import GENERATORS, LARGEST_CURRENT, transduce
+from fefinger.neural.generators import LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError, choice, reject_unknown
+from fefinger.support.vocabulary import GENERATORS, RULES, TYPES
 
 
 Array = NDArray[np.float64]

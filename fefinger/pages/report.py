@@ -85,7 +85,7 @@ def answer(result: ResultRecord) -> str:
     if result.contact_area is not None:
         said.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
     if result.spikes is not None:
-        said.append(f"spikes: {result.spikes.told()}")
+        said.append(f"spikes: {result.spikes.summary()}")
     if not said:
         return f"The indenter travels {np.max(result.depth):.3g} mm."
     sentence = "; ".join(said)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results import records
 from fefinger.scene.scene import Scene
@@ -129,7 +130,7 @@ RECORDS = {"Result": records.ResultRecord} | {
         records.Response,
         records.Pad,
         records.Sites,
-        records.Reference,
+        Reference,
         records.Fields,
         SpikeTrains,
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.neural.reference import Reference
 from fefinger.scene.scene import Scene
 
 
@@ -134,20 +135,6 @@ class Sites:
     types: tuple[str, ...]
     unit: Integers | None = None
     number: Integers | None = None
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A small flat press of the same finger, which sets the length that a strain stands for.
-
-    depth mm; normals (n_types, 3) and strain (n_types, 3, 3) at the central site of each of
-    `types`. A drive e at the central site then stands for a skin displacement depth * e / e_ref.
-    """
-
-    depth: float
-    types: tuple[str, ...]
-    normals: Array
-    strain: Array
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""The scene: which finger, which object, how it moves, and what is asked."""
+"""Description of a scene: finger, indenter, motion and requested outputs."""

@@ -1,12 +1,9 @@
-"""What is asked of a scene."""
+"""Requested outputs and accuracy of a scene: the table [ask]."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fefinger.neural.drives import DRIVES
-from fefinger.neural.endorgans import TYPES
-from fefinger.neural.generators import GENERATORS
 from fefinger.scene.population import Layout
 from fefinger.support.checks import (
     Frozen,
@@ -17,15 +14,16 @@ from fefinger.support.checks import (
     number,
     reject_unknown,
 )
+from fefinger.support.vocabulary import DRIVES, GENERATORS, TYPES
 
 
-SOLVERS = ("multifrontal", "single", "iterative", "superlu", "cholmod")
-"""Names of the linear solvers of the finite elements, see `fem.solvers`."""
+SOLVERS = ("multifrontal", "single", "iterative")
+"""Names of the linear solvers of the finite elements, see `fem.linalg.solvers`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ask:
-    """What the answer should hold, and how good it has to be.
+    """Requested outputs, accuracy and options of the afferents.
 
     Parameters
     ----------
@@ -38,18 +36,18 @@ class Ask:
     population
         Where units of these types lie, and how each is built: a Scatter, Grid, Line or Places.
     rel_error
-        Relative error of the force that is good enough, 0 to 1. It does not govern what else is
-        given: `Plan.trust` states the errors of pressure, contact area and strain as they are.
+        Allowed relative error of the force, above 0 to 1. It does not govern the other outputs:
+        `Plan.trust` states the errors of pressure, contact area and strain.
     seconds
-        Longest time in s that the answer may take; None is no limit.
+        Longest computing time in s; None is no limit.
     depths
-        Depth of the end organs in mm under the skin, for the types that differ from the library.
+        Depth of the end organs in mm under the skin, for types that differ from the library.
     drives
-        What part of the strain drives a type, where it differs from the default.
+        Component of the strain that drives a type, where it differs from the default.
     generator
-        Current as a function of the end organ's output: "saturating", or "linear" as the thesis.
+        Law from the output of an end organ to its current: "saturating", or "linear" (thesis).
     solver
-        Linear solver of the finite elements; by default the fastest that fits in the free memory.
+        Linear solver of the finite elements; by default the fastest that fits in free memory.
     """
 
     force: bool = True
@@ -101,6 +99,7 @@ class Ask:
 
 
 def _per_type(name: str, table: Any) -> dict[str, Any]:
+    """Check a table whose keys are afferent types."""
     if not isinstance(table, Mapping):
         msg = f"{name}: expected a table such as {{SAI = ...}}, received {table!r}"
         raise InputError(msg)

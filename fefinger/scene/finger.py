@@ -1,4 +1,4 @@
-"""The fingertip: its size, its tissues and how it relaxes."""
+"""The fingertip: size, surfaces, tissues, relaxation and mesh resolution."""
 
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
@@ -21,9 +21,9 @@ STANDARD = "standard"
 FILES = ("tissue", "surface", "bone_surface")
 """Fields that may name a file."""
 PULP = 0.5
-"""Part of the finger's thickness that is soft tissue under the pad, at most."""
+"""Upper bound of the soft tissue under the pad, over the thickness of the finger."""
 BONE = 0.47
-"""Wanted soft tissue between P30 and the bone, over the thickness: 4.7 mm on a 10 mm finger."""
+"""Soft tissue between first touch (30 degree plate) and bone, over the thickness of the finger."""
 
 _FROM_LIBRARY: Any = None
 
@@ -40,7 +40,7 @@ class Finger:
         Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default the mean of
         its subjects. The transverse radius follows from width and thickness.
     subject_name
-        The subject of the thesis whose values these are, or None.
+        Subject of the thesis that the values belong to, or None.
     surface
         File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK; x distal, z
         dorsal), or None for the parametric shape. Width and thickness then scale the bone inside;
@@ -48,31 +48,31 @@ class Finger:
     bone_surface
         File with the surface of the bone, placed as in `surface`, or None for a parametric bone.
     tissue
-        Name of the set in the library that `skin` and `subcutaneous` are taken from by default, or
-        a file that `fefinger calibrate` wrote (.toml); a set that was fitted to a finger also gives
-        its pad radius and relaxation.
+        Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
+        the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
+        pad radius and relaxation.
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
-        What relaxes: the "whole" stress, or the "deviatoric" part alone (`solid` only).
+        Part of the stress that relaxes: "whole", or "deviatoric" alone (`solid` only).
     bone
         "rigid", or a Hard bone that is held at its cut ([finger.bone] modulus in kPa, 17e6 along
         the shaft of a long bone); `linear` and `solid` only.
     nail
-        None is held with the bone, as glued in the experiment; "free" leaves the skin under it
-        free, and a Hard nail stiffens that skin ([finger.nail] modulus in kPa, some 2e6), which
-        then floats on its bed; `linear` and `solid` only.
+        None: fixed with the bone, as glued in the experiment. "free": no nail, the skin under it is
+        free. A Hard nail stiffens that skin ([finger.nail] modulus in kPa, some 2e6), which then
+        floats on its bed; `linear` and `solid` only.
     cut
-        What holds the proximal cut: "fixed" holds it, with "nail" only nail and bone hold the
-        finger.
+        Boundary condition of the proximal cut: "fixed", or "nail", where only nail and bone hold
+        the finger.
     resolution
-        Mesh: "coarse", "standard" or "fine"; "auto" lets the planner choose the coarsest that is
-        good enough, and is the standard one where nothing is planned.
+        Mesh: "coarse", "standard" or "fine"; "auto" lets the planner choose the coarsest one that
+        is accurate enough, and is "standard" where nothing is planned.
 
     Raises
     ------
     InputError
-        A field that cannot be used, called by its name in a scene file.
+        An invalid field; the message has its name in a scene file.
     """
 
     width: float
@@ -93,7 +93,7 @@ class Finger:
     resolution: str = AUTO
 
     def __post_init__(self) -> None:
-        """Fill in what the library knows, then check every field."""
+        """Fill in defaults of the library, then check every field."""
         name = self.subject_name or "means"
         if self.subject_name is not None:
             choice("finger.subject", self.subject_name, library.subjects())
@@ -121,20 +121,25 @@ class Finger:
         self._check_layers()
 
     def _default(self, name: str, value: Any) -> None:
+        """Set a field that was left out."""
         if getattr(self, name) is None:
             object.__setattr__(self, name, value)
 
     def _set_file(self, name: str) -> None:
-        """Check a file with a surface; its path becomes text, as in a scene file."""
+        """Check a surface file; its path becomes text, as in a scene file."""
         given: Any = getattr(self, name)
         if given is None:
             return
         if not isinstance(given, str | Path) or not Path(given).is_file():
-            msg = f"finger.{name}: expected a file with a surface, found none at {given!r}"
+            msg = (
+                f"finger.{name}: expected a file with a surface, received {given!r}, which does "
+                "not exist"
+            )
             raise InputError(msg)
         object.__setattr__(self, name, str(given))
 
     def _check_layers(self) -> None:
+        """Check the tissues, the hard parts and the relaxation."""
         for name, kind in (("skin", Tissue), ("subcutaneous", Tissue), ("prony", Prony)):
             if not isinstance(getattr(self, name), kind):
                 msg = f"finger.{name}: expected a {kind.__name__}, received {getattr(self, name)!r}"
@@ -149,14 +154,14 @@ class Finger:
         number("finger.skin.thickness", self.skin.thickness, above=0, below=self.pulp, unit="mm")
         if self.subcutaneous.thickness is not None:
             msg = (
-                f"finger.subcutaneous.thickness: expected none, because the tissue fills the pulp, "
-                f"received {self.subcutaneous.thickness!r}; leave it out"
+                f"finger.subcutaneous.thickness: expected none, because this tissue fills the rest "
+                f"of the pulp, received {self.subcutaneous.thickness!r}; leave it out"
             )
             raise InputError(msg)
 
     @property
     def mesh(self) -> str:
-        """Resolution of the mesh: the standard one as long as the planner is free to choose."""
+        """Resolution of the mesh; "standard" while the choice is left to the planner."""
         return STANDARD if self.resolution == AUTO else self.resolution
 
     @property
@@ -166,14 +171,14 @@ class Finger:
 
     @classmethod
     def from_surface(cls, file: str | Path, **overrides: Any) -> Self:
-        """Return the finger of a closed surface file (STL, OBJ, PLY, VTK), see `read_surface`.
+        """Return the finger with the shape of a closed surface file (STL, OBJ, PLY, VTK).
 
-        Width and thickness are those of the surface; `overrides` replace any field.
+        Width and thickness are those of the surface (`read_surface`); `overrides` replace fields.
         """
         from fefinger.geometry.surface_file import read_surface
 
-        found = read_surface(file, field="finger.surface")
-        size = {"width": found.width, "thickness": found.thickness}
+        outline = read_surface(file, field="finger.surface")
+        size = {"width": outline.width, "thickness": outline.thickness}
         return cls(**(size | overrides | {"surface": str(file)}))
 
     @classmethod
@@ -186,9 +191,9 @@ class Finger:
         prony: Prony,
         **others: Any,
     ) -> Self:
-        """Return a finger of which every value is given, without the files that it names.
+        """Return a finger with all values given, without reading the files that it names.
 
-        Those of its tissue and its surface, which the values are from, may be elsewhere by now.
+        A stored result is read this way: the files of tissue and surface may have moved since.
         """
         named = {name: others.pop(name) for name in FILES if name in others}
         finger = cls(
@@ -218,28 +223,31 @@ class Finger:
         return cls(**(values | {"subject_name": name}))
 
 
-def own(finger: Finger) -> tuple[str, ...]:
-    """Return sentences on what of a finger is of another one: its tissue, or a subject's sizes."""
+def origin_notes(finger: Finger) -> tuple[str, ...]:
+    """Describe how a finger mixes sources: tissue fitted to another subject, or changed sizes."""
     fitted = {library.calibrated_name(name): name for name in library.pawluk_bulk()}
-    of = fitted.get(finger.tissue, finger.subject_name)
-    known = library.tissue_set(finger.tissue)
-    given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(known, layer)]
-    found = []
-    if of != finger.subject_name and len(given) < len(LAYERS):
-        found.append(f"Its tissue was fitted to the finger of subject {of} ({finger.tissue}).")
+    source = fitted.get(finger.tissue, finger.subject_name)
+    tissues = library.tissue_set(finger.tissue)
+    given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(tissues, layer)]
+    notes = []
+    if source != finger.subject_name and len(given) < len(LAYERS):
+        notes.append(
+            f"The tissue was fitted to subject {source}, another finger ({finger.tissue})."
+        )
     if given:
         layers = " and ".join(f"finger.{layer}" for layer in given)
-        found.append(f"Not all of its tissue is that of {finger.tissue}: {layers} as given.")
-    return (*found, *_resized(finger))
+        notes.append(f"The tissue differs from {finger.tissue}: {layers} as given in the scene.")
+    return (*notes, *_resized(finger))
 
 
 def _resized(finger: Finger) -> tuple[str, ...]:
+    """Note on sizes and relaxation that differ from those of the named subject."""
     row = library.pawluk_bulk().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()
     measured = Finger.subject(str(finger.subject_name), tissue=finger.tissue)
     changed = [
-        f"{size} {getattr(finger, size):g} mm in place of {getattr(measured, size):g} mm"
+        f"{size} {getattr(finger, size):g} mm instead of {getattr(measured, size):g} mm"
         for size in ("width", "thickness", "pad_radius")
         if getattr(finger, size) != getattr(measured, size)
     ]
@@ -247,4 +255,4 @@ def _resized(finger: Finger) -> tuple[str, ...]:
         changed.append("another relaxation")
     if not changed:
         return ()
-    return (f"The finger is not that of subject {finger.subject_name}: {', '.join(changed)}.",)
+    return (f"The finger differs from subject {finger.subject_name}: {', '.join(changed)}.",)

@@ -1,8 +1,8 @@
-"""How quasi-static a scene is: the pace of the indenter against that of shear waves in the tissue.
+"""Check of quasi-static conditions: speed of the indenter against shear waves in the tissue.
 
-No mechanics has inertia. A layer of thickness h whose surface is moved at the frequency f is off by
-1 / cos(2 pi f h / c) - 1, with c the speed of shear waves, and a body moved at the speed v by some
-(v / c)²; the limits here keep both to 5 %.
+No mechanics has inertia. Its relative error is 1 / cos(2 pi f h / c) - 1 for a layer of thickness h
+whose surface moves at the frequency f, with c the speed of shear waves, and about (v / c)² for a
+body moved at the speed v. The limits here keep both errors below 5 %.
 """
 
 import math
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 DENSITY = 1e-6
-"""kg/mm³ of soft tissue, as that of water."""
+"""Density of soft tissue in kg/mm³, that of water."""
 
 FAST = 0.22
-"""Speed of the indenter over that of shear waves, beyond which inertia may be 5 % of the force."""
+"""Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
 
 QUICK = 0.05
-"""Frequency times the thickness of the tissue over that speed, beyond which it may."""
+"""Limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %."""
 
 
 def wave_speed(finger: "Finger") -> float:
-    """Return the speed in mm/s of shear waves in the relaxed subcutaneous tissue, the slowest.
+    """Return the speed in mm/s of shear waves in relaxed subcutaneous tissue, the slowest layer.
 
     sqrt(G / density) with G = E / (2 (1 + nu)): 3.39 m/s for E = 34 kPa and nu = 0.48. The kPa are
     1e3 kg / (m s²), or kg / (mm s²).
@@ -41,38 +41,40 @@ def wave_speed(finger: "Finger") -> float:
 
 
 def jump(motion: "Motion") -> tuple[str, ...]:
-    """Return a warning if a motion does not start from first touch."""
+    """Warning if a motion starts with a jump into the finger."""
     start = float(motion.value(np.zeros(1))[0])
     if start <= 0:
         return ()
     unit = "N" if motion.control == "force" else "mm"
     return (
-        f"Warning: the motion starts at {start:.3g} {unit}, which the indenter reaches at once; "
-        "let it start from 0.",
+        f"Warning: the motion starts at {start:.3g} {unit}, which the indenter reaches in a jump; "
+        "start the motion from 0.",
     )
 
 
 def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
-    """Return a warning if what moved as depth (n_t,) mm at times (n_t,) s was too fast for statics.
+    """Warning if an indenter at depth (n_t,) mm at times (n_t,) s moves too fast for statics.
 
-    The speed is that of the answer, so that force control has one too; a jump has none.
+    The depth is that of the answer, so that force control is checked too. A jump has no speed.
     """
     step = np.diff(time)
-    moved = np.abs(np.diff(depth)) / np.where(step > 0, step, np.inf)
-    speed, wave = float(moved.max(initial=0.0)), wave_speed(scene.finger)
+    speeds = np.abs(np.diff(depth)) / np.where(step > 0, step, np.inf)
+    speed, wave = float(speeds.max(initial=0.0)), wave_speed(scene.finger)
     frequency = getattr(scene.motion, "frequency", 0.0)
-    found = []
+    exceeded = []
     if speed > FAST * wave:
-        found.append(
+        exceeded.append(
             f"speed / wave speed = {1e-3 * speed:.3g} / {1e-3 * wave:.3g} m/s = "
             f"{speed / wave:.2g} > {FAST:g}"
         )
     thick = frequency * scene.finger.pulp
     if thick > QUICK * wave:
-        found.append(
+        exceeded.append(
             f"frequency x thickness / wave speed = {frequency:g} Hz x {scene.finger.pulp:.3g} mm / "
             f"{1e-3 * wave:.3g} m/s = {thick / wave:.2g} > {QUICK:g}"
         )
-    if not found:
+    if not exceeded:
         return ()
-    return (f"Warning: not quasi-static, {' and '.join(found)}; inertia and waves are left out.",)
+    return (
+        f"Warning: not quasi-static, {' and '.join(exceeded)}; inertia and waves are neglected.",
+    )

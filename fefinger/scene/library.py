@@ -1,7 +1,7 @@
-"""Published parameter sets, one function per source, each with how far its digits can be trusted.
+"""Published parameter sets with their sources and confidence, one function per source.
 
-Confidence: "high" is read in the source, "medium" is quoted from memory of a widely reused value
-and has to be checked before it decides anything, "low" is a guess that fills a gap.
+Confidence: "high": read in the source. "medium": a widely reused value, quoted from memory; check
+it before relying on it. "low": an estimate that fills a gap.
 """
 
 import tomllib
@@ -40,8 +40,8 @@ class Lumped:
 class Quasistatic:
     """A row of Table 3.2: effective radius R mm, m 1/mm and b kPa/mm of t(u) (Eq. 3.11).
 
-    `b` is as printed, which is most likely c0 b, the steady-state value (the text says that c0 b
-    was fitted; only so do the tables 2.1 and 3.2 agree).
+    `b` is the printed value, most likely c0 b, the steady-state value (the text says that c0 b was
+    fitted, and tables 2.1 and 3.2 agree only in that reading).
     """
 
     radius: float
@@ -50,7 +50,7 @@ class Quasistatic:
 
 
 def pawluk_bulk() -> dict[str, Lumped]:
-    """Return Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
+    """Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
     rows = {
         "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
         "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77)),
@@ -62,7 +62,7 @@ def pawluk_bulk() -> dict[str, Lumped]:
 
 
 def pawluk_accounted() -> dict[str, tuple[float, float]]:
-    """Return VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
+    """VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
     return {
         "d.p.": (0.98, 0.99),
         "d.s.": (0.97, 0.85),
@@ -73,7 +73,7 @@ def pawluk_accounted() -> dict[str, tuple[float, float]]:
 
 
 def pawluk_relaxation() -> dict[str, Prony]:
-    """Return Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
+    """Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
     return {
         "d.p.": Prony((0.33, 0.44, 0.13, 0.10), (163, 2.8, 0.31)),
         "d.s.": Prony((0.33, 0.42, 0.16, 0.08), (256, 9.7, 0.91)),
@@ -85,7 +85,7 @@ def pawluk_relaxation() -> dict[str, Prony]:
 
 
 def pawluk_quasistatic() -> dict[str, Quasistatic]:
-    """Return Table 3.2 of the thesis: quasi-static pressure, per subject (confidence high).
+    """Table 3.2 of the thesis: quasi-static pressure, per subject (confidence high).
 
     The mean radius is 14.6 mm, the mean of the column; the thesis prints 14.
     """
@@ -100,7 +100,7 @@ def pawluk_quasistatic() -> dict[str, Quasistatic]:
 
 
 def subjects() -> tuple[str, ...]:
-    """Return the names of the thesis's subjects; f.c. has no width and thickness."""
+    """Names of the subjects of the thesis; f.c. has no width and thickness."""
     return tuple(name for name in pawluk_relaxation() if name != "means")
 
 
@@ -109,10 +109,10 @@ def subjects() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class TissueSet:
-    """Elastic properties of the two soft layers, relaxed values, with where they come from.
+    """Relaxed elastic properties of the two soft layers, with their source.
 
-    pad_radius mm and prony: those of the finger that a set was fitted to; None leaves them to the
-    subject.
+    pad_radius mm and prony belong to the finger that a set was fitted to; None: those of the
+    subject are used.
     """
 
     skin: Tissue
@@ -124,7 +124,7 @@ class TissueSet:
 
 
 def maeno1998() -> TissueSet:
-    """Return the three layers of Maeno et al. (1998), with epidermis and dermis made one skin.
+    """Layers of Maeno et al. (1998), with epidermis and dermis combined into one skin.
 
     Epidermis 136 kPa, dermis 80 kPa, subcutaneous tissue 34 kPa, all with Poisson's ratio 0.48
     (confidence medium: widely reused digits, the paper itself was not read). The skin here is one
@@ -142,7 +142,7 @@ def maeno1998() -> TissueSet:
 
 
 def dandekar2003() -> TissueSet:
-    """Return the human moduli of Dandekar et al. (2003): a stiff skin over very soft tissue.
+    """Human moduli of Dandekar et al. (2003): a stiff skin over very soft tissue.
 
     Outer layer 180 kPa, inner 18 kPa, Poisson's ratio 0.48 (confidence medium: the abstract says
     that such a contrast is needed to match the profile under a line load, the digits are quoted
@@ -157,10 +157,10 @@ def dandekar2003() -> TissueSet:
 
 
 def saal2017() -> TissueSet:
-    """Return the homogeneous tissue of TouchSim: 50 kPa and Poisson's ratio 0.4 (confidence high).
+    """Homogeneous tissue of TouchSim: 50 kPa and Poisson's ratio 0.4 (confidence high).
 
-    Read in the program's source; fitted there to a half-space without a bone, so it is the set
-    for comparisons with theory, not for a finger.
+    Read in the source code of TouchSim, where it was fitted to a half-space without bone: a set for
+    comparisons with theory, not for a finger.
     """
     return TissueSet(
         skin=Tissue(50, 0.4, 1.0),
@@ -171,7 +171,7 @@ def saal2017() -> TissueSet:
 
 
 CALIBRATED = "calibrated.json"
-"""Report of the calibrations that the sets below are from."""
+"""Report of the calibrations that gave the sets below."""
 
 _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
     "d.p.": (9.407, 6.98, 14.79, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6657)),
@@ -186,12 +186,12 @@ SKIN_RATIO = 102.4 / 34
 
 
 def calibrated_name(subject: str) -> str:
-    """Return the name of the calibrated set of a subject, as "calibrated_ah" for "a.h."."""
+    """Name of the calibrated set of a subject, such as "calibrated_ah" for "a.h."."""
     return f"calibrated_{subject.replace('.', '')}"
 
 
 def _calibrated(subject: str) -> TissueSet:
-    """Return a fit of the model (Demiray's law in both layers) to a subject, not a measurement."""
+    """Fit of the model (Demiray's law in both layers) to a subject; not a measurement."""
     modulus, exponent, radius, c, v = _FITTED[subject]
     skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
     return TissueSet(
@@ -206,19 +206,19 @@ def _calibrated(subject: str) -> TissueSet:
 
 
 def calibrated_dp() -> TissueSet:
-    """Return a fit of the model to the curves of subject d.p., not a measurement of tissue.
+    """Fit of the model to the curves of subject d.p., not a measurement of tissue.
 
-    Modulus and exponent of Demiray's law with which `solid` shows the stiffness against force of
-    Table 2.1 (confidence low: they trade against each other and against the ratio of the layers,
-    which is a prior; see `reports/calibrated.json` for the uncertainties). The relaxation is that
-    of the same table. With the finger of the subject, on the coarse mesh; at small strain the
-    exponent says nothing, and the set is too soft.
+    With modulus and exponent of Demiray's law `solid` reproduces the stiffness against force of
+    Table 2.1 (confidence low: both trade against each other and against the ratio of the layers,
+    which is a prior; `reports/calibrated.json` has the uncertainties). The relaxation is that of
+    the same table. Fitted with the finger of the subject on the coarse mesh. At small strain the
+    exponent has no effect, and the set is too soft.
     """
     return _calibrated("d.p.")
 
 
 def calibrated_ds() -> TissueSet:
-    """Return a fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
+    """Fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
 
     Fitted on the coarse mesh (confidence low).
     """
@@ -226,7 +226,7 @@ def calibrated_ds() -> TissueSet:
 
 
 def calibrated_ah() -> TissueSet:
-    """Return a fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
+    """Fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
 
     Fitted on the standard mesh (confidence low).
     """
@@ -234,7 +234,7 @@ def calibrated_ah() -> TissueSet:
 
 
 def calibrated_pw() -> TissueSet:
-    """Return a fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
+    """Fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
 
     Fitted on the coarse mesh (confidence low).
     """
@@ -258,7 +258,7 @@ def tissue_set(name: str) -> TissueSet:
     Raises
     ------
     InputError
-        A name that is not known, with the nearest one, or a file that holds no tissue set.
+        An unknown name (the message suggests the nearest one), or a file without a tissue set.
     """
     if isinstance(name, str) and name.endswith(TISSUE_FILE):
         return _tissue_file(name)
@@ -266,11 +266,11 @@ def tissue_set(name: str) -> TissueSet:
 
 
 TISSUE_FILE = ".toml"
-"""How the name of a file with a tissue set ends; `fefinger calibrate` writes them."""
+"""Suffix of files with a tissue set, which `fefinger calibrate` writes."""
 
 
 def _tissue_file(name: str) -> TissueSet:
-    """Return the tissue set of a file, as `fefinger calibrate` writes it."""
+    """Read the tissue set of a file that `fefinger calibrate` wrote."""
     try:
         table = tomllib.loads(Path(name).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -281,18 +281,18 @@ def _tissue_file(name: str) -> TissueSet:
     try:
         layers = {layer: Tissue(**table.pop(layer)) for layer in ("skin", "subcutaneous")}
         prony = table.pop("prony", None)
-        own = {"prony": None if prony is None else Prony(**prony)}
-        return TissueSet(**({"source": name, "confidence": "low"} | table | layers | own))
+        relaxation = {"prony": None if prony is None else Prony(**prony)}
+        return TissueSet(**({"source": name, "confidence": "low"} | table | layers | relaxation))
     except (KeyError, TypeError, ValueError) as error:
         msg = (
-            f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and "
-            f"perhaps pad_radius and prony in {name!r}, received {error}"
+            f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and, "
+            f"if needed, pad_radius and prony in {name!r}, received {error}"
         )
         raise InputError(msg) from None
 
 
 def _stretched_together(*layers: Tissue) -> Tissue:
-    """Return one layer that is as stiff against stretching as thin `layers` on top of each other.
+    """Return one layer with the membrane stiffness of thin `layers` on top of each other.
 
     The layers share Poisson's ratio, so the moduli average weighted by thickness.
     """
@@ -307,7 +307,7 @@ def _stretched_together(*layers: Tissue) -> Tissue:
 
 @dataclass(frozen=True)
 class Receptor:
-    """Where the end organs of one type lie: depth under the skin's surface in mm."""
+    """Depth in mm of the end organs of one type under the surface of the skin, with its source."""
 
     depth: float
     published: tuple[float, float]
@@ -316,10 +316,10 @@ class Receptor:
 
 
 def receptors() -> dict[str, Receptor]:
-    """Return the end organ of each type and its depth, with the range that is commonly quoted.
+    """End organ of each type and its depth, with the range that is commonly quoted.
 
-    No primary measurement of these depths in the human fingertip was found, so every one is a
-    user's parameter (`ask.depths`) with confidence medium at best. The effective depths of
+    We know no primary measurement of these depths in the human fingertip, so each is a parameter of
+    the user (`ask.depths`) with confidence medium at best. The effective depths of
     TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
     """
     merkel = (
@@ -341,11 +341,11 @@ def receptors() -> dict[str, Receptor]:
 
 @dataclass(frozen=True)
 class Innervation:
-    """How the units of one type supply the fingertip.
+    """Innervation of the fingertip by one afferent type.
 
-    density: units per cm². organs: smallest and largest number of end organs of a unit. field: mm,
-    diameter of the disc over which they are spread; None for one end organ. velocity: m/s of its
-    impulses in the nerve. `notes` say where each number is from and with what confidence.
+    density: units per cm². organs: smallest and largest number of end organs of a unit. field:
+    diameter in mm of the disc over which they are spread; None for one end organ. velocity: m/s of
+    the impulses in the nerve. notes: source and confidence of each number.
     """
 
     density: float
@@ -356,16 +356,16 @@ class Innervation:
 
 
 def innervation() -> dict[str, Innervation]:
-    """Return how the four types supply the fingertip.
+    """Innervation of the fingertip by the four afferent types.
 
     Densities of SAI, FAI and FAII: TouchSim (Saal et al. 2017, constants.py), confidence medium.
     Johansson & Vallbo (1979), J Physiol 286:283, give 241 per cm² for all types together; the rest,
-    6, is left to SAII, which TouchSim lacks: an inference, confidence low. Numbers of end organs:
-    Pawluk (1997), 1.1.2, from the zones of maximal sensitivity, confidence medium. Fields: 2 to 8
-    mm in diameter there, about 4 mm in a page that cites Johansson (1978); the skin spreads strain
-    beyond the end organs, so their disc is narrower by a guess, confidence low. Velocities of FAI
-    and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken to be
-    those of the fast type with fields alike, a guess, confidence low.
+    6, is assigned to SAII, which TouchSim lacks: an inference, confidence low. Numbers of end
+    organs: Pawluk (1997), 1.1.2, from zones of maximal sensitivity, confidence medium. Fields: 2 to
+    8 mm in diameter there, about 4 mm in a page that cites Johansson (1978); the skin spreads
+    strain beyond the end organs, so their disc is narrower by a guess, confidence low. Velocities
+    of FAI and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken
+    to be those of the fast type with fields alike, a guess, confidence low.
     """
     tip, near = "density: TouchSim, medium", "velocity: by analogy, low"
     read = "velocity: PMC1350502, high"

@@ -1,282 +1,173 @@
-"""What the motions share: their checks and their shapes in time, of depth in mm or force in N."""
+"""Shapes of motions in time, of depth in mm or force in N alike: numbers in, trajectories out.
 
-from dataclasses import KW_ONLY, dataclass, fields
-from functools import cached_property
+A shape has no kind and no unit of its own: the motions of `motion.py` hold one. Its messages call
+the numbers "motion.corner" and so on, as the motion does.
+"""
+
+from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from fefinger.scene.trajectory import Trajectory, Wave
-from fefinger.support.checks import InputError, number, numbers
-from fefinger.support.csv_columns import read_columns
+from fefinger.support.checks import InputError
 
 
-Array = NDArray[np.float64]
-
-LONGEST = 1e9
-"""s: a rest of thirty years, beyond which nothing is learned."""
-
-LIMITS: dict[str, dict[str, Any]] = {
-    "speed": {"above": 0, "unit": "mm/s"},
-    "loading_rate": {"above": 0, "unit": "N/s"},
-    "depth": {"above": 0, "unit": "mm"},
-    "force": {"above": 0, "unit": "N"},
-    "hold": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
-    "settle": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
-    "corner": {"at_least": 0, "unit": "s"},
-    "amplitude": {"above": 0},
-    "frequency": {"above": 0, "unit": "Hz"},
-    "cycles": {"at_least": 1},
-}
-
-CORNER = 0.01
-"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
-part of the motion is."""
-
-_AS_LONG_AS_FITS: Any = None
+Quantity = Literal["depth", "force"]
 
 
-@dataclass(frozen=True)
-class Motion:
-    """A motion of the indenter; its depth in mm or its force in N follows `trajectory`.
+class Shape(Protocol):
+    """A shape of a motion."""
 
-    Every number is checked; the messages call the fields "motion.depth" and so on.
-    """
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
 
-    kind: ClassVar[str]
-    control: ClassVar[Literal["depth", "force"]]
-
-    def __post_init__(self) -> None:
-        """Check every field, then build the trajectory."""
-        for field in fields(self):
-            limits, given = LIMITS.get(field.name), getattr(self, field.name)
-            free = field.name == "corner" and given is _AS_LONG_AS_FITS
-            if limits is not None and not free:
-                value = number(f"motion.{field.name}", given, **limits)
-                object.__setattr__(self, field.name, value)
-        if getattr(self, "corner", 0.0) is _AS_LONG_AS_FITS:
-            object.__setattr__(self, "corner", min(CORNER, *self._parts()))
-        self._check()
-
-    def _parts(self) -> tuple[float, ...]:
-        """Return what bounds a corner in s: the ramp, and what follows it."""
-        pace, level = self._leg()
-        return (level / pace,)
-
-    def _check(self) -> None:
-        """Build the trajectory, which finds corners that are too long."""
-        _ = self.trajectory
-
-    def _build(self) -> Trajectory:
-        raise NotImplementedError
-
-    def _leg(self) -> tuple[float, float]:
-        """Return the pace of the ramp and the level that it reaches."""
-        raise NotImplementedError
-
-    @cached_property
     def trajectory(self) -> Trajectory:
-        """The motion as quadratics in time."""
-        return self._build()
-
-    @property
-    def duration(self) -> float:
-        """Length of the motion in s."""
-        return self.trajectory.duration
-
-    @property
-    def peak(self) -> float:
-        """Largest depth in mm, or largest force in N."""
-        return self.trajectory.peak
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Times in s at which a derivative jumps, the start and the end among them."""
-        return self.trajectory.breaks
-
-    @property
-    def moving(self) -> tuple[tuple[float, float], ...]:
-        """Intervals (t0, t1) in s in which the depth or the force changes."""
-        return self.trajectory.moving
-
-    def value(self, t: ArrayLike) -> Array:
-        """Return the depth in mm or the force in N at the times `t` in s."""
-        value = self.trajectory.value(t)
-        # No force that is asked for is below 0 N, but a ramp back to 0 may round to one.
-        return np.maximum(value, 0.0) if self.control == "force" else value
-
-    def rate(self, t: ArrayLike) -> Array:
-        """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
-        return self.trajectory.rate(t)
+        """Return the shape as quadratics in time; InputError for numbers that do not fit."""
 
 
 @dataclass(frozen=True)
-class DepthMotion(Motion):
-    """Moved at `speed` mm/s to `depth` mm."""
+class Ramp:
+    """A ramp from rest, at `pace` per s to `level`, which ends while moving."""
 
-    control = "depth"
+    pace: float
+    level: float
+    corner: float
 
-    speed: float
-    depth: float
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s."""
+        return (self.level / self.pace,)
 
-    def _leg(self) -> tuple[float, float]:
-        return self.speed, self.depth
-
-
-@dataclass(frozen=True)
-class ForceMotion(Motion):
-    """Pushed at `loading_rate` N/s to `force` N."""
-
-    control = "force"
-
-    loading_rate: float
-    force: float
-
-    def _leg(self) -> tuple[float, float]:
-        return self.loading_rate, self.force
+    def trajectory(self) -> Trajectory:
+        """Return the ramp."""
+        times, levels = [0, self.level / self.pace], [0, self.level]
+        return Trajectory.through(times, levels, corner=self.corner, stop=False)
 
 
 @dataclass(frozen=True)
-class RampShape(Motion):
-    """A ramp from rest, which ends while moving."""
+class RampHold:
+    """A ramp at `pace` per s to `level`, and a rest of `hold` s."""
 
-    _: KW_ONLY
-    corner: float = _AS_LONG_AS_FITS
-
-    def _build(self) -> Trajectory:
-        pace, level = self._leg()
-        return Trajectory.through([0, level / pace], [0, level], corner=self.corner, stop=False)
-
-
-@dataclass(frozen=True)
-class RampHoldShape(Motion):
-    """A ramp and a rest of `hold` s."""
-
-    _: KW_ONLY
+    pace: float
+    level: float
     hold: float
-    corner: float = _AS_LONG_AS_FITS
+    corner: float
 
-    def _parts(self) -> tuple[float, ...]:
-        return (*super()._parts(), *([2 * self.hold] if self.hold else []))
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s, and twice that of the rest."""
+        return (self.level / self.pace, *([2 * self.hold] if self.hold else []))
 
-    def _build(self) -> Trajectory:
-        return _ramp_hold(*self._leg(), self.hold, self.corner)
-
-
-def _ramp_hold(pace: float, level: float, hold: float, corner: float) -> Trajectory:
-    top, rest = level / pace, hold + corner / 2
-    times, levels = ([0, top, top + rest], [0, level, level]) if rest else ([0, top], [0, level])
-    return Trajectory.through(times, levels, corner=corner, stop=False)
-
-
-@dataclass(frozen=True)
-class TrapezoidShape(Motion):
-    """A ramp, a rest of `hold` s and the same ramp back."""
-
-    _: KW_ONLY
-    hold: float
-    corner: float = _AS_LONG_AS_FITS
-
-    def _build(self) -> Trajectory:
-        pace, level = self._leg()
-        top, rest = level / pace, self.hold + self.corner
-        times, levels = [0, top, top + rest, 2 * top + rest], [0, level, level, 0]
+    def trajectory(self) -> Trajectory:
+        """Return ramp and rest."""
+        top, rest = self.level / self.pace, self.hold + self.corner / 2
+        times, levels = [0, top, top + rest], [0, self.level, self.level]
         if rest == 0:
-            times, levels = [0, top, 2 * top], [0, level, 0]
+            times, levels = times[:2], levels[:2]
+        return Trajectory.through(times, levels, corner=self.corner, stop=False)
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """A ramp at `pace` per s to `level`, a rest of `hold` s and the same ramp back to 0."""
+
+    pace: float
+    level: float
+    hold: float
+    corner: float
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s."""
+        return (self.level / self.pace,)
+
+    def trajectory(self) -> Trajectory:
+        """Return both ramps and the rest."""
+        top, rest = self.level / self.pace, self.hold + self.corner
+        times, levels = [0, top, top + rest, 2 * top + rest], [0, self.level, self.level, 0]
+        if rest == 0:
+            times, levels = [0, top, 2 * top], [0, self.level, 0]
         return Trajectory.through(times, levels, corner=self.corner, stop=True)
 
 
 @dataclass(frozen=True)
-class RampSinusoidShape(Motion):
-    """A ramp, a rest of `settle` s and a sine about that level."""
+class RampSinusoid:
+    """A ramp to a level of a quantity, a rest, and `cycles` of a sine about that level."""
 
-    _: KW_ONLY
+    quantity: Quantity
+    base: RampHold
     amplitude: float
     frequency: float
     cycles: int
-    settle: float = 0.0
-    corner: float = _AS_LONG_AS_FITS
 
-    def _parts(self) -> tuple[float, ...]:
-        rest = [2 * self.settle] if self.settle else []
-        return (*super()._parts(), self.cycles / self.frequency, *rest)
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        return (*self.base.corner_limits, self.cycles / self.frequency)
 
-    def _check(self) -> None:
-        _whole(self)
-        longest = self.cycles / self.frequency
-        if self.corner > longest:
+    def trajectory(self) -> Trajectory:
+        """Return ramp, rest and sine; InputError for a force that would pull."""
+        longest, corner, level = self.cycles / self.frequency, self.base.corner, self.base.level
+        if corner > longest:
             msg = (
                 f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
-                f"received {self.corner:g}; 0 starts it at once"
+                f"received {corner:g}; 0 starts it at once"
             )
             raise InputError(msg)
-        level = self._leg()[1]
-        if self.control == "force" and self.amplitude >= level:
+        if self.quantity == "force" and self.amplitude >= level:
             msg = (
                 f"motion.amplitude: expected less than the mean force of {level:g} N, "
                 f"received {self.amplitude:g}; a contact cannot pull"
             )
             raise InputError(msg)
-        super()._check()
-
-    def _build(self) -> Trajectory:
-        base = _ramp_hold(*self._leg(), self.settle, self.corner)
-        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
+        base = self.base.trajectory()
+        wave = Wave(base.duration, self.amplitude, self.frequency, corner)
         return base.followed_by(wave, self.cycles)
 
 
 @dataclass(frozen=True)
-class SinusoidShape(Motion):
-    """A sine from nothing to twice its amplitude, at rest at both ends."""
+class Sinusoid:
+    """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
 
     amplitude: float
     frequency: float
     cycles: int
 
-    def _check(self) -> None:
-        _whole(self)
-        super()._check()
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """None: a sine has no corners."""
+        return ()
 
-    def _build(self) -> Trajectory:
+    def trajectory(self) -> Trajectory:
+        """Return the sine."""
         wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
         return Trajectory.level(self.amplitude, wave, self.cycles)
 
 
-def _whole(motion: RampSinusoidShape | SinusoidShape) -> None:
-    """Store the number of cycles as an int, once it is a whole one."""
-    if motion.cycles != int(motion.cycles):
-        msg = f"motion.cycles: expected a whole number of cycles, received {motion.cycles:g}"
-        raise InputError(msg)
-    object.__setattr__(motion, "cycles", int(motion.cycles))
-
-
 @dataclass(frozen=True)
-class SampledMotion(Motion):
-    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
+class Samples:
+    """Values of a quantity at times in s from 0 on, with straight lines between them."""
 
+    quantity: Quantity
     time: tuple[float, ...]
-    _: KW_ONLY
-    corner: float = 0.0
+    values: tuple[float, ...]
+    corner: float
 
     @property
-    def _column(self) -> tuple[float, ...]:
-        """The depths or the forces."""
-        values: tuple[float, ...] = getattr(self, self.control)
-        return values
+    def corner_limits(self) -> tuple[float, ...]:
+        """None: the corner of samples is given, by default 0."""
+        return ()
 
-    def __post_init__(self) -> None:
-        """Check the corner, the times and the values."""
-        corner = number("motion.corner", self.corner, **LIMITS["corner"])
-        object.__setattr__(self, "corner", corner)
-        for name in ("time", self.control):
-            object.__setattr__(self, name, numbers(f"motion.{name}", getattr(self, name)))
+    def trajectory(self) -> Trajectory:
+        """Return the lines; InputError for times or values that are none of a motion."""
         self._check()
+        return Trajectory.through(self.time, self.values, corner=self.corner, stop=False)
 
     def _check(self) -> None:
-        time, values, name = self.time, self._column, self.control
+        time, values, name = self.time, self.values, self.quantity
         if len(time) != len(values) or len(time) < 2:
             msg = (
                 f"motion.{name}: expected as many values as times, at least 2, "
@@ -308,14 +199,3 @@ class SampledMotion(Motion):
                 "a contact cannot pull"
             )
             raise InputError(msg)
-        super()._check()
-
-    def _build(self) -> Trajectory:
-        return Trajectory.through(self.time, self._column, corner=self.corner, stop=False)
-
-    @classmethod
-    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
-        time, values = read_columns("motion.file", Path(file), ("time", cls.control))
-        columns: dict[str, Any] = {"time": time, cls.control: values}
-        return cls(corner=corner, **columns)

@@ -1,10 +1,9 @@
-"""Where the units of a population lie and how each is built: the table [ask.population]."""
+"""Layouts of a population of afferent units: the table [ask.population]."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from fefinger.neural.endorgans import RULES, TYPES
 from fefinger.support.checks import (
     Frozen,
     InputError,
@@ -14,29 +13,30 @@ from fefinger.support.checks import (
     numbers,
     reject_unknown,
 )
+from fefinger.support.vocabulary import RULES, TYPES
 
 
 LARGEST_RADIUS = 10.0
-"""mm: no pad is wider."""
+"""Upper bound in mm of the radius of a population; no finger pad is wider."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Units of the types in `ask.spikes`, about the first touch of the 30 degree plate.
+    """Positions of the units of the types in `ask.spikes`, relative to first touch of the plate.
 
     Parameters
     ----------
     branched
-        Whether units have the published numbers of end organs, or one each at their place.
+        True: units have the published numbers of end organs. False: one each, at their place.
     rule
-        How the currents of a unit's end organs meet: "mean", "max" or "first".
+        Combination of the currents of a unit's end organs: "mean", "max" or "first".
     distance
-        mm of nerve to where the spikes are recorded.
+        Length in mm of the nerve up to the recording site.
     spread, noise
-        Standard deviation of the logarithm of the units' gains, and of their membrane noise in
-        uA/cm²; 0: units of a type are alike, and fire the same spikes every time.
+        Standard deviations of the logarithm of the units' gains and of the membrane noise in
+        uA/cm²; 0: units of a type are identical and fire the same spikes every time.
     seed
-        Of everything that is drawn: places, end organs, gains and noise.
+        Seed of all random draws: places, end organs, gains and noise.
     """
 
     kind: ClassVar[str]
@@ -63,21 +63,23 @@ class Layout:
 
     @property
     def random(self) -> bool:
-        """Whether gains or spikes are drawn, beside the places."""
+        """True if gains or membrane noise are random (places may be as well)."""
         return self.spread > 0.0 or self.noise > 0.0
 
     def _number(self, name: str, **limits: Any) -> None:
+        """Check a field that is a number and store it as a float."""
         value = number(f"ask.population.{name}", getattr(self, name), **limits)
         object.__setattr__(self, name, value)
 
     def _point(self, name: str) -> None:
+        """Check a field that is a place (x, y) and store it as floats."""
         value = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
         object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter(Layout):
-    """Units at random within `radius` mm, at their published densities.
+    """Units at random places within `radius` mm, at their published densities.
 
     densities: units per cm² across the first touch, for the types that differ from the library.
     """
@@ -123,7 +125,7 @@ class Grid(Layout):
 
 @dataclass(frozen=True, kw_only=True)
 class Line(Layout):
-    """`count` units of each type above a straight line in x and y, from `start` to `stop` in mm."""
+    """`count` units of each type along a straight line in x and y, from `start` to `stop` (mm)."""
 
     kind = "line"
 
@@ -138,7 +140,7 @@ class Line(Layout):
         for name in ("start", "stop"):
             self._point(name)
         if self.start == self.stop:
-            msg = f"ask.population.stop: expected another place than start, received {self.stop}"
+            msg = f"ask.population.stop: expected a place other than start, received {self.stop}"
             raise InputError(msg)
         if isinstance(self.count, bool) or not isinstance(self.count, int) or self.count < 2:
             msg = f"ask.population.count: expected 2 or more places, received {self.count!r}"

@@ -1,4 +1,4 @@
-"""Reading a relief: heights on a rectangular grid, from a CSV file or an NPZ archive."""
+"""Reader of relief files: heights on a rectangular grid, as CSV or NPZ."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ COLUMNS = ("x", "y", "height")
 
 
 def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
-    """Return x (n_x,), y (n_y,) and heights (n_x, n_y) in mm of a file.
+    """Read x (n_x,), y (n_y,) and heights (n_x, n_y) in mm from a file.
 
     A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
     order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y).
@@ -35,6 +35,7 @@ def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
 
 
 def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
+    """Read x, y and heights from an NPZ archive."""
     try:
         with np.load(file, allow_pickle=False) as archive:
             x, y, height = (np.asarray(archive[name], dtype=np.float64) for name in COLUMNS)
@@ -45,6 +46,7 @@ def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
 
 
 def _table(file: Path) -> tuple[NDArray[np.float64], ...]:
+    """Read x, y and heights from a CSV file."""
     try:
         with file.open(encoding="utf-8-sig") as stream:
             head = tuple(cell.strip().lower() for cell in stream.readline().split(","))

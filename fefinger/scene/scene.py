@@ -1,22 +1,22 @@
-"""A scene: which finger, which object, how it moves, and what is asked. TOML in and out."""
+"""A scene: finger, indenter, motion and requested outputs, with conversion to and from TOML."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from fefinger.neural.endorgans import LONGEST_RUN
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.checks import InputError, number
+from fefinger.support.vocabulary import LONGEST_RUN
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """A touch, complete: what is simulated and what is asked of it.
+    """Complete description of a touch: finger, indenter, motion and requested outputs.
 
     Equal scenes are equal; `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
     """
@@ -28,7 +28,7 @@ class Scene:
     ask: Ask = field(default_factory=Ask)
 
     def __post_init__(self) -> None:
-        """Check the parts against each other."""
+        """Check the parts and their combination."""
         if not isinstance(self.name, str) or not self.name.strip() or not self.name.isprintable():
             msg = f"name: expected a name for the scene that can be printed, received {self.name!r}"
             raise InputError(msg)
@@ -43,27 +43,30 @@ class Scene:
         self._check_duration()
 
     def _check_depths(self) -> None:
+        """Check that the motion and the end organs stay within the soft tissue."""
         pulp = self.finger.pulp
         if self.motion.control == "depth" and self.motion.peak >= pulp:
             msg = (
                 f"motion.depth: expected less than {pulp:g} mm, the tissue under the pad (half the "
-                f"finger's thickness), received a largest depth of {self.motion.peak:g}"
+                f"finger's thickness), received a largest depth of {self.motion.peak:g} mm"
             )
             raise InputError(msg)
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")
 
     def _check_place(self) -> None:
+        """Check that the indenter is over the pad."""
         at = getattr(self.indenter, "at", None)
         reach = (2 * self.finger.width, self.finger.width / 2)
         if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
             msg = (
                 f"indenter.at: expected a place on the pad, x within {reach[0]:g} and y within "
-                f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches"
+                f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches the finger"
             )
             raise InputError(msg)
 
     def _check_duration(self) -> None:
+        """Check that a motion with spikes is short enough for the membranes."""
         if self.ask.spikes and self.motion.duration > LONGEST_RUN:
             msg = (
                 f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
@@ -72,14 +75,14 @@ class Scene:
             raise InputError(msg)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the scene as nested tables of plain values, as in its TOML file."""
+        """Convert to nested tables of plain values, as in a TOML file."""
         return {
             "name": self.name,
             **tables(self.finger, self.indenter, self.motion, self.ask),
         }
 
     def to_toml(self) -> str:
-        """Return the scene as TOML, with every value written out."""
+        """Convert to TOML text, with every value written out."""
         import tomli_w
 
         return tomli_w.dumps(self.to_dict())
@@ -98,5 +101,5 @@ class Scene:
 
     @classmethod
     def from_stored(cls, text: str) -> Self:
-        """Read a scene that `to_toml` wrote; the files that it names are not needed for that."""
+        """Read a scene that `to_toml` wrote, without the files that it names."""
         return cls(**parts(parse(text), None))

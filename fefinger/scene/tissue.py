@@ -1,4 +1,4 @@
-"""What the finger is made of: soft layers, and bone and nail where they are not rigid."""
+"""Material parameters of the finger: soft layers, and elastic bone and nail."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +10,7 @@ from fefinger.theory.relaxation import Prony
 
 @dataclass(frozen=True)
 class Tissue:
-    """An isotropic soft layer.
+    """Material of an isotropic soft layer.
 
     Parameters
     ----------
@@ -21,18 +21,18 @@ class Tissue:
     thickness
         Thickness of the skin in mm; None for the tissue that fills the rest of the pulp.
     law
-        Hyperelastic law at finite strain (`solid`); small strain does not tell them apart.
+        Hyperelastic law at finite strain (`solid`); at small strain all are the same.
     exponent
         b of the exponential laws, which stiffen as exp(b (I1 - 3)).
     prony
         Relaxation of this layer, where it differs from that of the finger (`solid` only).
     share
-        Part of the shear modulus that I1 carries in "mooney-rivlin", 0 to 1; by default half.
+        Fraction of the shear modulus that I1 carries in "mooney-rivlin"; by default 0.5.
 
     Raises
     ------
     InputError
-        A value that is not a finite number in its range, or that its law does not have.
+        A value that is not a finite number in its range, or a parameter of another law.
     """
 
     modulus: float
@@ -60,12 +60,11 @@ class Tissue:
             object.__setattr__(self, name, value)
 
     def _law_numbers(self) -> dict[str, float]:
+        """Check the parameters of the hyperelastic law."""
         choice("tissue.law", self.law, SHARES)
         exponential, mixed = self.law in EXPONENTIAL, self.law == "mooney-rivlin"
         if exponential and self.exponent is None:
-            msg = (
-                f"tissue.exponent: missing; expected a number, because {self.law!r} stiffens by it"
-            )
+            msg = f"tissue.exponent: missing; expected a number for the law {self.law!r}"
             raise InputError(msg)
         for name, value, fits in (
             ("exponent", self.exponent, exponential),
@@ -84,7 +83,7 @@ class Tissue:
 
 @dataclass(frozen=True)
 class Hard:
-    """A hard part of the finger, elastic and isotropic, that does not relax.
+    """Material of bone or nail: isotropic, elastic, without relaxation.
 
     Parameters
     ----------

@@ -1,16 +1,16 @@
-"""Scenes as nested tables of plain values: from TOML to the parts of a scene, and back."""
+"""Conversion between the parts of a scene and nested tables of plain values (TOML)."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import INDENTERS, Flat, Indenter, Relief
-from fefinger.scene.motion import MOTIONS, Motion, SampledMotion
+from fefinger.scene.motion import MOTIONS, ForceSampled, Motion, Sampled
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -21,8 +21,24 @@ SUBJECT = "subject"
 PARTS = ("finger", "indenter", "motion", "ask")
 
 
+class FileReader(NamedTuple):
+    """Reader of an indenter or motion from a file: function, format, other keys of the table."""
+
+    read: Callable[..., Any]
+    format: str
+    keys: tuple[str, ...]
+
+
+FROM_FILE = {
+    Relief.kind: FileReader(Relief.from_file, "CSV or NPZ", ("angle", "tilt", "roll")),
+    Sampled.kind: FileReader(Sampled.from_csv, "CSV", ("corner",)),
+    ForceSampled.kind: FileReader(ForceSampled.from_csv, "CSV", ("corner",)),
+}
+"""Kinds of indenters and motions that can be read from the `file` of their table."""
+
+
 def read(file: str | Path) -> dict[str, Any]:
-    """Return the tables of a TOML file, or raise InputError with the line that is wrong."""
+    """Read the tables of a TOML file; InputError names the invalid line."""
     try:
         text = Path(file).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -35,7 +51,7 @@ def read(file: str | Path) -> dict[str, Any]:
 
 
 def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
-    """Return the tables of TOML text, or raise InputError with the line that is wrong."""
+    """Parse the tables of TOML text; InputError names the invalid line."""
     if not text.strip():
         msg = f"{name}: empty; expected a scene with at least the tables [finger] and [motion]"
         raise InputError(msg)
@@ -47,9 +63,10 @@ def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
 
 
 def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
-    """Return the arguments of a Scene; files are looked up relative to `folder`.
+    """Convert the tables of a scene file to the arguments of a Scene.
 
-    Without a folder the tables are those that `tables` gives, with all that files decide.
+    Files are looked up relative to `folder`. None reads tables that `tables` wrote, which hold
+    every value, without the files.
     """
     reject_unknown("", table, ("name", *PARTS))
     sub = {name: _subtable(name, table) for name in PARTS}
@@ -57,17 +74,17 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
         if name not in table:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
-    found: dict[str, Any] = {
+    arguments: dict[str, Any] = {
         "finger": _stored(sub["finger"]) if folder is None else _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"], folder or Path()),
         "motion": _motion(sub["motion"], folder or Path()),
         "ask": _ask(sub["ask"]),
     }
-    return found | {key: table[key] for key in ("name",) if key in table}
+    return arguments | {key: table[key] for key in ("name",) if key in table}
 
 
 def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict[str, Any]:
-    """Return the tables that `parts` reads."""
+    """Convert the parts of a scene to the tables that `parts` reads."""
     plain = _plain(finger)
     if "subject_name" in plain:
         plain = {SUBJECT: plain.pop("subject_name"), **plain}
@@ -80,6 +97,7 @@ def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict
 
 
 def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
+    """Copy the table with the dotted name `name` out of its parent; empty where it is missing."""
     value = table.get(name.rpartition(".")[2], {})
     if not isinstance(value, Mapping):
         msg = f"{name}: expected a table [{name}], received {value!r}"
@@ -88,6 +106,7 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _finger(table: dict[str, Any], folder: Path) -> Finger:
+    """Convert the table [finger]."""
     _reject_unknown(table)
     pronies = _pronies(table)
     subject = table.pop(SUBJECT, None)
@@ -97,14 +116,15 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     tissue = table.get("tissue", "maeno1998")
     if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
         tissue = table["tissue"] = str(folder / tissue)
-    known = library.tissue_set(tissue)
+    tissues = library.tissue_set(tissue)
     for layer in ("skin", "subcutaneous"):
         if layer in table:
             given = _subtable(f"finger.{layer}", table)
             given.pop("prony", None)
-            # What stands with a layer is its own, as in Python: the rest of the finger keeps G.
-            own = pronies.get(f"finger.{layer}", getattr(known, layer).prony)
-            table[layer] = _layer(f"finger.{layer}", given, getattr(known, layer), own)
+            # A layer keeps its relaxation, as in Python; only the others take that of the finger.
+            base = getattr(tissues, layer)
+            prony = pronies.get(f"finger.{layer}", base.prony)
+            table[layer] = _layer(f"finger.{layer}", given, base, prony)
     table |= _hards(table)
     if "prony" in table:
         table["prony"] = pronies["finger"]
@@ -121,7 +141,7 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
 
 
 def _stored(table: dict[str, Any]) -> Finger:
-    """Return the finger of a table that has all its values, whose files are not needed."""
+    """Convert a complete table [finger] without reading the files that it names."""
     _reject_unknown(table)
     pronies = _pronies(table)
     for layer in ("skin", "subcutaneous"):
@@ -132,22 +152,23 @@ def _stored(table: dict[str, Any]) -> Finger:
 
 
 def _reject_unknown(table: Mapping[str, Any]) -> None:
+    """Raise InputError for an unknown key in [finger]."""
     names = [field.name for field in fields(Finger) if field.name != "subject_name"]
     reject_unknown("finger", table, (SUBJECT, *names))
 
 
-def _layer(name: str, given: dict[str, Any], known: Tissue, prony: Prony | None) -> Tissue:
-    """Return the layer `known` with the values `given` instead of its own."""
+def _layer(name: str, given: dict[str, Any], base: Tissue, prony: Prony | None) -> Tissue:
+    """Return the layer `base` with the values `given` and the relaxation `prony`."""
     reject_unknown(name, given, [field.name for field in fields(Tissue)])
     try:
-        return Tissue(**(_plain(known) | given | {"prony": prony}))
+        return Tissue(**(_plain(base) | given | {"prony": prony}))
     except InputError as error:
         msg = str(error).replace("tissue", name, 1)
         raise InputError(msg) from None
 
 
 def _hards(table: Mapping[str, Any]) -> dict[str, Hard]:
-    """Return the hard parts of a finger that are tables."""
+    """Convert [finger.bone] and [finger.nail], where they are tables."""
     given = {part: table.get(part) for part in ("bone", "nail")}
     return {
         part: _hard(f"finger.{part}", dict(values))
@@ -157,7 +178,7 @@ def _hards(table: Mapping[str, Any]) -> dict[str, Hard]:
 
 
 def _hard(name: str, given: dict[str, Any]) -> Hard:
-    """Return the hard part of a table."""
+    """Convert the table of a hard part; errors name that table."""
     try:
         return cast(Hard, _record(Hard, name, given))
     except InputError as error:
@@ -166,8 +187,8 @@ def _hard(name: str, given: dict[str, Any]) -> Hard:
 
 
 def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
-    """Return the relaxations in [finger] and in its layers, by the name of their table."""
-    found: dict[str, Prony] = {}
+    """Convert the relaxations in [finger] and its layers, by the name of their table."""
+    pronies: dict[str, Prony] = {}
     for where in ("finger", "finger.skin", "finger.subcutaneous"):
         inside = table if where == "finger" else _subtable(where, table)
         if "prony" not in inside:
@@ -180,14 +201,15 @@ def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
                 msg = f"{name}.{key}: missing; expected prony = {{c = [c0, c1, ..], v = [v1, ..]}}"
                 raise InputError(msg)
         try:
-            found[where] = Prony(given["c"], given["v"])
+            pronies[where] = Prony(given["c"], given["v"])
         except ValueError as error:
             msg = f"{where}.{error}"
             raise InputError(msg) from None
-    return found
+    return pronies
 
 
 def _ask(table: dict[str, Any]) -> Ask:
+    """Convert the table [ask]."""
     if "population" in table:
         given = _subtable("ask.population", table)
         kind = choice("ask.population.kind", given.pop("kind", Scatter.kind), LAYOUTS)
@@ -196,37 +218,35 @@ def _ask(table: dict[str, Any]) -> Ask:
 
 
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
-    kind = table.pop("kind", Flat.kind)
-    indenter = INDENTERS[choice("indenter.kind", kind, INDENTERS)]
-    if issubclass(indenter, Relief) and "file" in table:
-        reject_unknown("indenter", table, ("file", "angle", "tilt", "roll"))
-        return indenter.from_file(folder / _file("indenter", table, "CSV or NPZ"), **table)
-    return _record(indenter, "indenter", table, kind)
+    """Convert the table [indenter]."""
+    kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS)
+    return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
 
 
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
+    """Convert the table [motion]."""
     if "kind" not in table:
         msg = f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}"
         raise InputError(msg)
-    kind = table.pop("kind")
-    motion = MOTIONS[choice("motion.kind", kind, MOTIONS)]
-    if issubclass(motion, SampledMotion) and "file" in table:
-        reject_unknown("motion", table, ("file", "corner"))
-        return motion.from_csv(folder / _file("motion", table, "CSV"), **table)
-    return _record(motion, "motion", table, kind)
+    kind = choice("motion.kind", table.pop("kind"), MOTIONS)
+    return cast(Motion, _of_kind("motion", MOTIONS[kind], table, folder))
 
 
-def _file(part: str, table: dict[str, Any], format_: str) -> str:
-    """Take the name of a file out of a table."""
+def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> Any:
+    """Construct `cls` from the table of a part, or from the file that the table names."""
+    reader = FROM_FILE.get(cls.kind)
+    if reader is None or "file" not in table:
+        return _record(cls, part, table, cls.kind)
+    reject_unknown(part, table, ("file", *reader.keys))
     name = table.pop("file")
     if not isinstance(name, str):
-        msg = f"{part}.file: expected the name of a {format_} file, received {name!r}"
+        msg = f"{part}.file: expected the name of a {reader.format} file, received {name!r}"
         raise InputError(msg)
-    return name
+    return reader.read(folder / name, **table)
 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
-    """Return `cls` made of `table`, once every key is known and none is missing."""
+    """Construct `cls` from a table; InputError for an unknown or missing key."""
     reject_unknown(name, table, [field.name for field in fields(cls)])
     for field in fields(cls):
         has_default = field.default is not MISSING or field.default_factory is not MISSING
@@ -239,7 +259,7 @@ def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") ->
 
 
 def _plain(record: Any) -> dict[str, Any]:
-    """Return the fields of a record as TOML values, without those that are None or empty."""
+    """Convert the fields of a record to TOML values; fields that are None or empty are left out."""
     table: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)
@@ -257,7 +277,7 @@ def _plain(record: Any) -> dict[str, Any]:
 
 
 def keys(part: str, kind: Any) -> tuple[str, ...]:
-    """Return the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
+    """List the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
     kinds: dict[str, Mapping[str, Any]] = {
         "indenter": INDENTERS,
         "motion": MOTIONS,

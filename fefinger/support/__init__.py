@@ -1,1 +1,1 @@
-"""What every room uses: checks, names, text, files, processes and progress."""
+"""Shared utilities: input checks, text, files, cache, child processes and progress."""

@@ -1,4 +1,4 @@
-"""Files that appear complete or not at all, and a sentence where they cannot be written."""
+"""Atomic writing of files, and an error message in one sentence where writing fails."""
 
 import errno
 import os
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAVING = ".saving-"
-"""Prefix of the folders in which the files of a result are completed."""
+"""Prefix of the hidden folders in which the files of a result are completed."""
 
 FULL = errno.ENOSPC, errno.EDQUOT, errno.EFBIG
-"""What the system calls a full disk, a quota that is used up and a file that is too long."""
+"""Error numbers of a full disk, a used-up quota and a file that is too long."""
 
 
-def said(error: OSError, place: str | PathLike[str] | None = None) -> str:
-    """Return the sentence on files that could not be written to `place`, a file or a folder."""
+def write_error(error: OSError, place: str | PathLike[str] | None = None) -> str:
+    """Error message for files that could not be written to `place`, a file or a folder."""
     where = f" {str(place)!r}" if place is not None else ""
     advice = "free some space or choose another folder"
     advice = advice if error.errno in FULL else "choose another folder"
@@ -35,39 +35,39 @@ def said(error: OSError, place: str | PathLike[str] | None = None) -> str:
 
 
 @contextmanager
-def spoken(place: str | PathLike[str]) -> Iterator[None]:
-    """Turn an OSError of the work inside, which writes to `place`, into an InputError."""
+def as_input_error(place: str | PathLike[str]) -> Iterator[None]:
+    """Turn an OSError of the enclosed block, which writes to `place`, into an InputError."""
     try:
         yield
     except OSError as error:
-        raise InputError(said(error, place)) from None
+        raise InputError(write_error(error, place)) from None
 
 
 @contextmanager
 def in_place(path: str | PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name beside `path`, and move the file there once it is written.
+    """Yield a temporary name beside `path`; move the file to `path` after the enclosed block.
 
     Raises
     ------
     InputError
         A file that cannot be written; nothing is left of it.
     """
-    with spoken(path), moved(Path(path)) as new:
+    with as_input_error(path), moved(Path(path)) as new:
         yield new
 
 
 @contextmanager
 def together(folder: str | PathLike[str], texts: Mapping[str, str]) -> Iterator[None]:
-    """Write texts to files by their names in an existing folder, around the work inside.
+    """Write text files, by name, into an existing folder around an enclosed block.
 
-    All of them appear once that is done, or none.
+    All files appear after the block has finished; none appears if it fails.
 
     Raises
     ------
     InputError
-        A folder that they cannot be written to.
+        A folder that cannot be written to.
     """
-    with spoken(folder), ExitStack() as opened:
+    with as_input_error(folder), ExitStack() as opened:
         for name, text in texts.items():
             new = opened.enter_context(moved(Path(folder, name)))
             new.write_text(text, encoding="utf-8")
@@ -75,17 +75,14 @@ def together(folder: str | PathLike[str], texts: Mapping[str, str]) -> Iterator[
 
 
 def write(folder: str | PathLike[str], texts: Mapping[str, str]) -> None:
-    """Write texts as `together`, and nothing else."""
+    """Write text files, by name, into an existing folder: all of them or none."""
     with together(folder, texts):
         pass
 
 
 @contextmanager
 def moved(path: Path) -> Iterator[Path]:
-    """Give a temporary name beside `path`, and move the file there once it is written.
-
-    Raises OSError where it cannot be written; `in_place` turns that into a sentence.
-    """
+    """Yield a temporary name beside `path`, as `in_place`, but raise OSError on failure."""
     new = path.with_name(f".{path.stem}.{os.getpid()}.new{path.suffix}")
     with on_end(lambda: new.unlink(missing_ok=True)):
         try:
@@ -100,9 +97,10 @@ def moved(path: Path) -> Iterator[Path]:
 def temporary_folder(
     inside: str | PathLike[str] | None = None, prefix: str = "fefinger-"
 ) -> Iterator[Path]:
-    """Yield a new folder, by default in the system's place for them, and remove it afterwards.
+    """Yield a new folder and remove it after the enclosed block.
 
-    It is also removed when a signal ends the process (`interrupt`).
+    It lies in `inside`, by default in the temporary folder of the system. It is also removed when a
+    signal ends the process (`interrupt`).
     """
     path = Path(inside or tempfile.gettempdir(), f"{prefix}{secrets.token_hex(6)}")
     with on_end(lambda: remove_folder(path)):
@@ -114,10 +112,10 @@ def temporary_folder(
 
 
 @contextmanager
-def kept_apart(target: Path) -> Iterator[Path]:
-    """Yield a hidden folder in `target` to fill before files are moved up; it is then removed.
+def scratch_folder(target: Path) -> Iterator[Path]:
+    """Yield a hidden folder inside `target`, on the same file system, and remove it afterwards.
 
-    Those that killed processes left in `target` are removed too: one is locked as long as the
+    Scratch folders of processes that were killed are removed too: a folder is locked as long as the
     process that fills it lives. (On Windows, which has no such locks, they stay.)
     """
     for left in target.glob(f"{SAVING}*"):
@@ -135,7 +133,7 @@ def kept_apart(target: Path) -> Iterator[Path]:
 
 
 def _lock(folder: Path) -> int | None:
-    """Return the open handle of a folder that is locked by it; None where it cannot be."""
+    """Lock a folder and return the open handle that holds the lock; None where that fails."""
     handle = None
     with suppress(OSError, ImportError):
         import fcntl  # not on Windows
@@ -149,8 +147,8 @@ def _lock(folder: Path) -> int | None:
 
 
 def remove_folder(path: Path) -> None:
-    """Remove a folder and all that is in it, also while another thread still writes there."""
-    for _ in range(10):
+    """Remove a folder with its contents, also while another thread still writes there."""
+    for _ in range(10):  # a file written during the removal makes rmtree leave the folder
         shutil.rmtree(path, ignore_errors=True)
         if not path.exists():
             return

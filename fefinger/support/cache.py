@@ -1,7 +1,7 @@
-"""The user's cache: meshes, operators, patches, presses that were made once and are used again.
+"""The user's cache of meshes, operators, patches and presses, which any process may share.
 
-What is in it appears complete or not at all, and leaves at once: whoever reads it while it is
-removed keeps what is open, and whoever comes later makes it anew.
+An entry appears complete or not at all and is removed at once: a process that reads it meanwhile
+keeps its open files, and a later one builds the entry again.
 """
 
 import json
@@ -19,11 +19,11 @@ from fefinger.support.interrupt import on_end, shielded
 
 KINDS = ("meshes", "operators", "patches", "presses")
 LIMITS_MB = {"operators": 10_000, "patches": 2000}
-"""What a kind may take, beyond which the least recently used of it goes: an operator is kept for
-every finger, a patch for every indenter and set of end organs."""
+"""Limits in MB by kind; beyond them the least recently used entries are removed. There is an
+operator per finger, and a patch per indenter and set of end organs."""
 
 ABANDONED = 24 * 3600.0
-"""Age in s of a part that was never finished, after which nobody is writing it any more."""
+"""Age in s from which an unfinished entry counts as abandoned by its process."""
 
 DAY = 24 * 3600.0
 
@@ -32,7 +32,7 @@ BUILDING, LEAVING = ".building-", ".leaving-"
 
 @dataclass(frozen=True)
 class Entry:
-    """Something kept: its kind, what it is, its files or folder, bytes, and when it was used."""
+    """One cached item: kind, description, files or folder, size in bytes, time of last use."""
 
     kind: str
     what: str
@@ -42,39 +42,39 @@ class Entry:
 
 
 def root() -> Path:
-    """Return the folder of the cache."""
+    """Folder of the cache."""
     from platformdirs import user_cache_path
 
     return user_cache_path("fefinger")
 
 
 def entries() -> tuple[Entry, ...]:
-    """Return all that is kept, by kind and the last used first; and what was never finished."""
-    found = [entry for kind in KINDS for entry in _kept(kind)]
-    return tuple(sorted(found, key=lambda entry: (entry.kind, -entry.used)))
+    """All entries, finished or not, by kind and the last used first."""
+    unsorted = [entry for kind in KINDS for entry in _entries(kind)]
+    return tuple(sorted(unsorted, key=lambda entry: (entry.kind, -entry.used)))
 
 
 def remove(chosen: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Remove entries, and return those that could be."""
-    return tuple(entry for entry in chosen if all([_gone(path) for path in entry.paths]))
+    """Remove entries and return those whose removal succeeded."""
+    return tuple(entry for entry in chosen if all([_removed(path) for path in entry.paths]))
 
 
 def unused(days: float) -> tuple[Entry, ...]:
-    """Return what has not been used for so many days, and what was abandoned."""
+    """Entries that were not used for `days` days, and abandoned ones."""
     now = time.time()
     least = {True: ABANDONED, False: days * DAY}
     return tuple(e for e in entries() if now - e.used >= least[e.what == UNFINISHED])
 
 
 def touch(place: Path) -> None:
-    """Note that an entry is used."""
+    """Set the time of last use of an entry to now."""
     with suppress(OSError):
         os.utime(place)
 
 
 @contextmanager
 def appearing(place: Path) -> Iterator[Path]:
-    """Yield a folder to fill, which then appears in its place, unless another did before."""
+    """Yield a folder to fill and rename it to `place` afterwards, unless `place` exists by then."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with temporary_folder(place.parent, BUILDING) as path:
         yield path
@@ -84,11 +84,11 @@ def appearing(place: Path) -> Iterator[Path]:
 
 @contextmanager
 def alone(place: Path, waiting: Callable[[], object] = lambda: None) -> Iterator[None]:
-    """Let only one process at a time, and one thread of it, make what is to be at a place.
+    """Hold a lock so that one thread of one process at a time builds the entry at `place`.
 
-    Others wait, and then should look whether it is there; `waiting` is called before. The system
-    gives up the lock of a process that ends in any way. Where there are no locks, or the cache
-    cannot be written, nobody waits.
+    Others call `waiting`, wait, and should then look whether the entry exists. The system releases
+    the lock of a process that ends in any way. Without locks, or in a cache that cannot be written,
+    nobody waits.
     """
     path = place.with_name(f"{BUILDING}{place.stem}.lock")
     handle = None
@@ -109,9 +109,9 @@ def alone(place: Path, waiting: Callable[[], object] = lambda: None) -> Iterator
 
 
 def _locked(path: Path, waiting: Callable[[], object]) -> int | None:
-    """Return the handle of a file that is locked; None if who held it took it away meanwhile.
+    """Lock a file and return its handle; None if the holder before deleted the file meanwhile.
 
-    Raises OSError or ImportError where there is no lock to be had.
+    Raises OSError or ImportError where the system gives no lock.
     """
     import fcntl  # not on Windows
 
@@ -133,11 +133,11 @@ def _locked(path: Path, waiting: Callable[[], object]) -> int | None:
 
 
 def limit(kind: str) -> None:
-    """Remove what was used least recently of a kind, until the rest takes no more than it may.
+    """Remove the least recently used entries of a kind until the rest is within LIMITS_MB.
 
-    The last used stays in any case, and what is being made.
+    The last used entry and unfinished ones stay in any case.
     """
-    finished = [entry for entry in _kept(kind) if entry.what != UNFINISHED]
+    finished = [entry for entry in _entries(kind) if entry.what != UNFINISHED]
     total = 0
     for number, entry in enumerate(sorted(finished, key=lambda entry: -entry.used)):
         total += entry.size
@@ -148,24 +148,24 @@ def limit(kind: str) -> None:
 UNFINISHED = "unfinished"
 
 
-def _kept(kind: str) -> Iterator[Entry]:
-    """Yield what is kept of a kind: folders, and files that go together, whole or damaged."""
+def _entries(kind: str) -> Iterator[Entry]:
+    """Yield the entries of one kind, whole or damaged."""
     for paths in _together(root() / kind):
         with suppress(OSError):  # removed by another process in the meantime
             first, size = paths[0], sum(_size(path) for path in paths)
             used = max(path.stat().st_mtime for path in paths)
-            what = UNFINISHED if first.name.startswith(".") else _told(first)
+            what = UNFINISHED if first.name.startswith(".") else _description(first)
             yield Entry(kind, what, paths, size, used)
 
 
 def _together(folder: Path) -> Iterator[tuple[Path, ...]]:
-    """Yield each folder and file in a folder, a mesh with its sidecar first; none if unreadable."""
-    found: dict[str, list[Path]] = {}
+    """Yield the paths of each entry in a folder: one, or a mesh and its sidecar (first)."""
+    groups: dict[str, list[Path]] = {}
     with suppress(OSError):
         for path in sorted(folder.iterdir()):
             alone = path.name.startswith(".") or path.suffix not in (".json", ".vtu")
-            found.setdefault(path.name if alone else f"{path.stem}.vtu", []).append(path)
-    yield from map(tuple, found.values())
+            groups.setdefault(path.name if alone else f"{path.stem}.vtu", []).append(path)
+    yield from map(tuple, groups.values())
 
 
 def _size(path: Path) -> int:
@@ -174,10 +174,10 @@ def _size(path: Path) -> int:
     return sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
 
 
-def _told(path: Path) -> str:
-    """Return what a mesh (by its sidecar) or an operator (by its folder) is of.
+def _description(path: Path) -> str:
+    """Describe a mesh (from its sidecar) or an operator (from its folder).
 
-    Patches and presses have nothing to say, nor has what is damaged.
+    The text is empty for patches, presses and damaged entries.
     """
     try:
         if path.suffix == ".json":
@@ -192,8 +192,8 @@ def _told(path: Path) -> str:
         return ""
 
 
-def _gone(path: Path) -> bool:
-    """Take a file or folder out of the cache at once, then delete it; return whether it went."""
+def _removed(path: Path) -> bool:
+    """Move a file or folder out of the cache, then delete it; True if it is no longer there."""
     if not path.is_dir():
         with suppress(OSError):
             path.unlink()

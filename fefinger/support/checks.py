@@ -1,4 +1,4 @@
-"""Input checks that speak in sentences: what was expected, what was received, what to do."""
+"""Input checks whose errors say what was expected, what was received and what to do."""
 
 import difflib
 import math
@@ -8,15 +8,15 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Input that cannot be used; the message names the field, the expectation and what came."""
+    """Invalid input; the message names the field, the expected and the received value."""
 
 
 class ConvergenceError(RuntimeError):
-    """An iteration that failed; the message says what was asked, what was reached, what to try."""
+    """An iteration that failed; the message gives target, state reached and what to try."""
 
 
 class Stopped(ConvergenceError):
-    """A run that had to stop; `reached` is the Response or Result of what came before."""
+    """A run that stopped early; `reached` is the Response or Result up to that point."""
 
     def __init__(self, message: str, reached: Any) -> None:
         super().__init__(message)
@@ -59,23 +59,23 @@ def number(
 
 def nearest(name: str, options: Iterable[str]) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string."""
-    known = {option.lower(): option for option in options}
-    close = difflib.get_close_matches(str(name).lower(), list(known), n=1, cutoff=0.5)
-    return f" Did you mean {known[close[0]]!r}?" if close else ""
+    by_lower_case = {option.lower(): option for option in options}
+    close = difflib.get_close_matches(str(name).lower(), list(by_lower_case), n=1, cutoff=0.5)
+    return f" Did you mean {by_lower_case[close[0]]!r}?" if close else ""
 
 
 def choice(name: str, value: Any, options: Iterable[str]) -> str:
     """Return `value` if it is one of `options`, or raise InputError with the nearest of them."""
-    known = list(options)
-    if value not in known:
-        listed = ", ".join(repr(option) for option in known)
-        message = f"{name}: expected one of {listed}, received {value!r}.{nearest(value, known)}"
+    allowed = list(options)
+    if value not in allowed:
+        listed = ", ".join(repr(option) for option in allowed)
+        message = f"{name}: expected one of {listed}, received {value!r}.{nearest(value, allowed)}"
         raise InputError(message)
     return str(value)
 
 
 def repeated(values: Iterable[str]) -> list[str]:
-    """Return, once each and in their order, the values that stand more than once."""
+    """Values that occur more than once, each listed once, in their order."""
     return [value for value, count in Counter(values).items() if count > 1]
 
 
@@ -87,7 +87,7 @@ def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
         received = f"{', '.join(twice)} more than once" if twice else repr(values)
         message = (
             f"{field}: expected a list of strings, no two alike, received {received}; give each "
-            "a name of its own"
+            "a different name"
         )
         raise InputError(message)
     return result
@@ -103,12 +103,12 @@ def flag(name: str, value: Any) -> bool:
 
 def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) -> None:
     """Raise InputError for the first key that is not among `options`, with the nearest name."""
-    known = list(options)
+    allowed = list(options)
     for key in keys:
-        if key not in known:
+        if key not in allowed:
             where = f" in [{table}]" if table else ""
-            listed = ", ".join(known)
-            message = f"{key}: unknown key{where}.{nearest(key, known)} Known keys: {listed}"
+            listed = ", ".join(allowed)
+            message = f"{key}: unknown key{where}.{nearest(key, allowed)} Known keys: {listed}"
             raise InputError(message)
 
 
@@ -129,11 +129,11 @@ def numbers(
 
 def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
     """Return `values` as a tuple of different strings, all of them among `options`."""
-    known = list(options)
+    allowed = list(options)
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        msg = f"{name}: expected a list out of {', '.join(known)}, received {values!r}"
+        msg = f"{name}: expected a list out of {', '.join(allowed)}, received {values!r}"
         raise InputError(msg)
-    result = tuple(choice(f"{name}[{i}]", value, known) for i, value in enumerate(values))
+    result = tuple(choice(f"{name}[{i}]", value, allowed) for i, value in enumerate(values))
     if len(set(result)) != len(result):
         msg = f"{name}: expected every name once, received {list(result)}"
         raise InputError(msg)
@@ -141,10 +141,10 @@ def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
 
 
 class Frozen(Mapping[str, Any]):
-    """A mapping that cannot be changed, equal to a dict of the same items.
+    """An immutable mapping, equal to a dict of the same items.
 
-    Unlike a MappingProxyType it can be pickled, as scenes are on their way to other processes, and
-    follows no dict that someone else still holds.
+    Unlike a MappingProxyType it can be pickled, which scenes need on their way to other processes,
+    and it copies its items, so that later changes of the original dict do not show.
     """
 
     __slots__ = ("_items",)

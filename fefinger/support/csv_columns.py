@@ -11,12 +11,12 @@ UNITS = {"time": "s", "depth": "mm", "force": "N"}
 
 
 def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], ...]:
-    """Return two columns of a CSV file whose first line has `names`, if need be with their UNITS.
+    """Read two columns of a CSV file whose header has `names`, alone or followed by their UNITS.
 
     Raises
     ------
     InputError
-        A file that cannot be read or used; the message calls it `field`.
+        A file that cannot be read or used; the message names it `field`.
     """
     try:
         with file.open(newline="", encoding="utf-8-sig") as stream:
@@ -44,5 +44,5 @@ def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[
 
 
 def _named(head: str, name: str) -> bool:
-    """Return whether the head of a column is a name, alone or with its unit behind."""
+    """Return whether the header of a column is `name`, alone or followed by its unit."""
     return bool(re.fullmatch(rf"{name}([^a-z0-9]+{UNITS[name].lower()})?[^a-z0-9]*", head))

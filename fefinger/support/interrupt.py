@@ -1,4 +1,4 @@
-"""Ctrl-C (SIGINT), SIGTERM and SIGHUP end the command line at once and leave nothing behind.
+"""Signal handling of the command line: SIGINT, SIGTERM and SIGHUP clean up and end the process.
 
 Python raises KeyboardInterrupt wherever the main thread happens to be. Inside numba, VTK, HDF5, a
 callback or a destructor that is a crash, a stray message, or lost. So the command line blocks these
@@ -25,7 +25,7 @@ PATIENCE: Final = 5.0
 """Seconds that the watcher waits for files that are being moved into place."""
 
 NAMES: Final = {"SIGINT": MESSAGE, "SIGTERM": "terminated; nothing was left half-written"}
-"""Signals that end the process, and what it then says; SIGHUP has nobody left to read it."""
+"""Signals that end the process, with the message; after SIGHUP there is no terminal to read one."""
 
 _actions: dict[object, Callable[[], object]] = {}
 _advice: list[str] = []
@@ -46,10 +46,10 @@ def interruptible(work: Callable[[], int]) -> int:
             pass
 
 
-def watch(said: dict[str, str] | None = None) -> None:
+def watch(messages: dict[str, str] | None = None) -> None:
     """Block the signals in this thread and those it starts, and start the watcher.
 
-    `said` has a sentence per signal name for standard error; by default nothing is printed.
+    `messages` are printed on standard error, by signal name; by default nothing is printed.
     Signals that were ignored at the start, as under nohup, are still ignored.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
@@ -73,7 +73,7 @@ def watch(said: dict[str, str] | None = None) -> None:
         number = 0
         while number not in taken:  # the handlers of others write their signals too
             number = os.read(reader, 1)[0]
-        _end(number, said or {})
+        _end(number, messages or {})
 
     for target in (forward, read):
         threading.Thread(target=target, name="signals", daemon=True).start()
@@ -87,9 +87,10 @@ def unblock() -> None:
 
 @contextmanager
 def on_end(action: Callable[[], object]) -> Iterator[None]:
-    """Have `action` called if a signal ends the process during the work inside, the last first.
+    """Register `action` to run if a signal ends the process during the enclosed block.
 
-    It runs in the watcher thread while the work goes on, and its exceptions are ignored.
+    Actions run in the watcher thread, the last registered first, while the work goes on; their
+    exceptions are ignored.
     """
     key = object()
     with _lock:
@@ -103,7 +104,7 @@ def on_end(action: Callable[[], object]) -> Iterator[None]:
 
 @contextmanager
 def advice(text: str) -> Iterator[None]:
-    """Say this instead of "nothing was left half-written" if a signal ends the work inside."""
+    """Replace "nothing was left half-written" in the message of a signal during the block."""
     _advice.append(text)
     try:
         yield
@@ -112,7 +113,7 @@ def advice(text: str) -> Iterator[None]:
 
 
 def shielded() -> AbstractContextManager[object]:
-    """Return a context that a signal does not end before its few milliseconds are over."""
+    """Context of a few milliseconds during which a signal does not end the process."""
     return _lock
 
 
@@ -120,14 +121,14 @@ def _signals() -> set[signal.Signals]:
     return {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
-def _end(number: int, said: dict[str, str]) -> None:
-    """End the process: clean up, print the sentence of the signal, and leave with its status."""
+def _end(number: int, messages: dict[str, str]) -> None:
+    """Clean up, print the message of the signal and exit with status 128 + number."""
     _lock.acquire(timeout=PATIENCE)  # and never released: no other thread registers or moves
     screen = _silence()
     for action in reversed(tuple(_actions.values())):
         with suppress(Exception):
             action()
-    sentence = said.get(signal.Signals(number).name, "")
+    sentence = messages.get(signal.Signals(number).name, "")
     if sentence:
         if _advice:
             sentence = f"{sentence.partition(';')[0]}; {_advice[-1]}"
@@ -139,7 +140,7 @@ def _end(number: int, said: dict[str, str]) -> None:
 
 
 def _silence() -> int:
-    """Return a copy of standard error, and let what other threads still print go nowhere."""
+    """Redirect standard error to the null device, for other threads; return a copy of it."""
     with suppress(OSError, ValueError):
         sys.stderr.flush()
     try:

@@ -1,4 +1,4 @@
-"""Files and folders that answers are written to, checked before work starts."""
+"""Checks of output files and folders before a computation starts."""
 
 import os
 import tempfile
@@ -12,14 +12,14 @@ from fefinger.support.interrupt import on_end
 
 
 def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
-    """Raise InputError if a file that the user gave as `option` ends otherwise than in `ending`."""
+    """Raise InputError unless the file given as `option` has the suffix `ending`."""
     if Path(path).suffix.lower() != ending:
         message = f"{option}: expected a file that ends in {ending}, received {Path(path).name!r}"
         raise InputError(message)
 
 
 def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Path:
-    """Return the file that the user gave as `option`, its folder created; InputError otherwise."""
+    """Check the file given as `option` and create its folder; InputError where it is unusable."""
     if ending:
         check_ending(path, option, ending)
     if Path(path).is_dir():
@@ -30,9 +30,11 @@ def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Pat
 
 
 def output_folder(folder: str | PathLike[str]) -> Path:
-    """Create `folder` if needed and return it; InputError when files cannot be written there."""
+    """Create `folder` if needed and return it; InputError where files cannot be written to it."""
     if not os.fspath(folder).strip():
-        message = "output folder: expected a name, received an empty one; this folder is called ."
+        message = (
+            "output folder: expected a name, received an empty one; write . for the current one"
+        )
         raise InputError(message)
     path = Path(folder)
     advice = "choose another"
@@ -55,7 +57,7 @@ def output_folder(folder: str | PathLike[str]) -> Path:
 
 @contextmanager
 def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
-    """Create a folder as `output_folder` for the work inside; an error leaves no empty one."""
+    """Create an output folder for the enclosed block; after an error remove it if it is empty."""
     if folder is None:
         yield None
         return

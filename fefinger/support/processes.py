@@ -1,8 +1,8 @@
-"""Child processes of Python that import what this process does, and that end with it.
+"""Child processes of Python with the import path of this process, which end when it ends.
 
-`each` is a pool of them. It is not that of `concurrent.futures`, because its processes need a guard
-in the script that starts them, one that dies takes the others with it, and its semaphores outlive a
-process that is ended at once.
+`each` is a process pool. That of `concurrent.futures` is not used: its processes need a guard in
+the script that starts them, one that dies breaks the pool, and its semaphores outlive a process
+that exits at once.
 """
 
 import contextlib
@@ -31,19 +31,19 @@ GRACE = 2.0
 
 
 def command(*words: str) -> list[str]:
-    """Return the command of one: this Python, that takes nothing from the folder it starts in."""
+    """Command line of a child: this Python, without its working folder on the import path."""
     return [sys.executable, "-P", *words]
 
 
 def environment() -> dict[str, str]:
-    """Return its environment: this one's, with what this process imports from."""
+    """Environment of a child: that of this process, with its import path in PYTHONPATH."""
     path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
     return {**os.environ, "PYTHONPATH": path}
 
 
 @contextmanager
 def running(words: Sequence[str], **options: Any) -> "Iterator[subprocess.Popen[Any]]":
-    """Start a child process, by the options of `subprocess.Popen`, and end it after the work.
+    """Start a child process with options of `subprocess.Popen`; end it after the enclosed block.
 
     It also ends when a signal ends this process.
     """
@@ -58,7 +58,7 @@ def running(words: Sequence[str], **options: Any) -> "Iterator[subprocess.Popen[
 
 
 def end(*processes: "subprocess.Popen[Any]") -> None:
-    """End processes: SIGTERM, so that they can clean up, and SIGKILL after GRACE seconds."""
+    """Send SIGTERM, so that processes can clean up, and SIGKILL after GRACE seconds."""
     for process in processes:
         with suppress(OSError):
             process.terminate()
@@ -75,48 +75,48 @@ def end(*processes: "subprocess.Popen[Any]") -> None:
 
 
 class Died(Exception):
-    """A worker that ended before it had answered; `status` is its exit status."""
+    """A worker process that ended before it returned its result; `status` is its exit status."""
 
     def __init__(self, status: int) -> None:
         super().__init__(
-            f"the process that answered it ended with status {status}; -9 often means that memory "
-            "ran out: take fewer --workers or a coarser mesh (finger.resolution)"
+            f"the worker process ended with status {status}; -9 often means that memory ran out: "
+            "use fewer --workers or a coarser mesh (finger.resolution)"
         )
         self.status = status
 
 
 class Worker:
-    """A process that calls one function after the other, started again when it has died."""
+    """A child process that evaluates function calls, restarted after it has died."""
 
     def __init__(self) -> None:
         self._opened = ExitStack()
         self._process = self._started()
 
     def call(self, function: Callable[[Item], Value], item: Item) -> Value:
-        """Return `function(item)`; both are pickled, so the function is one of a module.
+        """Evaluate `function(item)` in the child; the function must be picklable, as in a module.
 
-        Raises what it raises, and Died where the process ends meanwhile.
+        Raises what the function raises, and Died where the process ends meanwhile.
         """
         if self._process.poll() is not None:
             self._process = self._started()
-        given, told = self._process.stdin, self._process.stdout
-        assert given is not None
-        assert told is not None
+        requests, replies = self._process.stdin, self._process.stdout
+        assert requests is not None
+        assert replies is not None
         with suppress(OSError, EOFError, pickle.UnpicklingError):
-            pickle.dump((function, item), given)
-            given.flush()
-            done, value = pickle.load(told)
+            pickle.dump((function, item), requests)
+            requests.flush()
+            done, value = pickle.load(replies)
             if done:
                 return value
             raise value
         raise Died(self._process.wait())
 
     def end(self) -> None:
-        """End the process, whatever it is doing."""
+        """End the process, also during a call."""
         self._opened.close()
 
     def _started(self) -> "subprocess.Popen[bytes]":
-        """Start a process in place of the one before; Ctrl-C in a terminal does not reach it."""
+        """Start a process in place of the last one, in a session that Ctrl-C does not reach."""
         self._opened.close()
         return self._opened.enter_context(
             running(
@@ -130,9 +130,9 @@ class Worker:
 
 
 def serve() -> None:
-    """Be a Worker: answer calls from standard input, and end when that is closed.
+    """Run the main loop of a worker process: evaluate calls from standard input until it is closed.
 
-    It is when the parent is gone, however that ended. Other prints go to standard error.
+    The system closes it when the parent ends in any way. What a call prints goes to standard error.
     """
     interrupt.watch()
     calls: SimpleQueue[tuple[Callable[[Any], Any], Any]] = SimpleQueue()
@@ -149,21 +149,21 @@ def serve() -> None:
         while True:
             function, item = calls.get()
             try:
-                told = pickle.dumps((True, function(item)))
+                reply = pickle.dumps((True, function(item)))
             except Exception as error:
-                told = pickle.dumps((False, error))
+                reply = pickle.dumps((False, error))
             with suppress(BrokenPipeError):  # the parent is gone
-                out.write(told)
+                out.write(reply)
                 out.flush()
 
 
 def each(
     function: Callable[[Item], Value], items: Sequence[Item], workers: int
 ) -> Iterator[tuple[int, Value | Died]]:
-    """Give the number of every item and `function(item)`, as they come, from so many processes.
+    """Evaluate `function` for all items in `workers` processes; yield (index, value) as they come.
 
-    Died stands for the value of an item on which a process ended; another exception of the function
-    ends all of them and is raised here.
+    The value is a Died where the process ended; any other exception of the function ends all
+    processes and is raised here.
     """
     team = [Worker() for _ in range(min(workers, len(items)))]
     free: SimpleQueue[Worker] = SimpleQueue()
@@ -191,5 +191,5 @@ def each(
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Count the processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""Stages of long work: their wall time, their memory, and their progress."""
+"""Wall time, peak memory and progress reports of the stages of a computation."""
 
 import sys
 import time
@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class Progress(Protocol):
-    """What long work reports to: a stage by name, and the fraction of it that is done."""
+    """Callback for progress: the name of a stage and the fraction of it that is done."""
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Report that `fraction` (0 to 1) of `stage` is done."""
@@ -24,7 +24,7 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Callable[[float], None]]:
-        """Time a stage; yields a function that takes the fraction done."""
+        """Time a stage; yield a function that reports the fraction done."""
 
         def report(fraction: float) -> None:
             if self._progress is not None:
@@ -42,12 +42,14 @@ class Stages:
     @property
     def memory(self) -> str:
         """The peak memory of the process by the end of every stage, in words."""
-        told = [f"{name} {peak:.0f}" for name, peak in self.megabytes.items()]
-        return f"peak of the process in MB, by stage: {', '.join(told)}" if told else "not measured"
+        peaks = [f"{name} {peak:.0f}" for name, peak in self.megabytes.items()]
+        if not peaks:
+            return "not measured"
+        return f"peak of the process in MB, by stage: {', '.join(peaks)}"
 
 
 def peak_memory() -> float | None:
-    """Return the peak memory of the process so far in MB; None where the system does not tell."""
+    """Peak memory of the process so far in MB; None on systems that do not report it."""
     try:
         import resource
     except ImportError:  # Windows

@@ -1,4 +1,4 @@
-"""What made a result: version, commit, libraries, system and date."""
+"""Provenance of a result: version, commit, libraries, system and date."""
 
 import subprocess
 from functools import cache
@@ -12,21 +12,23 @@ PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
 
 @cache
 def commit() -> str:
-    """Return the commit of the source tree that runs; empty where it is in no repository.
+    """Git commit of the source tree that runs; empty where that is not a repository.
 
-    One that has the program installed somewhere inside is not meant.
+    A repository that only contains an installation of the program does not count.
     """
     tree = Path(__file__).resolve().parents[2]
     try:
-        found = _git(tree, "rev-parse", "--show-toplevel")
-        known = found and Path(found).resolve() == tree
-        return _git(tree, "describe", "--always", "--dirty") if known else ""
+        top = _git(tree, "rev-parse", "--show-toplevel")
+        is_repository = top and Path(top).resolve() == tree
+        return _git(tree, "describe", "--always", "--dirty") if is_repository else ""
     except OSError:  # no git
         return ""
 
 
-def _git(tree: Path, *asked: str) -> str:
-    done = subprocess.run(["git", *asked], cwd=tree, capture_output=True, text=True, check=False)
+def _git(tree: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        ["git", *arguments], cwd=tree, capture_output=True, text=True, check=False
+    )
     return done.stdout.strip()
 
 

@@ -1,17 +1,13 @@
-"""Text for a reader of the console or of a message: tables, and the ladder of a plan."""
+"""Formatting of tables, numbers, times and JSON for the console, messages and reports."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
-
-
-if TYPE_CHECKING:
-    pass
+from typing import Any
 
 
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
-    """Return rows of text in columns that are as wide as their widest entry."""
+    """Format rows as aligned columns."""
     every = [list(heading), *rows] if heading else list(rows)
     widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
     lines = [
@@ -22,12 +18,12 @@ def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
 
 
 def strict_json(record: Any) -> str:
-    """Return a record as JSON, which has no numbers that are not finite: null stands for them."""
+    """Format a record as strict JSON: numbers that are not finite become null."""
     return json.dumps(finite(record), indent=2, allow_nan=False)
 
 
 def finite(value: Any) -> Any:
-    """Return values as JSON has them, with None for numbers that are not finite."""
+    """Convert nested values for JSON: tuples to lists, numbers that are not finite to None."""
     if isinstance(value, Mapping):
         return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -36,7 +32,7 @@ def finite(value: Any) -> Any:
 
 
 def plain(text: str) -> float | str:
-    """Return the number that a text is, also one that is none in TOML (".3"), or else the text."""
+    """Convert a text to a number where it is one, also where TOML allows none (".3")."""
     try:
         return float(text)
     except ValueError:
@@ -44,31 +40,31 @@ def plain(text: str) -> float | str:
 
 
 def shown(unit: str) -> str:
-    """Return a unit as it stands beside a number: nothing where it is 1."""
+    """Text of a unit behind a number: empty for the unit "1"."""
     return "" if unit == "1" else unit
 
 
 def percent(error: float) -> str:
-    """Return an error in percent, a dash where it is not known."""
+    """Format an error in percent; a dash where it is unknown (nan)."""
     if math.isnan(error):
         return "-"
     return f"{float(f'{100 * error:.2g}'):g} %" if error < 10 else "no limit"
 
 
 def beyond(value: float, limit: float, unit: str = "") -> str:
-    """Return two values, the first above the second, with as many digits as show that it is."""
+    """Format "value > limit" with enough digits to show that the value is above the limit."""
     shown = (float(f"{value:.{digits}g}") for digits in range(2, 18))
     return f"{next((x for x in shown if x > limit), value):.6g}{unit} > {limit:g}{unit}"
 
 
 def brief(message: str) -> str:
-    """Return the first and the last line of a message that may have a table between them."""
+    """Shorten a message with a table in it to its first and last lines."""
     lines = message.splitlines()
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that reads best, a dash where it is not known."""
+    """Format a time in ms, s, min or h; a dash where it is unknown (nan)."""
     if math.isnan(seconds):
         return "-"
     for limit, scale, unit in ((0.95, 1e3, "ms"), (95, 1, "s"), (5700, 1 / 60, "min")):

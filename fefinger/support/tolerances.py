@@ -1,10 +1,10 @@
-"""Named dimensionless numbers that decide when something counts as zero, equal or good enough."""
+"""Dimensionless tolerances: below them a residual, gap or difference counts as zero."""
 
 LINEAR_RESIDUAL = 1e-10
-"""Relative residual of a linear solution: forces must balance to 1e-6, reached with a margin."""
+"""Relative residual of a linear solution; forces must balance to 1e-6, this leaves a margin."""
 
 FORCE_BALANCE = 1e-8
-"""Relative residual that rounding may leave where moduli are far apart: what forces balance to."""
+"""Relative residual of the force balance that rounding may leave where moduli are far apart."""
 
 FACTOR_COMPRESSIBILITY = 1e-6
 """Compressibility, against the shear compliance, with which an incompressible body is factored;
@@ -18,15 +18,14 @@ SINGULAR_PIVOT = 1e-12
 """Pivot, against the diagonal entry it came from, below which nothing is left of the stiffness."""
 
 COMPLEMENTARITY = 1e-10
-"""Pull or penetration, against the largest of its kind, that still counts as none."""
+"""Tension or penetration, over the largest of its kind, that still counts as none."""
 
 FORCE_MATCH = 1e-9
 """Relative error of the force under force control."""
 
 SMALL_FORCE = 1e-6
-"""Force (of finite strain, depth too), against the largest one of its path, below which errors are
-relative to one of this size: what presses less than the contact tells apart could not be met any
-closer."""
+"""Force (at finite strain, depth too) over the largest one of its path, below which errors are
+taken relative to a force of this size: the contact cannot resolve smaller ones."""
 
 INSIDE = 1e-3
 """Barycentric coordinate by which a site may lie outside the nearest cell: facets are flat, the
@@ -36,4 +35,4 @@ SHARED = 1e-9
 """Barycentric coordinate up to which a site counts as lying on a face that cells share."""
 
 EQUILIBRIUM = 5e-8
-"""Relative residual of a finite-strain equilibrium: in force, volume, gap and force asked for."""
+"""Relative residual of a finite-strain equilibrium: of force, volume, gap and prescribed force."""

@@ -1,3 +1,3 @@
-"""The one conversion between the units inside and outside: kPa mm² is mN, forces are told in N."""
+"""Conversion between internal and reported units: kPa mm² is mN, reported forces are in N."""
 
 NEWTON_PER_MILLINEWTON = 1e-3

@@ -1,7 +1,34 @@
-"""The hyperelastic laws by name; `fem/laws.py` is their form, `energy.py` what they store."""
+"""Names that a scene can choose from: afferent types, drives, generators, rules and tissue laws.
+
+The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/generators.py`,
+`neural/units.py` and `fem/hyperelastic/laws.py`.
+"""
+
+TYPES = ("SAI", "SAII", "FAI", "FAII")
+"""Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
+
+DRIVES = ("compressive", "tensile", "tangent", "energy", "von_mises")
+"""Components of the strain at an end organ that can drive it."""
+
+GENERATORS = ("saturating", "linear")
+"""Laws from the output of an end organ to the generator current, the default first."""
+
+RULES = ("mean", "max", "first")
+"""Combination of the generator currents of a unit's end organs.
+
+"mean": the mean current on one membrane, the spatial summation of generator current. "max": at
+every time the largest one on one membrane. "first": a membrane for each branch; the first to fire
+fires the unit and its impulse invades the others, which take over its state (that branches of SAI
+units reset each other: Lesniak et al. 2014, doi:10.7554/eLife.01488, and PMC4332704). It costs one
+integration per branch, the others one per unit. With one input to all branches the three agree.
+"""
+
+LONGEST_RUN = 3600.0
+"""Longest run with spikes in s: an hour is 72 million steps of every membrane."""
 
 SHARES = {"neo-hookean": 1.0, "mooney-rivlin": 0.5, "demiray": 1.0, "veronda-westmann": 2.0}
-"""Part of the shear modulus that the first invariant carries, where the tissue does not say."""
+"""Hyperelastic laws, with the default fraction of the shear modulus that the first invariant I1
+carries."""
 
 EXPONENTIAL = ("demiray", "veronda-westmann")
-"""Laws that stiffen exponentially and need an exponent."""
+"""Laws that stiffen exponentially; they need an exponent."""

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.train_record import FEW
 from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.scene.scene import Scene
+from fefinger.support.vocabulary import TYPES
 from fefinger.view import quantities
 
 

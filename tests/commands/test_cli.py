@@ -15,12 +15,13 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.__main__ import main
 from fefinger.commands import console
+from fefinger.commands.cli import cli
 from fefinger.mechanics import linear
 from fefinger.result import load
 from fefinger.results.plan_text import trust
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
-from fefinger.scene.finger import own
+from fefinger.scene.finger import origin_notes
 from fefinger.scene.scene import Scene
 
 
@@ -225,7 +226,7 @@ SIZE = ("--set", "finger.width=15")
 
 
 def test_a_subject_of_another_size_is_told(capsys, tmp_path):
-    said = "The finger is not that of subject a.h.: width 15 mm in place of 14 mm."
+    said = "The finger differs from subject a.h.: width 15 mm instead of 14 mm."
     assert main(["explain", "flat-press", *SIZE]) == 0
     assert capsys.readouterr().err.strip() == said
     force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")
@@ -238,22 +239,22 @@ def test_a_subject_of_another_size_is_told(capsys, tmp_path):
 
 @pytest.mark.parametrize("name", ["d.p.", None])
 def test_tissue_that_was_fitted_to_another_subject_is_told(name):
-    said = "Its tissue was fitted to the finger of subject a.h. (calibrated_ah)."
+    said = "The tissue was fitted to subject a.h., another finger (calibrated_ah)."
     finger = ff.Finger.subject(name or "a.h.", tissue="calibrated_ah")
-    assert own(replace(finger, subject_name=name)) == (said,)
-    assert own(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
+    assert origin_notes(replace(finger, subject_name=name)) == (said,)
+    assert origin_notes(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
 
 
 def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
     finger = replace(ff.Finger.subject("a.h."), tissue="calibrated_dp")
-    said = own(finger)
+    said = origin_notes(finger)
     assert said[0] == (
-        "Not all of its tissue is that of calibrated_dp: finger.skin and finger.subcutaneous as "
-        "given."
+        "The tissue differs from calibrated_dp: finger.skin and finger.subcutaneous as given in "
+        "the scene."
     )
     assert not any("fitted" in sentence for sentence in said)
-    assert own(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
-        "Not all of its tissue is that of maeno1998: finger.skin as given.",
+    assert origin_notes(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
+        "The tissue differs from maeno1998: finger.skin as given in the scene.",
     )
 
 
@@ -311,6 +312,26 @@ def test_help_and_scenes_load_no_library_that_takes_its_time(arguments):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stderr.strip() == "[]"
+
+
+def test_the_help_loads_the_commands_and_little_else():
+    code = (
+        "import sys\nbefore = set(sys.modules)\nfrom fefinger.__main__ import main\n"
+        "main(['--help'])\nprint(*set(sys.modules) - before, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stderr.split())
+    commands = {f"fefinger.commands.{name}" for name in cli.commands}
+    shared = {f"fefinger.commands.{name}" for name in ("cli", "console", "options")}
+    support = {
+        f"fefinger.support.{name}"
+        for name in ("atomic_write", "checks", "interrupt", "text", "version")
+    }
+    rooms = {"fefinger", "fefinger.__main__", "fefinger.commands", "fefinger.support"}
+    package = {name for name in loaded if name.partition(".")[0] == "fefinger"}
+    assert package == commands | shared | support | rooms
+    libraries = {name.partition(".")[0] for name in loaded - package} - sys.stdlib_module_names
+    assert libraries == {"click"}
 
 
 def test_the_version_is_the_one_of_the_project():

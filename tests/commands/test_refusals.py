@@ -120,7 +120,7 @@ def test_a_name_of_files_is_no_path(capsys, monkeypatch, tmp_path, name):
     suites = pytest.importorskip("fefinger.validation.suites")
     monkeypatch.setattr(suites, "run", lambda *a, **k: pytest.fail("work began"))
     err = refused(capsys, ["validate", "--quick", "--name", name, "-o", str(tmp_path)])
-    assert f"--name: expected a name of files, as validation, received {name!r}" in err
+    assert f"--name: expected a base name of files, such as validation, received {name!r}" in err
 
 
 @pytest.mark.parametrize("command", ["run", "explain", "mesh"])

@@ -1,6 +1,7 @@
 """Surface files of a finger: every format, repaired where that is safe, refused with what to do."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.geometry.surface_file import crossings, read_surface
+from fefinger.mesh import shell_triangles
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.recipe import Recipe
 from fefinger.support.checks import InputError
 
 
@@ -47,6 +51,7 @@ def test_every_format_gives_the_same_surface(tmp_path: Path, suffix: str) -> Non
     assert found.mesh.volume == pytest.approx(egg().volume, rel=1e-5)
     assert (found.width, found.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
     assert "taken as mm with x distal, y radial and z dorsal" in found.notes[0]
+    assert "is not checked: look at it with `fefinger mesh --picture`" in found.notes[0]
     assert len(found.notes) == 1
 
 
@@ -110,14 +115,6 @@ def moved(scale: float = 1.0, turn: tuple[int, ...] = (0, 1, 2)) -> Callable[[An
     return change
 
 
-def nail_down(mesh: Any) -> Any:
-    x, low = mesh.vertices[:, 0], mesh.vertices[:, 2].min()
-    middle = mesh.vertices[:, 0].mean()
-    bend = 2.5 * np.clip((x - middle) / 11.0, 0, 1) ** 2
-    mesh.vertices[:, 2] = np.maximum(mesh.vertices[:, 2] - bend, low)
-    return mesh
-
-
 REFUSED = [
     (cut_open, r"has a hole 1\d\.?\d* mm wide near \(90"),
     (two, "has 2 that do not hang together"),
@@ -125,8 +122,9 @@ REFUSED = [
     (moved(1e-3), "seems to be in m: scale it by 1000"),
     (moved(0.1), "seems to be in cm: scale it by 10"),
     (moved(1e-6), "expected a fingertip in mm, 6 to 40 mm wide"),
-    (moved(turn=(1, 0, 2)), r"turned by (89|90|91) degrees.*turn it about z by -?(89|90|91) d"),
-    (nail_down, "turn it about x by 180 degrees"),
+    (moved(turn=(1, 0, 2)), "longest along y; expected x distal.*turn it about z by 90 or -90"),
+    (moved(turn=(2, 1, 0)), "longest along z; expected x distal.*turn it about y by 90 or -90"),
+    (moved(turn=(0, 2, 1)), "thicker along z than .* turn it about x by 90 or -90"),
 ]
 
 
@@ -139,12 +137,45 @@ def test_what_is_no_finger_is_refused_with_what_to_do(
         read_surface(path)
 
 
-def test_a_finger_that_points_back_is_refused(tmp_path: Path) -> None:
-    mesh = trimesh.creation.cone(radius=6.0, height=22.0, sections=24)
-    mesh.vertices = mesh.vertices[:, [2, 0, 1]] * [-1, 1, 1]
-    mesh.vertices[:, 0] += 1e-3 * mesh.vertices[:, 2]  # the foremost point of the base is on top
-    with pytest.raises(InputError, match=r"turn it about z by -?180"):
+@cache
+def fingertip(width: float, thickness: float, pad_radius: float, widths: float) -> Any:
+    """Return the skin of a parametric finger, open where it was cut so many widths from its tip."""
+    skin = parametric(Recipe(width, thickness, pad_radius)).skin
+    points, faces = shell_triangles.without_caps(shell_triangles.half(skin, 0.6))
+    both = np.concatenate([faces, faces[:, ::-1] + len(points)])
+    mesh = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
+    mesh.merge_vertices()
+    mesh.update_faces(mesh.triangles_center[:, 0] > mesh.bounds[1, 0] - widths * width)
+    mesh.remove_unreferenced_vertices()
+    return mesh
+
+
+@pytest.mark.parametrize("widths", [1.1, 2.0])
+@pytest.mark.parametrize("size", [(12, 9.5, 15), (14, 11.5, 12), (17, 13, 17)])
+def test_the_tip_is_seen_at_the_narrower_end(
+    tmp_path: Path, size: tuple[float, float, float], widths: float
+) -> None:
+    mesh = fingertip(*size, widths)
+    found = read_surface(written(mesh, tmp_path / "scan.ply"))
+    closed = found.mesh
+    assert closed.is_watertight
+    assert found.width == pytest.approx(size[0], rel=0.06)
+    closed.vertices *= [-1, -1, 1]
+    with pytest.raises(InputError, match=r"tip, at the smaller x; .* turn it about z by 180"):
+        read_surface(written(closed, tmp_path / "back.ply"))
+
+
+def test_a_turned_finger_that_is_open_behind_is_called_open_first(tmp_path: Path) -> None:
+    mesh = fingertip(14, 10, 14, 2.0).copy()
+    mesh.vertices *= [-1, -1, 1]
+    with pytest.raises(InputError, match=r"has a hole 1\d\.?\d* mm wide .* or if it is the proxi"):
         read_surface(written(mesh, tmp_path / "scan.ply"))
+
+
+def test_a_good_finger_with_its_triangles_inside_out_is_taken(tmp_path: Path) -> None:
+    mesh = fingertip(14, 10, 14, 2.0).copy()
+    mesh.faces = mesh.faces[:, ::-1]
+    assert read_surface(written(mesh, tmp_path / "scan.ply")).mesh.volume > 0
 
 
 @pytest.mark.parametrize("text", ["", "hello", "solid x\nendsolid x\n"])
@@ -185,7 +216,7 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"finger\.surface: .*'none\.stl', which does not exist"):
         ff.Finger.from_surface("none.stl")
     path = written(egg(), tmp_path / "scan.stl")
-    with pytest.raises(InputError, match=r"finger\.bone_surface: .*found none at 'none\.stl'"):
+    with pytest.raises(InputError, match=r"finger\.bone_surface: .*'none\.stl', which does not"):
         ff.Finger.from_surface(path, bone_surface="none.stl")
     with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
         ff.Finger(14, 10, bone_surface=str(path))

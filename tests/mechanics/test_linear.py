@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger.afferents import fire
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
@@ -17,12 +18,10 @@ from fefinger.mechanics.press import (
     constitutive,
     materials,
     placement,
-    problem,
     small_strain,
     time_steps,
 )
 from fefinger.mesh.store import ready
-from fefinger.pipeline import fire
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
@@ -105,7 +104,7 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
     asked = scene(indenter=ff.Flat(30, tilt), ask=ff.Ask(fields=False, strain=False))
     found = []
     for reach in (1.1, 2.0):
-        monkeypatch.setattr(problem, "REACH", reach)
+        monkeypatch.setattr(small_strain, "REACH", reach)
         found.append(linear.respond(asked))
     near, far = found
     assert near.numbers["candidates"] < far.numbers["candidates"]
@@ -166,7 +165,7 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     counts = []
     for refine in (1, 2):
         response = small_strain.press(pressed, mechanics="linear", notes=(), refine=refine)
-        counts.append(fire(pressed, response).count().tolist())
+        counts.append(fire(pressed.ask, response).count().tolist())
     assert counts[0] == counts[1]
     assert min(counts[0]) >= 1
 

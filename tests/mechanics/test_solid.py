@@ -123,10 +123,7 @@ def test_the_standard_plate_moves_end_organs_as_deep_as_the_reference_press():
         found.strain[-1:],
         found.sites.normals,
         found.sites.types,
-        reference_depth=found.reference.depth,
-        reference_types=found.reference.types,
-        reference_strain=found.reference.strain,
-        reference_normals=found.reference.normals,
+        found.reference,
     )
     assert moved == pytest.approx(0.5, rel=1e-5)
 

@@ -2,25 +2,22 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fefinger.neural.afferents import from_strain, simulate
 from fefinger.neural.checked_signals import count_changes
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.reference import Reference
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 FLAT = np.diag([0.04, 0.05, -0.1])
 UP = np.array([0.0, 0.0, 1.0])
-REFERENCE = {
-    "reference_depth": 0.2,
-    "reference_types": TYPES,
-    "reference_strain": np.array([FLAT] * 4),
-    "reference_normals": np.array([UP] * 4),
-}
+REFERENCE = Reference(0.2, TYPES, np.array([UP] * 4), np.array([FLAT] * 4))
 
 
 def press(speed=60.0, depth=1.5, hold=2.0, retract=0.0):
@@ -97,7 +94,7 @@ def test_sampling_the_same_signal_more_finely_gives_the_same_spikes(generator):
 def test_a_flat_press_of_the_reference_gives_the_one_dimensional_case():
     time, x = press(hold=0.5)
     strain = (x / 0.2)[:, None, None, None] * np.array([FLAT] * 4)
-    trains = from_strain(time, strain, np.array([UP] * 4), TYPES, **REFERENCE)
+    trains = from_strain(time, strain, np.array([UP] * 4), TYPES, REFERENCE)
     np.testing.assert_allclose(trains.x_in, np.tile(x[:, None], 4), rtol=1e-12, atol=1e-15)
     np.testing.assert_array_equal(trains.count(), respond(time, x).count())
 
@@ -105,8 +102,9 @@ def test_a_flat_press_of_the_reference_gives_the_one_dimensional_case():
 def test_drives_can_be_chosen_per_type():
     time, x = press(hold=0.1)
     strain = (x / 0.2)[:, None, None, None] * np.diag([0.02, 0.0, -0.05])[None, None]
-    options = REFERENCE | {"drives": {"SAI": "tensile"}}
-    trains = from_strain(time, strain, UP[None], ("SAI",), **options, check=False)
+    trains = from_strain(
+        time, strain, UP[None], ("SAI",), REFERENCE, drives={"SAI": "tensile"}, check=False
+    )
     np.testing.assert_allclose(trains.x_in[:, 0], 0.02 / 0.05 * x, atol=1e-15)
 
 
@@ -187,32 +185,34 @@ def test_unusable_signals_are_refused(time, drive, options, message):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "drives", "message"),
     [
-        ({"reference_strain": np.zeros((4, 3, 3))}, "clearly above zero"),
-        ({"reference_strain": np.array([-FLAT] * 4), "drives": {"SAI": "tangent"}}, "above zero"),
-        ({"drives": {"SAI": "stretch"}}, "drives.SAI: expected one of"),
-        ({"drives": {"SA": "tensile"}}, "drives: expected one of"),
-        ({"reference_depth": 0.0}, "reference_depth: expected a finite number in mm above 0"),
-        ({"reference_strain": FLAT}, "reference_strain, reference_normals: expected"),
+        ({"strain": np.zeros((4, 3, 3))}, {}, "clearly above zero"),
+        ({"strain": np.array([-FLAT] * 4)}, {"SAI": "tangent"}, "above zero"),
+        ({}, {"SAI": "stretch"}, "drives.SAI: expected one of"),
+        ({}, {"SA": "tensile"}, "drives: expected one of"),
+        ({"depth": 0.0}, {}, "reference.depth: expected a finite number in mm above 0"),
+        ({"strain": FLAT}, {}, "reference.strain, reference.normals: expected"),
         (
             {
-                "reference_types": TYPES[1:],
-                "reference_strain": np.array([FLAT] * 3),
-                "reference_normals": np.array([UP] * 3),
+                "types": TYPES[1:],
+                "strain": np.array([FLAT] * 3),
+                "normals": np.array([UP] * 3),
             },
+            {},
             "SAI is missing",
         ),
     ],
 )
-def test_unusable_references_are_refused(change, message):
+def test_unusable_references_are_refused(change, drives, message):
+    reference, strain = replace(REFERENCE, **change), np.zeros((2, 1, 3, 3))
     with pytest.raises(InputError, match=message):
-        from_strain([0, 1], np.zeros((2, 1, 3, 3)), UP[None], ("SAI",), **(REFERENCE | change))
+        from_strain([0, 1], strain, UP[None], ("SAI",), reference, drives=drives)
 
 
 def test_strain_of_the_wrong_shape_is_refused():
     with pytest.raises(InputError, match="expected \\(n_t, 1, 3, 3\\)"):
-        from_strain([0, 1], np.zeros((2, 3, 3)), UP[None], ("SAI",), **REFERENCE)
+        from_strain([0, 1], np.zeros((2, 3, 3)), UP[None], ("SAI",), REFERENCE)
 
 
 def test_numba_is_imported_only_when_a_membrane_runs():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVES, POISSON
-from fefinger.neural.endorgans import TYPES
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME, POISSON
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import DRIVES, TYPES
 
 
 UP = np.array([[0.0, 0.0, 1.0]])
@@ -13,7 +13,7 @@ NAMES = pytest.mark.parametrize("name", DRIVES)
 
 
 def evaluate(name, strain, normal=UP):
-    return DRIVES[name](np.asarray(strain, float)[None, None], normal)[0, 0]
+    return DRIVE_BY_NAME[name](np.asarray(strain, float)[None, None], normal)[0, 0]
 
 
 def uniaxial(e):
@@ -82,10 +82,15 @@ def test_drives_are_homogeneous_and_vectorized(name):
     strain = rng.normal(size=(4, 2, 3, 3))
     strain = strain + np.swapaxes(strain, -1, -2)
     normals = np.eye(3)[:2]
-    values = DRIVES[name](strain, normals)
+    values = DRIVE_BY_NAME[name](strain, normals)
     assert values.shape == (4, 2)
-    np.testing.assert_allclose(DRIVES[name](3.0 * strain, normals), 3.0 * values)
+    np.testing.assert_allclose(DRIVE_BY_NAME[name](3.0 * strain, normals), 3.0 * values)
     assert values[2, 1] == pytest.approx(evaluate(name, strain[2, 1], normals[1:]))
+
+
+def test_every_drive_is_computed_by_the_function_of_its_name():
+    assert tuple(DRIVE_BY_NAME) == DRIVES
+    assert [function.__name__ for function in DRIVE_BY_NAME.values()] == list(DRIVES)
 
 
 def test_every_type_has_a_default_drive():

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fefinger.neural.checked_signals import dense_times
-from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero, chord_steps, rectify
+from fefinger.neural.endorgans import END_ORGANS, PoleZero, chord_steps, rectify
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 KINDS = pytest.mark.parametrize("kind", TYPES)
@@ -81,6 +82,10 @@ def test_nothing_comes_out_before_something_goes_in(kind):
     assert out[1] == pytest.approx(1.0)
     late = END_ORGANS[kind].respond([0.0, 50.0], [1.0, 1.0])[-1]
     assert late == pytest.approx(0.0 if kind.startswith("FA") else 0.1, abs=1e-15)
+
+
+def test_every_type_has_an_end_organ():
+    assert tuple(END_ORGANS) == TYPES
 
 
 def test_rectification_comes_after_the_filter_and_keeps_the_positive_half():

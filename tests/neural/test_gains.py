@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger.neural.afferents import simulate
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS, responds, threshold_gain
+from fefinger.support.vocabulary import TYPES
 
 
 @pytest.mark.parametrize("kind", TYPES)

@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.endorgans import TYPES
-from fefinger.neural.generators import GENERATORS, LARGEST_CURRENT, linear, saturating, transduce
+from fefinger.neural.generators import (
+    GENERATOR_BY_NAME,
+    LARGEST_CURRENT,
+    linear,
+    saturating,
+    transduce,
+)
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.support.vocabulary import GENERATORS, TYPES
 
 
 def test_saturating_is_linear_when_small_and_bounded_when_large():
@@ -22,6 +28,11 @@ def test_the_largest_current_never_blocks_a_membrane(divisor, rise):
     assert firing.block_seconds[0] == 0.0
     held = firing.times[0][firing.times[0] > 2.0]
     assert 1 / np.diff(held).max() > (147.0 if divisor == 1.0 else 27.0)
+
+
+def test_every_generator_is_computed_by_the_function_of_its_name():
+    assert tuple(GENERATOR_BY_NAME) == GENERATORS
+    assert [function.__name__ for function in GENERATOR_BY_NAME.values()] == list(GENERATORS)
 
 
 @pytest.mark.parametrize("generator", GENERATORS)

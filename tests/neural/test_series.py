@@ -9,9 +9,9 @@ import pytest
 from fefinger.__main__ import main
 from fefinger.neural import series
 from fefinger.neural.afferents import simulate
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.trains import SpikeTrains
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 TIME = np.append(np.linspace(0, 0.1, 501), np.linspace(0.1, 0.5, 9)[1:])

@@ -4,23 +4,19 @@ import numpy as np
 import pytest
 
 from fefinger.neural.afferents import displacements
-from fefinger.neural.endorgans import TYPES
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 TIME = np.arange(801) * 1e-3
 NORMALS = np.array([[0.0, 0.6, -0.8], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.6, 0.8, 0.0]])
 SQUEEZE = np.array([[0.10, 0.02, 0.01], [0.02, 0.08, -0.03], [0.01, -0.03, -0.17]])
-REFERENCE = {
-    "reference_depth": 0.5,
-    "reference_types": TYPES,
-    "reference_strain": np.tile(SQUEEZE, (4, 1, 1)),
-    "reference_normals": np.tile([0.0, 0.0, -1.0], (4, 1)),
-}
+REFERENCE = Reference(0.5, TYPES, np.tile([0.0, 0.0, -1.0], (4, 1)), np.tile(SQUEEZE, (4, 1, 1)))
 
 
 def strain() -> np.ndarray:
@@ -49,7 +45,7 @@ def streamed(units: Afferents, rows: np.ndarray) -> list[np.ndarray]:
 
 def solved(tensors: np.ndarray, membrane: object, substeps: int, **how: object) -> tuple:
     """Return the spike times of the same units, their currents sampled likewise, in one go."""
-    x_in = displacements(tensors, NORMALS, TYPES, **REFERENCE)
+    x_in = displacements(tensors, NORMALS, TYPES, REFERENCE)
     fine = np.linspace(0, TIME[-1], substeps * (len(TIME) - 1) + 1)
     currents = [
         transduce(kind, TIME, x_in[:, i], gain=GAINS[kind], at=fine) for i, kind in enumerate(TYPES)
@@ -66,7 +62,7 @@ def test_units_fire_as_those_that_are_solved_at_once(
 ) -> None:
     tensors = strain()
     expected = solved(tensors, IntegrateAndFire(), 20)
-    units = Afferents.of(TYPES, NORMALS, substeps=substeps, **REFERENCE)
+    units = Afferents.of(TYPES, NORMALS, REFERENCE, substeps=substeps)
     found = streamed(units, voigt(tensors).astype(precision))
     assert sum(map(len, found)) > 20
     for a, b in zip(found, expected, strict=True):
@@ -85,7 +81,7 @@ def test_hodgkin_huxley_units_fire_as_those_that_are_solved_at_once(
     expected = solved(tensors, membrane, 4, method=method, dt=2.5e-5) * copies
     types, normals = TYPES * copies, np.tile(NORMALS, (copies, 1))
     how = {"membrane": membrane, "method": method, "dt": 2.5e-5}
-    units = Afferents.of(types, normals, substeps=4, **how, **REFERENCE)
+    units = Afferents.of(types, normals, REFERENCE, substeps=4, **how)
     rows = np.tile(voigt(tensors), (1, copies, 1))
     found = streamed(units, rows)
     assert sum(map(len, found)) > 20 * copies
@@ -164,15 +160,13 @@ def test_a_step_without_end_comes_to_an_end() -> None:
 
 
 def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
-    three = {"reference_depth": 0.5, "reference_types": TYPES[:3]} | {
-        name: REFERENCE[name][:3] for name in ("reference_strain", "reference_normals")
-    }
+    three = Reference(0.5, TYPES[:3], REFERENCE.normals[:3], REFERENCE.strain[:3])
     with pytest.raises(InputError, match=f"expected every type that is asked, {TYPES[3]} is"):
-        Afferents.of(TYPES, NORMALS, **three)
+        Afferents.of(TYPES, NORMALS, three)
     with pytest.raises(InputError, match="types: expected one of"):
-        Afferents.of(("SAX",), NORMALS[:1], **REFERENCE)
+        Afferents.of(("SAX",), NORMALS[:1], REFERENCE)
     with pytest.raises(InputError, match=r"drives\.SAI: expected one of"):
-        Afferents.of(TYPES, NORMALS, drives={"SAI": "none"}, **REFERENCE)
+        Afferents.of(TYPES, NORMALS, REFERENCE, drives={"SAI": "none"})
 
 
 @pytest.mark.parametrize(

@@ -8,14 +8,16 @@ import pytest
 from fefinger.neural import units
 from fefinger.neural.afferents import displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
-from fefinger.neural.endorgans import END_ORGANS, TYPES, PoleZero
+from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import spring
-from fefinger.neural.units import RULES, simulate_units
+from fefinger.neural.reference import Reference
+from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import RULES, TYPES
 
 
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
@@ -185,19 +187,14 @@ def test_noise_does_not_depend_on_the_step():
 
 def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
     flat, up = np.diag([0.04, 0.05, -0.1]), np.array([0.0, 0.0, 1.0])
-    reference = {
-        "reference_depth": 0.2,
-        "reference_types": TYPES,
-        "reference_strain": np.array([flat] * 4),
-        "reference_normals": np.array([up] * 4),
-    }
+    reference = Reference(0.2, TYPES, np.array([up] * 4), np.array([flat] * 4))
     strain = (RAMP / 0.2)[:, None, None, None] * np.array([flat] * 5)
     of_site = ("SAI", "SAI", "FAI", "SAI", "FAI")
-    x_in = displacements(strain, np.array([up] * 5), of_site, **reference)
+    x_in = displacements(strain, np.array([up] * 5), of_site, reference)
     np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
     both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
     single = from_strain(
-        TIME, strain[:, [0, 2]], np.array([up] * 2), ("SAI", "FAI"), **reference, check=False
+        TIME, strain[:, [0, 2]], np.array([up] * 2), ("SAI", "FAI"), reference, check=False
     )
     np.testing.assert_array_equal(both.count(), single.count())
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.endorgans import TYPES
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
 
 
 def columns(rows):

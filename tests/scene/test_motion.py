@@ -1,15 +1,19 @@
 """Motions: closed forms against quadrature, levels reached exactly, and what is refused."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 from fefinger.scene.motion import (
+    MOTIONS,
     ForceRamp,
     ForceRampHold,
     ForceRampSinusoid,
     ForceSampled,
     ForceSinusoid,
     ForceTrapezoid,
+    Motion,
     Ramp,
     RampHold,
     RampSinusoid,
@@ -41,6 +45,21 @@ EVERY = [
         ForceSampled([0, 0.3, 1], [0, 1, 0.5], corner=corner),
     )
 ]
+
+
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_every_kind_is_a_final_class_with_one_line_of_bases(kind):
+    made = MOTIONS[kind]
+    assert made.__final__
+    assert issubclass(made, Motion)
+    assert [len(each.__bases__) for each in made.__mro__[:-1]] == [1] * (len(made.__mro__) - 1)
+
+
+@pytest.mark.parametrize("motion", EVERY, ids=str)
+def test_a_motion_is_equal_to_what_its_words_and_its_pickle_make(motion):
+    assert eval(repr(motion)) == motion
+    assert pickle.loads(pickle.dumps(motion)) == motion
+    assert hash(pickle.loads(pickle.dumps(motion))) == hash(motion)
 
 
 @pytest.mark.parametrize("motion", EVERY, ids=str)

@@ -327,7 +327,10 @@ def test_python_gets_the_same_checks(changes, message):
     ("build", "message"),
     [
         (lambda: Tissue(30, 0.48, prony=3), "tissue.prony: expected a Prony, received 3"),
-        (lambda: Finger(14, 10, surface=3), "finger.surface: expected a file .* found none at 3"),
+        (
+            lambda: Finger(14, 10, surface=3),
+            "finger.surface: expected a file .*received 3, which does not",
+        ),
         (lambda: builtin.given(3), "scene: expected a Scene, the name of a built-in one"),
     ],
 )

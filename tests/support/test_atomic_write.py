@@ -68,7 +68,7 @@ def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
     with full():
         assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 1
     err = capsys.readouterr().err
-    assert "not kept: cannot write" in err
+    assert "not saved: cannot write" in err
     assert "it buckled" in err
     assert list(tmp_path.iterdir()) == []
 
@@ -135,7 +135,9 @@ def test_a_netcdf_without_room_leaves_nothing(study, tmp_path):
 
 def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch, study, tmp_path):
     def write(path, text):
-        raise InputError(atomic_write.said(OSError(errno.ENOSPC, "No space left on device"), path))
+        raise InputError(
+            atomic_write.write_error(OSError(errno.ENOSPC, "No space left on device"), path)
+        )
 
     monkeypatch.setattr("fefinger.studies.tasks.write", write)
     found = study(folder=tmp_path)
@@ -161,10 +163,12 @@ def test_a_page_of_validation_without_room_leaves_nothing(tmp_path):
 
 def test_the_sentence_advises_on_what_is_wrong():
     forbidden = OSError(errno.EACCES, "Permission denied")
-    assert atomic_write.said(forbidden, "out") == (
+    assert atomic_write.write_error(forbidden, "out") == (
         "cannot write 'out': Permission denied; choose another folder"
     )
-    assert "free some space" in atomic_write.said(OSError(errno.ENOSPC, "No space left on device"))
+    assert "free some space" in atomic_write.write_error(
+        OSError(errno.ENOSPC, "No space left on device")
+    )
 
 
 def test_a_full_disk_elsewhere_is_a_sentence_too(monkeypatch, capsys):

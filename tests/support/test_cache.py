@@ -64,13 +64,13 @@ def test_what_was_not_used_for_days_is_pruned(
 ) -> None:
     old, new = keep(root / "patches" / "old", days=40), keep(root / "patches" / "new", days=2)
     assert main(["cache"]) == 0
-    assert "2 kept, 2 MB" in capsys.readouterr().out
+    assert "2 entries, 2 MB" in capsys.readouterr().out
     assert main(["cache", "--prune", "30", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert [entry["paths"] for entry in record["removed"]] == [[str(old)]]
     assert [entry["paths"] for entry in record["entries"]] == [[str(new)]]
     assert main(["cache", "--prune", "0"]) == 0
-    assert "0 kept, 0 MB\n1 removed, 1 MB" in capsys.readouterr().out
+    assert "0 entries, 0 MB\n1 removed, 1 MB" in capsys.readouterr().out
     assert list((root / "patches").iterdir()) == []
     assert main(["cache", "--prune", "-1"]) == 2
 
@@ -225,7 +225,7 @@ def _made_up() -> Compliance:
 def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root: Path) -> None:
     pytest.importorskip("fcntl", reason="this system has no locks of files")
     killed = (
-        "import os, signal, sys; from pathlib import Path; from fefinger import cache\n"
+        "import os, signal, sys; from pathlib import Path; from fefinger.support import cache\n"
         "with cache.alone(Path(sys.argv[1])):\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="re
 SETUP = """
 import ctypes, os, signal, sys, threading, time
 from pathlib import Path
-from fefinger import beside, interrupt, writing
+from fefinger.support import atomic_write, interrupt, processes
 
 def press(name="SIGINT"):
     os.kill(os.getpid(), getattr(signal, name))
@@ -84,7 +84,7 @@ def test_other_signals_that_end_a_process_do_the_same(name, status):
 def test_what_the_main_thread_still_prints_goes_nowhere():
     """A temporary file that is taken from under it makes an error of what it was doing."""
     work = (
-        "with writing.temporary_folder(sys.argv[0] and '.') as folder:\n"
+        "with atomic_write.temporary_folder(sys.argv[0] and '.') as folder:\n"
         "        press()\n"
         "        while folder.exists(): time.sleep(1e-4)\n"
         "        print('lost', file=sys.stderr, flush=True)\n"
@@ -107,10 +107,11 @@ def test_files_that_are_being_moved_into_place_are_moved_before_the_end(tmp_path
 
 def test_temporary_files_and_children_go_the_last_first(tmp_path):
     work = (
-        "with writing.temporary_folder('.') as folder, writing.in_place('a.txt') as new:\n"
+        "temporary, in_place = atomic_write.temporary_folder, atomic_write.in_place\n"
+        "    with temporary('.') as folder, in_place('a.txt') as new:\n"
         "        new.write_text('half'); (folder / 'b').write_text('')\n"
         "        code = 'import time; time.sleep(60)'\n"
-        "        with beside.running(beside.command('-c', code)) as child:\n"
+        "        with processes.running(processes.command('-c', code)) as child:\n"
         "            print(child.pid, flush=True); press(); time.sleep(30)"
     )
     done = run(work, cwd=tmp_path)

@@ -190,7 +190,7 @@ def test_what_was_not_measured_is_not_stated():
 )
 def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
     error, source = get("solid").error(on(indenter, 0.3))
-    assert source.endswith(f"(reports/suite.json has none for {said})")
+    assert source.endswith(f"(reports/tradeoff.json has none for {said})")
     assert error > _tradeoff.rules()["steps"]["solid"]["force"]
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+from fefinger.validation.bench import superlu
 from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
 from numpy.typing import NDArray
@@ -23,7 +24,6 @@ from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
-from fefinger.fem.linalg import system
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import constitutive, materials, operator, operator_cache
@@ -126,7 +126,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
     """
     solid = body(mesh, constitutive.tissues(finger), materials.held(finger))
     own, space = solid.system, solid.space
-    found, factoring = timed(lambda: system.factor(space, own.matrix, own.fixed, "superlu"))
+    found, factoring = timed(lambda: superlu.factor(space, own.matrix, own.fixed))
     count = 3 * len(palmar(solid))
     loads = np.zeros((len(own.free), LOADS))
     loads[np.arange(LOADS), np.arange(LOADS)] = 1.0

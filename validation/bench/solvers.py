@@ -26,7 +26,6 @@ SIZES = {
     "multifrontal": (7, 10, 15, 22),
     "single": (7, 10, 15, 22),
     "iterative": (7, 10, 15, 22),
-    "superlu": (7, 10),
 }
 """Boxes along an edge for each solver: 10 thousand to 285 thousand unknowns."""
 

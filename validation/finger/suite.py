@@ -13,6 +13,7 @@ from fefinger.validation.finger import figures as finger_figures
 from fefinger.validation.finger import solid as finger_solid
 from numpy.typing import NDArray
 
+from fefinger.afferents import fire
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
@@ -24,7 +25,6 @@ from fefinger.mechanics.press.finite_strain import squeeze
 from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.small_strain import press
 from fefinger.mesh.store import ready
-from fefinger.pipeline import fire
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.finger import RIGID
@@ -130,7 +130,7 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
         scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
     answers: dict[str, Callable[..., Response]] = {linear.name: press, solid.name: squeeze}
     answer = answers[mechanics]
-    fired = fire(scene, answer(scene, mechanics=mechanics, notes=(), refine=refine))
+    fired = fire(scene.ask, answer(scene, mechanics=mechanics, notes=(), refine=refine))
     return dict(zip(fired.types, fired.count().tolist(), strict=True))
 
 

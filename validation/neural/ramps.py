@@ -11,7 +11,7 @@ from fefinger.validation.neural.sweep import SPRING, Array, claim
 
 from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import GENERATORS
+from fefinger.neural.generators import GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.preliminary import derivative
 from fefinger.scene.motion import Trapezoid
@@ -83,7 +83,7 @@ def course(
     bent = np.where(kinks <= end, motion.value(np.minimum(kinks, end)), 0.0)
     time = np.linspace(0.0, end + AFTER, int((end + AFTER) / STEP) + 1)
     depth = np.interp(time, kinks, bent)
-    current = GENERATORS[generator](rectify(organ.respond(kinks, bent, time)), gain)
+    current = GENERATOR_BY_NAME[generator](rectify(organ.respond(kinks, bent, time)), gain)
     membrane = HodgkinHuxley(divisor)
     (spikes,) = membrane.fire(time, current, method=method, stimulus_driven=False).times
     breaks = motion.breaks

@@ -11,9 +11,9 @@ import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.neural.sweep import Array, claim
 
+from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.neural.maps import rate_profile
-from fefinger.pipeline import fire
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter, Sphere
@@ -100,7 +100,7 @@ def _answer(
     line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT)
     ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line)
     scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)
-    trains = fire(scene, get(mechanics).respond(scene))
+    trains = fire(scene.ask, get(mechanics).respond(scene))
     end = trains.t_stop
     place, rate = rate_profile(trains, (0.0, 1.0, 0.0), end - LATE, end, kind)
     assert trains.positions is not None

@@ -101,18 +101,22 @@ def spikes(
 
     from fefinger.neural.afferents import from_strain
     from fefinger.neural.membranes import LARGEST_STEP
+    from fefinger.neural.reference import Reference
 
     arrays = runs.load(reference)
     assert arrays is not None
+    reference_press = Reference(
+        float(arrays["reference_depth"]),
+        TYPES,
+        arrays["reference_normals"],
+        arrays["reference"],
+    )
     return from_strain(
         found.time,
         found.strain,
         arrays["normals"],
         TYPES,
-        reference_depth=float(arrays["reference_depth"]),
-        reference_types=TYPES,
-        reference_strain=arrays["reference"],
-        reference_normals=arrays["reference_normals"],
+        reference_press,
         dt=dt or LARGEST_STEP,
         tolerance=tolerance,
         check=False,

@@ -10,12 +10,8 @@ time and memory but not the answer. In the order of choice:
   load costs some 170 iterations at every size and Poisson's ratio, and 3 times as many where a
   part that is 1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
 
-Only where they are asked for:
-
-- "superlu": that of SciPy; slower (reports/bench-fem.json), and an independent check.
-- "cholmod": that of SuiteSparse, through the optional scikit-sparse. The matrix is quasi-definite,
-  which its supernodal code refuses; the simplicial one took 11 times as long as ours on 28
-  thousand unknowns.
+CHOLMOD is no choice: the matrix is quasi-definite, which its supernodal code refuses, and its
+simplicial one took 11 times as long as "multifrontal" on 28 thousand unknowns.
 """
 
 import os
@@ -27,14 +23,13 @@ from typing import Protocol
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
 from fefinger.fem.linalg.minres import iterative
-from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection
+from fefinger.fem.linalg.multifrontal import Dissection
 from fefinger.support.checks import InputError
-from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, SINGULAR_PIVOT
+from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY
 
 
 ROOM = 0.5  # share of the free memory that a factor may take
@@ -98,7 +93,7 @@ class Prepared:
         Raises
         ------
         InputError
-            If the matrix is singular, also in double precision, or the solver is not installed.
+            If the matrix is singular, also in double precision.
         """
         if self._made is None:
             try:
@@ -126,21 +121,6 @@ class Prepared:
         return True
 
 
-@dataclass(frozen=True)
-class Library:
-    """The factor of another library: `ordered` solves in `order` (n,)."""
-
-    order: Integers
-    ordered: Callable[[Array], Array]
-    entries: int
-
-    def solve(self, right: Array) -> Array:
-        """Return the solution (n,) or (n, k)."""
-        answer = np.empty_like(right)
-        answer[self.order] = self.ordered(right[self.order])
-        return answer
-
-
 def choose(equations: Equations) -> str:
     """Choose the fastest solver that fits in the free memory, by name."""
     room = ROOM * free_memory()
@@ -163,57 +143,6 @@ def free_memory() -> float:
     with suppress(AttributeError, ValueError, OSError):
         return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
     return float("inf")
-
-
-def superlu(equations: Equations) -> Library:
-    """Return the factor of SuperLU, symmetric and in our order, which is better than its own.
-
-    Raises
-    ------
-    InputError
-        If the matrix is singular.
-    """
-    order, options = equations.dissection.order, {"SymmetricMode": True, "Equil": False}
-    arranged = equations.neighbor[order][:, order].tocsc()
-    try:
-        found = splu(arranged, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
-    except RuntimeError as error:
-        raise InputError(SINGULAR) from error
-    _check(arranged, found.U.diagonal())
-    return Library(order, found.solve, int(found.L.nnz))
-
-
-def cholmod(equations: Equations) -> Library:
-    """Return the simplicial L D L' of CHOLMOD in our order.
-
-    Raises
-    ------
-    InputError
-        If scikit-sparse 0.4 is not installed, or the matrix is singular.
-    """
-    try:
-        from sksparse.cholmod import CholmodError, cholesky
-    except ImportError as error:
-        message = (
-            f"ask.solver: expected scikit-sparse 0.4 for 'cholmod', found none ({error}); "
-            "pip install 'fefinger[cholmod]', or leave the solver out"
-        )
-        raise InputError(message) from error
-    order = equations.dissection.order
-    arranged = equations.neighbor[order][:, order].tocsc()
-    try:
-        found = cholesky(arranged, mode="simplicial", ordering_method="natural")
-    except CholmodError as error:
-        raise InputError(SINGULAR) from error
-    lower, pivots = found.L_D()
-    _check(arranged, pivots.diagonal())
-    return Library(order, found, int(lower.nnz))
-
-
-def _check(matrix: sparse.csc_matrix, pivots: Array) -> None:
-    """Raise InputError where pivots are within rounding of zero."""
-    if (np.abs(pivots) < SINGULAR_PIVOT * np.abs(matrix.diagonal())).any():
-        raise InputError(SINGULAR)
 
 
 def compressible(
@@ -239,6 +168,4 @@ SOLVERS: Mapping[str, Callable[[Equations], Solver]] = {
     "multifrontal": lambda e: multifrontal.factor(e.neighbor, e.dissection),
     "single": lambda e: multifrontal_single.factor(e.neighbor, e.dissection),
     "iterative": lambda e: iterative(e.space, e.matrix, e.free, e.reduced),
-    "superlu": superlu,
-    "cholmod": cholmod,
 }

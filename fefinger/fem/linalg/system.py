@@ -153,7 +153,7 @@ def factor(
     ------
     InputError
         If the fixed unknowns leave a rigid motion free, a cell is degenerate, or the solver is not
-        known or not installed.
+        known.
     """
     system = prepare(space, matrix, fixed, solver)
     _ = system.solver.made  # factor now, so that a singular system is reported here

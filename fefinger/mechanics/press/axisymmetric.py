@@ -13,7 +13,8 @@ from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, organs, sites
 from fefinger.mechanics.press.skin import spherical
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.results.records import Pad, Reference, Response, Sites
+from fefinger.neural.reference import Reference
+from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.indenter import STANDARD, Flat, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError

@@ -12,7 +12,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics.press import placement, problem
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, sites
-from fefinger.results.records import Reference
+from fefinger.neural.reference import Reference
 from fefinger.scene.indenter import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError

@@ -29,7 +29,8 @@ from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stri
 from fefinger.mechanics.press.sites import folded, organs, unfolded
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
-from fefinger.results.records import Fields, Pad, Reference, Response, Sites
+from fefinger.neural.reference import Reference
+from fefinger.results.records import Fields, Pad, Response, Sites
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages

@@ -10,7 +10,8 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.problem import REACH, Contact, Method
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, sites
-from fefinger.results.records import Reference, Sites
+from fefinger.neural.reference import Reference
+from fefinger.results.records import Sites
 from fefinger.scene.indenter import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError

@@ -13,7 +13,8 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.notes import normalized, relaxing
 from fefinger.mechanics.press.problem import Contact
 from fefinger.mechanics.press.sites import unfolded
-from fefinger.results.records import Fields, Pad, Reference
+from fefinger.neural.reference import Reference
+from fefinger.results.records import Fields, Pad
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Stages

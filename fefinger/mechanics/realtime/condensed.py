@@ -325,15 +325,7 @@ def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Aff
     scene = _scene(finger, STANDARD, types=sites.types)
     central = central_sites(scene, touch.origin, touch.axis)
     reference = reference_press(solid, central, operator.METHOD)
-    return Afferents.of(
-        sites.types,
-        sites.normals,
-        reference_depth=reference.depth,
-        reference_types=reference.types,
-        reference_strain=reference.strain,
-        reference_normals=reference.normals,
-        **options,
-    )
+    return Afferents.of(sites.types, sites.normals, reference, **options)
 
 
 def _scene(

@@ -1,4 +1,4 @@
-"""The built-in scenes, and how a scene is found and changed by name."""
+"""Built-in scenes, and loading of scenes by name or file with changed values."""
 
 import re
 import tomllib
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 def names() -> tuple[str, ...]:
-    """Return the names of the built-in scenes, sorted."""
+    """Names of the built-in scenes, sorted."""
     entries = (entry.name for entry in files(__name__).iterdir())
     return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
 def text(name: str) -> str:
-    """Return the TOML of a built-in scene, or raise InputError with the nearest name."""
+    """TOML text of a built-in scene; InputError suggests the nearest name."""
     if name not in names():
         msg = f"scene {name!r}: expected one of {', '.join(names())}.{nearest(name, names())}"
         raise InputError(msg)
@@ -31,13 +31,13 @@ def text(name: str) -> str:
 
 
 def summary(name: str) -> str:
-    """Return the first sentence of the comment that a built-in scene begins with."""
+    """First sentence of the comment at the top of a built-in scene."""
     lines = takewhile(lambda line: line.startswith("#"), text(name).splitlines())
     return re.split(r"(?<=\.) (?=[A-Z])", " ".join(line.lstrip("# ") for line in lines))[0]
 
 
 def given(scene: Any) -> "Scene":
-    """Return a Scene as it is, or that of a built-in name or a TOML file; errors as `load`."""
+    """Return a Scene unchanged, or load a built-in name or TOML file; errors as `load`."""
     from fefinger.scene.scene import Scene
 
     if isinstance(scene, str | Path):
@@ -49,20 +49,20 @@ def given(scene: Any) -> "Scene":
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
-    """Return a Scene: a built-in one, or that of a TOML file.
+    """Load a Scene: a built-in one, or that of a TOML file.
 
     Parameters
     ----------
     name
         Name of a built-in scene or path of a file.
     overrides
-        Values by their dotted path in the file, such as {"motion.depth": 2.0}. A new `kind` keeps
-        only those keys of its table that it knows.
+        Values by their dotted path in the file, such as {"motion.depth": 2.0}. A new `kind` drops
+        the keys of its table that it does not have.
 
     Raises
     ------
     InputError
-        No such scene or file, or contents that cannot be used.
+        No such scene or file, or invalid contents.
     """
     from fefinger.scene.scene import Scene
     from fefinger.scene.toml import parse, read
@@ -86,7 +86,7 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
 
 
 def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> None:
-    """Refuse another set of tissues for layers that are written out: only its name would change."""
+    """Reject a new tissue set for a scene with explicit layers: only the name would change."""
     from fefinger.scene.finger import LAYERS, Finger
 
     finger, wanted = tables.get("finger"), overrides.get("finger.tissue")
@@ -95,14 +95,14 @@ def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> No
     written = [f"[finger.{layer}]" for layer in LAYERS if layer in finger]
     if written and wanted != finger.get("tissue", Finger.tissue):
         msg = (
-            f"finger.tissue: expected a scene that leaves its layers to the set, received one with "
-            f"{' and '.join(written)}, which would stay as they are; take them out of the scene"
+            f"finger.tissue: expected a scene that takes its layers from the set, received "
+            f"one with {' and '.join(written)}, which would not change; remove them from the scene"
         )
         raise InputError(msg)
 
 
 def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `tables` with the values of `overrides`, given by dotted path, kinds first."""
+    """Copy `tables` with the values of `overrides`, which have dotted paths; kinds come first."""
     result = _copy(tables)
     for path in sorted(overrides, key=lambda path: not path.endswith(".kind")):
         *parents, key = path.split(".")
@@ -120,31 +120,32 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
 
 
 def settings(texts: Iterable[str]) -> dict[str, Any]:
-    """Return overrides from texts such as "motion.depth=2": TOML, numbers (".3"), or bare text."""
-    found: dict[str, Any] = {}
+    """Parse overrides such as "motion.depth=2": TOML values, numbers (".3") or bare text."""
+    overrides: dict[str, Any] = {}
     for line in texts:
         path, equals, value = (part.strip() for part in line.partition("="))
         if not equals or not path or not value:
             msg = f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2"
             raise InputError(msg)
         try:
-            found[path] = tomllib.loads(f"value = {value}")["value"]
+            overrides[path] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            found[path] = plain(value)
-    return found
+            overrides[path] = plain(value)
+    return overrides
 
 
 def _forget_other_kinds(parents: list[str], table: dict[str, Any], kind: Any) -> None:
-    """Drop the keys that the new kind of indenter or motion does not know."""
+    """Drop the keys that the new kind of indenter or motion does not have."""
     from fefinger.scene.toml import keys
 
-    known = keys(".".join(parents), kind)
+    allowed = keys(".".join(parents), kind)
     for key in list(table):
-        if known and key not in known:
+        if allowed and key not in allowed:
             del table[key]
 
 
 def _copy(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Copy nested tables."""
     return {
         key: _copy(value) if isinstance(value, Mapping) else value for key, value in table.items()
     }

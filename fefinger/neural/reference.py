@@ -1,0 +1,79 @@
+"""The reference press: a small flat press of a finger, which turns strain into displacement."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.vocabulary import DRIVES, TYPES
+
+
+Array = NDArray[np.float64]
+
+SMALLEST_DRIVE = 0.02
+"""Reference drive over the norm of the reference strain: below it the length L is noise."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A small flat press of the same finger, which sets the length that a strain stands for.
+
+    depth mm; normals (n_types, 3) and strain (n_types, 3, 3) at the central site of each of
+    `types`. A drive e at the central site then stands for a skin displacement depth * e / e_ref.
+    """
+
+    depth: float
+    types: tuple[str, ...]
+    normals: Array
+    strain: Array
+
+    def lengths(
+        self, types: Sequence[str], drives: Mapping[str, str] | None = None
+    ) -> dict[str, float]:
+        """Return the length L in mm of each of `types`: depth over the drive in this press.
+
+        `drives` names the drive of a type, where it is not DEFAULT_DRIVE.
+
+        Raises
+        ------
+        InputError
+            Unknown types or drives, a type that this press lacks or whose drive in it is not
+            clearly above zero, or arrays that do not fit.
+        """
+        for kind in types:
+            choice("types", kind, TYPES)
+        chosen = {**DEFAULT_DRIVE, **(drives or {})}
+        for kind, name in chosen.items():
+            choice("drives", kind, TYPES)
+            choice(f"drives.{kind}", name, DRIVES)
+        self._check()
+        return {kind: self._length(kind, chosen[kind]) for kind in types}
+
+    def _check(self) -> None:
+        number("reference.depth", self.depth, above=0.0, unit="mm")
+        n, strain, normals = len(self.types), np.shape(self.strain), np.shape(self.normals)
+        if strain != (n, 3, 3) or normals != (n, 3):
+            msg = (
+                f"reference.strain, reference.normals: expected ({n}, 3, 3) and ({n}, 3) for {n} "
+                f"types, received {strain} and {normals}"
+            )
+            raise InputError(msg)
+
+    def _length(self, kind: str, drive: str) -> float:
+        if kind not in self.types:
+            msg = f"reference.types: expected every type that is asked, {kind} is missing"
+            raise InputError(msg)
+        i = self.types.index(kind)
+        value = float(DRIVE_BY_NAME[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])
+        norm = float(np.linalg.norm(self.strain[i]))
+        if not value > SMALLEST_DRIVE * norm:
+            msg = (
+                f"drives.{kind}: the drive {drive!r} is {value:.3g} at the site of {kind} in the "
+                f"reference press of {self.depth:g} mm, against a strain of {norm:.3g}; expected "
+                "it clearly above zero; choose another drive or another depth of the site"
+            )
+            raise InputError(msg)
+        return self.depth / value
