@@ -117,7 +117,7 @@ def moved(scale: float = 1.0, turn: tuple[int, ...] = (0, 1, 2)) -> Callable[[An
 
 REFUSED = [
     (cut_open, r"has a hole 1\d\.?\d* mm wide near \(90"),
-    (two, "has 2 that do not hang together"),
+    (two, "has 2 separate ones"),
     (pinched, "crosses itself near"),
     (moved(1e-3), "seems to be in m: scale it by 1000"),
     (moved(0.1), "seems to be in cm: scale it by 10"),
