@@ -12,7 +12,7 @@ from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.support.atomic_write import moved
 from fefinger.view import color_bars, figures, film, frames, quantities, renderer
 from fefinger.view.color_bars import add_bars
-from fefinger.view.drawing import colors, subject
+from fefinger.view.drawing import colors, drawing
 from fefinger.view.markers import highest_rate
 from fefinger.view.plot3d import Scales, Stage
 from fefinger.view.quantities import round_up
@@ -49,14 +49,14 @@ def compose(
     Raises InputError if the field is unknown or a result has no fields.
     """
     named = zip(results, titles(results, folders), strict=True)
-    subjects = [subject(result, field, title) for result, title in named]
+    drawings = [drawing(result, field, title) for result, title in named]
     scales = Scales(
-        field=colors(subjects, field, limits),
-        pressure=round_up(max(float(each.fields.pressure.max()) for each in subjects) or 1.0),
+        field=colors(drawings, field, limits),
+        pressure=round_up(max(float(each.fields.pressure.max()) for each in drawings) or 1.0),
         rate=round_up(max(highest_rate(result) for result in results) or 1.0),
     )
     stages = []
-    for column, shown in enumerate(subjects):
+    for column, shown in enumerate(drawings):
         plotter.subplot(0, column)
         stages.append(Stage(plotter, shown, field, scales))
         stages[-1].look()

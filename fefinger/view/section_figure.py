@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry import section
+from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.train_record import FEW
 from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.view import figures, frames, indenter_pose, quantities
@@ -64,7 +65,7 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
     depth = float(np.interp(time, result.time, result.depth))
-    soft = cut.region != section.BONE
+    soft = cut.region != BONE
     return Medial(
         places=places,
         triangles=cut.triangles[soft],
