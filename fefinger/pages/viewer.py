@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
@@ -216,13 +215,13 @@ def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str
 def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
     pose = indenter_pose.pose(result, 0.0)
-    count = 2 if isinstance(pose.profile, Plane) else GRID
+    count = 2 if pose.profile.plane else GRID
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
     reach = np.full(2, REACH)
-    if isinstance(pose.profile, Ellipsoid):  # a disk of the square, so that its rim is round
+    if pose.profile.half_axes is not None:  # a disk of the square, so that its rim is round
         across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
-        reach = np.minimum(REACH, pose.profile.radii[:2])
+        reach = np.minimum(REACH, pose.profile.half_axes[:2])
     places = pose.places(reach * across).reshape(-1, 3)
     seen = np.asarray(np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, 0.0)
@@ -235,7 +234,7 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles) if isinstance(pose.profile, Plane) else [], "u4"),
+        "rim": blob.add(_rim(triangles) if pose.profile.plane else [], "u4"),
         "axis": pose.axis.tolist(),
     }
 

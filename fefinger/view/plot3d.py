@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.train_record import FEW
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
@@ -328,7 +327,7 @@ class Stage:
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
         added = [self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15, show_edges=False)]
-        if isinstance(touch.profile, Plane):
+        if touch.profile.plane:
             rim = shape.extract_surface(algorithm=None).extract_feature_edges(
                 feature_edges=False, manifold_edges=False
             )
@@ -354,13 +353,14 @@ def _shape(pose: indenter_pose.Pose) -> Any:
     """Return the surface of an indenter where it touches first."""
     import pyvista as pv
 
-    if isinstance(pose.profile, Plane):
+    if pose.profile.plane:
         return pv.Plane(center=pose.origin, direction=pose.axis, i_size=14, j_size=14)
-    if isinstance(pose.profile, Ellipsoid) and np.isfinite(pose.profile.radii).all():
-        shape = pv.ParametricEllipsoid(*pose.profile.radii, u_res=80, v_res=80)
+    half_axes = pose.profile.half_axes
+    if half_axes is not None and np.isfinite(half_axes).all():
+        shape = pv.ParametricEllipsoid(*half_axes, u_res=80, v_res=80)
         turn = np.eye(4)
         turn[:3, :3] = pose.frame.T
-        turn[:3, 3] = pose.origin - pose.profile.radii[2] * pose.axis
+        turn[:3, 3] = pose.origin - half_axes[2] * pose.axis
         return shape.transform(turn, inplace=False)
     line = np.linspace(-7, 7, 281)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)

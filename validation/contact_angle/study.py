@@ -60,11 +60,10 @@ STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
 """Scene, changes, mechanics and angles of each part of the work; all but one on coarse meshes."""
 
 
-def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[str, Any]]:
+def collect(work: Path) -> list[dict[str, Any]]:
     """Return the rows of the studies, with the column "case"; finished scenes stay in `work`."""
     rows: list[dict[str, Any]] = []
-    for name in names:
-        scene, changes, mechanics, angles = STUDIES[name]
+    for name, (scene, changes, mechanics, angles) in STUDIES.items():
         over = {"indenter.angle": angles}
         found = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
         rows += [{"case": name, **_rounded(row)} for row in found.rows]

@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.validation.tradeoff.held_out import ENOUGH
 from fefinger.validation.tradeoff.study import front
 
+from fefinger.results.candidate import Candidate
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
@@ -42,7 +43,7 @@ def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
-    mechanics, _, how = candidate.partition(" ")
+    mechanics, how = Candidate.of(candidate).mechanics, Candidate.of(candidate).resolution or ""
     axes.plot(
         cost,
         max(error, LEAST),
@@ -64,7 +65,7 @@ def _scatter(axes: Any, points: dict[str, tuple[float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
 
 
-def _legend(drawn: Any, axes: Any) -> None:
+def _legend(drawn: Any) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -115,7 +116,7 @@ def _fronts(data: dict[str, Any]) -> Any:
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("error of the force")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -145,7 +146,7 @@ def _others(data: dict[str, Any]) -> Any:
         line[0].set_ylabel("error")
     for axis in grid[1]:
         axis.set_xlabel("expected time / s")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 
@@ -175,7 +176,7 @@ def _spikes(data: dict[str, Any]) -> Any:
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("distance per spike")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -199,7 +200,7 @@ def _split(data: dict[str, Any]) -> Any:
                 continue
             numerical = rows[name]["numerical"]["force"]
             model = rows[name]["model"]["force"]
-            color = COLORS[name.split()[0]]
+            color = COLORS[Candidate.of(name).mechanics]
             axis.barh(place - 0.2, max(numerical, LEAST), 0.36, left=LEAST / 2, color=color)
             axis.barh(place + 0.2, max(model, LEAST), 0.36, left=LEAST / 2, color=color, alpha=0.4)
         deepest = data["rules"]["presses"][press]["depth_mm"][-1]
@@ -247,7 +248,7 @@ def _held(data: dict[str, Any]) -> Any:
                     max(row["actual"][quantity], LEAST),
                     marker="o",
                     markersize=6 if picked else 2.5,
-                    color=COLORS[name.split()[0]],
+                    color=COLORS[Candidate.of(name).mechanics],
                     markeredgecolor=INK if picked else "none",
                     linestyle="none",
                     zorder=2 if picked else 1,
@@ -258,7 +259,7 @@ def _held(data: dict[str, Any]) -> Any:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
         axis.set_ylabel("actual error")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 
