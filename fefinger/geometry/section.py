@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.boundary import boundary_edges
 from fefinger.support.arrays import Array, Integers
 
 
@@ -42,9 +43,7 @@ class Cut:
         found = []
         for region in np.unique(self.region):
             corners = self.triangles[self.region == region]
-            edges = np.sort(corners[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-            unique, count = np.unique(edges, axis=0, return_counts=True)
-            found.append(unique[count == 1])
+            found.append(boundary_edges(corners))
         return np.concatenate(found)
 
 

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.geometry import section
+from fefinger.geometry import mirror, section
+from fefinger.geometry.boundary import boundary_edges
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
@@ -145,7 +146,7 @@ def _colors(span: Span) -> list[int]:
 def _scene(result: ResultRecord, title: str, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
     fields = quantities.fields_of(result)
-    mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
+    mirrored = replace(fields, points=mirror.image(fields.points))
     back = list(surfaces.cut_open(fields))
     front = [replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
              for piece in surfaces.cut_open(mirrored)
@@ -255,13 +256,6 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles) if pose.profile.plane else [], "u4"),
+        "rim": blob.add(boundary_edges(triangles) if pose.profile.plane else [], "u4"),
         "axis": pose.axis.tolist(),
     }
-
-
-def _rim(triangles: Integers) -> Integers:
-    """Return the edges (n, 2) that only one triangle has."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(unique[count == 1])

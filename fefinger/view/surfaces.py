@@ -9,14 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry import section
+from fefinger.geometry import mirror, section
+from fefinger.geometry.boundary import boundary_faces
+from fefinger.geometry.locate import locate
 from fefinger.results.records import Array, Fields, Integers
 
 
 NAMES = {1: "skin", 2: "subcutaneous tissue", 3: "bone"}
 PAD = "pad"
 NEAREST = 24  # cells that are looked at to find the one around a point
-_FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])  # outward of a cell
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,9 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
     for region, name in NAMES.items():
         if not (fields.region == region).any():
             continue
-        faces = _boundary(fields, fields.region == region)
+        faces = boundary_faces(fields.points, fields.cells[fields.region == region])
         if region == 1:
-            outer = _boundary(fields, fields.region > 0)
+            outer = boundary_faces(fields.points, fields.cells[fields.region > 0])
             pad = _among(faces, outer) & touched[faces].any(axis=1)
             found.append(_clipped(PAD, fields.points, faces[pad]))
             faces = faces[~pad]
@@ -74,23 +75,10 @@ def entire(fields: Fields) -> tuple[Piece, ...]:
     parts = {"skin": fields.region > 0, "bone": fields.region == section.BONE}
     found = []
     for name, cells in parts.items():
-        faces = _boundary(fields, cells)
+        faces = boundary_faces(fields.points, fields.cells[cells])
         corners = np.column_stack([np.arange(len(fields.points))] * 2)
         found.append(_compact(name, corners, np.zeros(len(corners)), faces))
     return tuple(piece for piece in found if len(piece.triangles))
-
-
-def _boundary(fields: Fields, cells: NDArray[np.bool_]) -> Integers:
-    """Return the outward triangles (k, 3) that belong to one of the cells only."""
-    corners = fields.cells[cells]
-    a, b, c, d = fields.points[corners].transpose(1, 0, 2)
-    inverted = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) < 0
-    corners = np.where(inverted[:, None], corners[:, [0, 2, 1, 3]], corners)
-    faces = corners[:, _FACES].reshape(-1, 3)
-    _, first, count = np.unique(
-        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    return np.asarray(faces[first[count == 1]])
 
 
 def _among(faces: Integers, others: Integers) -> NDArray[np.bool_]:
@@ -160,21 +148,11 @@ def follow(fields: Fields, points: Array) -> Followed:
 
     A point outside of the mesh follows the nearest place of the cell that comes closest.
     """
-    from scipy.spatial import cKDTree
-
-    mirrored = np.zeros(len(points), bool)
+    beyond = np.zeros(len(points), bool)
     if section.is_half(fields.points):
-        mirrored = points[:, 1] < 0
-    place = np.where(mirrored[:, None], points * [1.0, -1.0, 1.0], points)
-    corners = fields.points[fields.cells]
-    near = cKDTree(corners.mean(axis=1)).query(place, min(NEAREST, len(corners)))[1]
-    near = near.reshape(len(points), -1)
-    a = corners[near][:, :, 0]
-    edges = np.swapaxes(corners[near][:, :, 1:] - a[:, :, None], -1, -2)
-    last = np.linalg.solve(edges, (place[:, None] - a)[..., None])[..., 0]
-    weight = np.concatenate([1 - last.sum(axis=-1, keepdims=True), last], axis=-1)
-    best = np.argmax(weight.min(axis=-1), axis=1)
-    rows = np.arange(len(points))
-    kept = np.maximum(weight[rows, best], 0.0)
-    kept /= kept.sum(axis=1, keepdims=True)
-    return Followed(points, fields.cells[near[rows, best]], kept, mirrored)
+        beyond = points[:, 1] < 0
+    place = np.where(beyond[:, None], mirror.image(points), points)
+    cell, weight = locate(fields.points[fields.cells], place, nearest=NEAREST)
+    weight = np.maximum(weight, 0.0)
+    weight /= weight.sum(axis=1, keepdims=True)
+    return Followed(points, fields.cells[cell], weight, beyond)

@@ -19,6 +19,7 @@ from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, 
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, response, small_strain
 from fefinger.mechanics.press.constitutive import laws, relaxations
@@ -26,7 +27,7 @@ from fefinger.mechanics.press.discretization import meshed_at, symmetric
 from fefinger.mechanics.press.failure import told
 from fefinger.mechanics.press.finite_reference import reference
 from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
-from fefinger.mechanics.press.sites import folded, organs, unfolded
+from fefinger.mechanics.press.sites import organs
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
 from fefinger.neural.reference import Reference
@@ -237,7 +238,7 @@ def _followed(
     unit = 1.0 if motion.control == "depth" else 1 / NEWTON_PER_MILLINEWTON / sides
     path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
     where = sites.points if sites else np.empty((0, 3))
-    where = folded(where) if finger.half else where
+    where = mirror.to_half(where) if finger.half else where
     probe = recovered_gradient_at(finger.space, where, finger.planes)
     frames = set(response.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     frames |= heaviest(motion, steps, memories(scene.finger))
@@ -340,7 +341,7 @@ def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dic
 def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
     touch, seen, sign = passage.contact.obstacle, passage.contact.seen, np.ones((len(column), 3))
-    sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
+    sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
     pressed = response.on_seen(passage.pressure, seen)[:, column] > 0
     areas = np.empty(len(passage.depth))
     for step, moved in enumerate(passage.moved):
@@ -354,7 +355,7 @@ def _strain(finger: Body, passage: _Passage, steps: Stride) -> Array | None:
     if passage.sites is None:
         return None
     strain = steps.smooth(passage.strain)
-    return unfolded(strain, passage.sites.points) if finger.half else strain
+    return mirror.from_half(strain, passage.sites.points) if finger.half else strain
 
 
 def _fields(passage: _Passage, finger: Body, mesh: FingerMesh) -> Fields:

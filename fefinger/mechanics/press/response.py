@@ -9,10 +9,10 @@ from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import Surface as Touched
 from fefinger.fem.contact.patch import Seen
 from fefinger.fem.elements.probe import tensors
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.notes import normalized, relaxing
 from fefinger.mechanics.press.problem import Contact
-from fefinger.mechanics.press.sites import unfolded
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Pad
 from fefinger.scene.scene import Scene
@@ -87,7 +87,7 @@ def answer(
     if contact.sites is not None:
         components = history.elastic @ contact.reduced.strain.T
         strain = tensors(components.reshape(len(contact.time), -1, 6))
-        strain = unfolded(strain, contact.sites.points) if finger.half else strain
+        strain = mirror.from_half(strain, contact.sites.points) if finger.half else strain
     asked = scene.ask.pressure
     approach = history.elastic @ contact.reduced.approach.T
     gap = on_pad.clearance(history.depth, approach)[:, column]
@@ -158,18 +158,14 @@ def whole_pad(
     triangles = triangles[(triangles >= 0).all(axis=1)]
     if not finger.half:
         return Pad(points, areas, normals, triangles), column
-    mirror = np.array([1.0, -1.0, 1.0])
-    off = points[:, 1] > 0
-    twin = column.copy()
-    twin[off] = len(points) + np.arange(off.sum())
-    whole = np.where(off, areas, 2 * areas)
+    halves = mirror.Halves.of(points)
     pad = Pad(
-        points=np.concatenate([points, points[off] * mirror]),
-        areas=np.concatenate([whole, whole[off]]),
-        normals=np.concatenate([normals, normals[off] * mirror]),
-        triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
+        points=halves.vectors(points),
+        areas=halves.shares(areas),
+        normals=halves.vectors(normals),
+        triangles=halves.triangles(triangles),
     )
-    return pad, np.concatenate([column, column[off]])
+    return pad, halves.origin
 
 
 def scene_notes(scene: Scene) -> tuple[str, ...]:

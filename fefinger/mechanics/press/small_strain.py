@@ -12,6 +12,7 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement
 from fefinger.mechanics.press.constitutive import tissues
@@ -21,7 +22,7 @@ from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.problem import ATTEMPTS, FORCE_DEPTH, GROW, REACH, Contact, Method
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import answer, frames_of, gave_way, origins, scene_notes
-from fefinger.mechanics.press.sites import folded, organs
+from fefinger.mechanics.press.sites import organs
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
@@ -109,7 +110,7 @@ def _contact(
     asked_sites = scene.ask.strain or scene.ask.spikes
     found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
     where = found.points if found else np.empty((0, 3))
-    where = folded(where) if finger.half else where
+    where = mirror.to_half(where) if finger.half else where
     probe = recovered_strain_at(finger.space, where, finger.planes)
     depth_control = scene.motion.control == "depth"
     value = scene.motion.value(time)
