@@ -352,13 +352,13 @@ def test_a_scene_without_spikes_loads_no_membrane():
 
 @pytest.mark.parametrize("name", ["hertz", "linear"])
 def test_strain_is_computed_only_where_it_is_asked(name, monkeypatch):
-    from fefinger.mechanics.press import axisymmetric, finite_strain, reference, small_strain
+    from fefinger.mechanics.press import axisymmetric, problem, reference
 
     def forbidden(*args, **kwargs):
         pytest.fail("sites were placed without being asked for")
 
-    for module in (axisymmetric, small_strain, finite_strain):
-        monkeypatch.setattr(module, "organs", forbidden)
+    for module in (axisymmetric, problem):
+        monkeypatch.setattr(module, "end_organ_sites", forbidden)
     monkeypatch.setattr(reference, "reference_press", forbidden)
     result = ff.run(asked(pressure=True, depth=0.2, resolution="coarse"), mechanics=name)
     assert result.pressure is not None

@@ -74,11 +74,12 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         If a contact solution is not reached.
     """
     from fefinger.fem.condensation import OutsideError
+    from fefinger.mechanics.press import small_strain
     from fefinger.mechanics.press.operator import METHOD
-    from fefinger.mechanics.press.small_strain import WHOLE_MESH, press
 
     try:
-        return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
-    except OutsideError:
-        whole, notes = replace(WHOLE_MESH, touch=METHOD.touch), (*linear.NOTES, RIGID_BONE, BEYOND)
-        return press(scene, progress, mechanics=name, notes=notes, method=whole)
+        return small_strain.respond(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
+    except OutsideError:  # met when the unit loads are solved, so nothing of the press is kept
+        whole = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
+        notes = (*linear.NOTES, RIGID_BONE, BEYOND)
+        return small_strain.respond(scene, progress, mechanics=name, notes=notes, method=whole)

@@ -217,7 +217,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "poisson": body.poisson,
         "contact_radius_over_thickness": _thinness(scene),
     }
-    return axisymmetric.press(
+    return axisymmetric.respond(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 

@@ -160,7 +160,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "relative_radius_mm": body.table.radius,
         "contact_radius_over_thickness": widest / body.table.stack.thickness,
     }
-    return axisymmetric.press(
+    return axisymmetric.respond(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 

@@ -1,7 +1,8 @@
 """Small-strain finite elements on the whole finger: Taylor-Hood, exact contact, QLV.
 
 The body is solved once under a unit pressure on every candidate vertex of the pad; contact and
-relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
+relaxation then run on that small dense problem (`press/small_strain.py`). What it leaves out is in
+`NOTES`.
 """
 
 from fefinger.mechanics import hertz
@@ -174,6 +175,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ConvergenceError
         If a linear or contact solution is not reached.
     """
-    from fefinger.mechanics.press.small_strain import press
+    from fefinger.mechanics.press import small_strain
 
-    return press(scene, progress, mechanics=name, notes=(*NOTES, *hard(scene.finger)))
+    notes = (*NOTES, *hard(scene.finger))
+    return small_strain.respond(scene, progress, mechanics=name, notes=notes)

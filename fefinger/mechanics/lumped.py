@@ -99,7 +99,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
             depth, force = given, theory.contact_force(spring, prony, time, given)
         else:
             depth, force = theory.position_under(spring, prony, time, given), given
-            check_reached(scene, float(depth.max()))
+            check_reached(scene.motion, scene.finger.pulp, float(depth.max()))
     return Response(
         mechanics=name,
         time=time,

@@ -89,7 +89,7 @@ def respond(
     ConvergenceError
         If an equilibrium is not reached by steps however short, or not within the allowance.
     """
-    from fefinger.mechanics.press.finite_strain import squeeze
+    from fefinger.mechanics.press import finite_strain
 
     notes = (*NOTES, *hard(scene.finger))
-    return squeeze(scene, progress, mechanics=name, notes=notes, allowance=allowance)
+    return finite_strain.respond(scene, progress, mechanics=name, notes=notes, allowance=allowance)

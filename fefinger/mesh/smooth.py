@@ -100,14 +100,13 @@ def improve(
     wanted: float,
     pinned: Index,
     sweeps: int = 8,
-    seed: int = 0,
 ) -> Array:
     """Return points moved so that no dihedral angle's sine stays below `wanted`, if it can be.
 
     The vertices of bad tetrahedra try seeded random places on their own supports and keep the one
     whose worst angle around them is best (Freitag and Ollivier-Gooch 1997 with random search).
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     points = points.copy()
     around = _cells_of(cells, len(points))
     for sweep in range(sweeps):

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.reference import Reference
 from fefinger.scene.scene import Scene
 
 
 if TYPE_CHECKING:
+    from fefinger.neural.reference import Reference
     from fefinger.neural.trains import SpikeTrains
 
 Array = NDArray[np.float64]
@@ -183,7 +183,7 @@ class Response:
     pressure: Array | None
     sites: Sites | None
     strain: Array | None
-    reference: Reference | None
+    reference: "Reference | None"
     fields: Fields | None
     status: str
     seconds: dict[str, float]

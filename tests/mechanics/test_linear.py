@@ -18,6 +18,7 @@ from fefinger.mechanics.press import (
     constitutive,
     materials,
     placement,
+    problem,
     small_strain,
     time_steps,
 )
@@ -76,8 +77,9 @@ def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
 def test_a_whole_finger_made_of_two_halves_equals_the_half(
     press: Response, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(small_strain, "symmetric", lambda scene: False)
+    monkeypatch.setattr(problem, "symmetric", lambda scene: False)
     whole = linear.respond(scene())
+    assert (whole.numbers["half"], press.numbers["half"]) == (0, 1)
     assert whole.force == pytest.approx(press.force, rel=1e-8, abs=1e-10)
     assert whole.contact_area == pytest.approx(press.contact_area, rel=1e-8)
     assert whole.strain == pytest.approx(press.strain, rel=1e-7, abs=1e-9)
@@ -104,7 +106,7 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
     asked = scene(indenter=ff.Flat(30, tilt), ask=ff.Ask(fields=False, strain=False))
     found = []
     for reach in (1.1, 2.0):
-        monkeypatch.setattr(small_strain, "REACH", reach)
+        monkeypatch.setattr(problem, "REACH", reach)
         found.append(linear.respond(asked))
     near, far = found
     assert near.numbers["candidates"] < far.numbers["candidates"]
@@ -164,7 +166,7 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     pressed = scene(motion=ff.RampHold(speed=60, depth=1.5, hold=1.0), ask=asked)
     counts = []
     for refine in (1, 2):
-        response = small_strain.press(pressed, mechanics="linear", notes=(), refine=refine)
+        response = small_strain.respond(pressed, mechanics="linear", notes=(), refine=refine)
         counts.append(fire(pressed.ask, response).count().tolist())
     assert counts[0] == counts[1]
     assert min(counts[0]) >= 1

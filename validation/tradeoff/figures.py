@@ -64,7 +64,7 @@ def _scatter(axes: Any, points: dict[str, tuple[float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
 
 
-def _legend(drawn: Any, axes: Any) -> None:
+def _legend(drawn: Any) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -111,11 +111,11 @@ def _fronts(data: dict[str, Any]) -> Any:
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("error of the force")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -144,8 +144,8 @@ def _others(data: dict[str, Any]) -> Any:
             axis.set_title(f"{name}: {said}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
-        axis.set_xlabel("expected time, s")
-    _legend(drawn, grid[0, 0])
+        axis.set_xlabel("expected time / s")
+    _legend(drawn)
     return drawn
 
 
@@ -171,11 +171,11 @@ def _spikes(data: dict[str, Any]) -> Any:
     for axis in axes[len(rows) :]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
         axis.set_ylabel("distance per spike")
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
+    _legend(drawn)
     return drawn
 
 
@@ -258,7 +258,7 @@ def _held(data: dict[str, Any]) -> Any:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
         axis.set_ylabel("actual error")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 

@@ -116,13 +116,10 @@ def respond(run: Run, scene: Scene) -> Response:
     """Answer the scene of a run."""
     if run.refine == 1:
         return get(run.mechanics).respond(scene)
-    if run.mechanics == "solid":
-        from fefinger.mechanics.press.finite_strain import squeeze
+    from fefinger.mechanics.press import finite_strain, small_strain
 
-        return squeeze(scene, mechanics="solid", notes=(), refine=run.refine)
-    from fefinger.mechanics.press.small_strain import press
-
-    return press(scene, mechanics="linear", notes=(), refine=run.refine)
+    solver = finite_strain if run.mechanics == "solid" else small_strain
+    return solver.respond(scene, mechanics=run.mechanics, notes=(), refine=run.refine)
 
 
 def measure(run: Run) -> dict[str, Any]:

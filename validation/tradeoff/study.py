@@ -24,8 +24,6 @@ from fefinger.results.records import green_lagrange
 from fefinger.scene.scene import Scene
 
 
-FITTED = ("hertz identified", "layered identified")
-
 EXACT = 5e-6
 """s: step of the Runge-Kutta run that integrators are compared with."""
 

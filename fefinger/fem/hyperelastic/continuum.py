@@ -112,10 +112,6 @@ class Continuum:
         )
         return isochoric, volumetric
 
-    def energy(self, values: Array, memory: Memory) -> float:
-        """Return the potential in mN mm."""
-        return float(element_kernels.energy(*self._places(values), memory.gains, memory.past))
-
 
 def continuum(
     space: Space, tissues: Mapping[int, Law], soft: Collection[int] | None = None

@@ -37,6 +37,16 @@ def relaxing(finger: Finger) -> tuple[str, ...]:
     return tuple(found)
 
 
+def of_finger(finger: Finger) -> tuple[str, ...]:
+    """Return what a reader has to know of how the tissue of a finger is held and relaxes."""
+    cut = "held" if finger.cut == "fixed" else "free"
+    return (
+        f"The proximal cut of the tissue is {cut}.",
+        *normalized(finger.prony),
+        *relaxing(finger),
+    )
+
+
 RIGID_BONE = (
     "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
     "one of 17 GPa, held at its cut, would take 0.2 % off the relaxed force and 0.6 % off a peak."

@@ -29,7 +29,7 @@ METHODS = {  # no mesh for a plate along it is shipped of d.p.: that of the 30 d
 def test_contact_reaches_the_cut_where_the_undeformed_gap_says(subject: str) -> None:
     def answer(depth: float) -> Response:
         asked = pressed(subject, depth)
-        return small_strain.press(asked, mechanics="linear", notes=(), method=METHODS[subject])
+        return small_strain.respond(asked, mechanics="linear", notes=(), method=METHODS[subject])
 
     scene = pressed(subject, 1.0)
     gap = proximal_cut._gap(scene.finger, ff.Flat(0.0))
