@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene.scene import Scene
 
 
@@ -35,12 +36,15 @@ class Refusal:
 
     `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than asked) or
     "time" (it can, but takes longer than asked); `reason` quotes the number that broke, as in
-    "contact radius / thickness = 0.9 > 0.1".
+    "contact radius / thickness = 0.9 > 0.1". `field` is the field or part of the scene to change,
+    such as "ask.rel_error", "indenter.radius" or "finger"; "" where there is none, and in results
+    of earlier versions.
     """
 
     mechanics: str
     about: str
     reason: str
+    field: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,11 @@ class Rung:
     refusals: tuple[Refusal, ...] = ()
     resolution: str | None = None
     errors: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    @property
+    def candidate(self) -> Candidate:
+        """Mechanics and mesh."""
+        return Candidate(self.mechanics, self.resolution)
 
 
 @dataclass(frozen=True)
@@ -100,9 +109,9 @@ class Plan:
     @property
     def chosen(self) -> Rung:
         """The rung of the chosen mechanics, on its mesh."""
-        wanted = (self.mechanics, self.settings.resolution if self.settings else None)
+        wanted = Candidate(self.mechanics, self.settings.resolution if self.settings else None)
         own = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
-        return next((rung for rung in own if (rung.mechanics, rung.resolution) == wanted), own[0])
+        return next((rung for rung in own if rung.candidate == wanted), own[0])
 
 
 @dataclass(frozen=True)
@@ -196,7 +205,7 @@ class Response:
     @property
     def finite(self) -> bool:
         """Whether its strain is finite, that is logarithmic, and not small strain."""
-        return self.mechanics == "solid"
+        return MECHANICS[self.mechanics].finite
 
 
 @dataclass(frozen=True)

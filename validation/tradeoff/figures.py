@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.validation.tradeoff.held_out import ENOUGH
 from fefinger.validation.tradeoff.study import front
 
+from fefinger.results.candidate import Candidate
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
@@ -42,7 +43,7 @@ def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
-    mechanics, _, how = candidate.partition(" ")
+    mechanics, how = Candidate.of(candidate).mechanics, Candidate.of(candidate).resolution or ""
     axes.plot(
         cost,
         max(error, LEAST),
@@ -199,7 +200,7 @@ def _split(data: dict[str, Any]) -> Any:
                 continue
             numerical = rows[name]["numerical"]["force"]
             model = rows[name]["model"]["force"]
-            color = COLORS[name.split()[0]]
+            color = COLORS[Candidate.of(name).mechanics]
             axis.barh(place - 0.2, max(numerical, LEAST), 0.36, left=LEAST / 2, color=color)
             axis.barh(place + 0.2, max(model, LEAST), 0.36, left=LEAST / 2, color=color, alpha=0.4)
         deepest = data["rules"]["presses"][press]["depth_mm"][-1]
@@ -247,7 +248,7 @@ def _held(data: dict[str, Any]) -> Any:
                     max(row["actual"][quantity], LEAST),
                     marker="o",
                     markersize=6 if picked else 2.5,
-                    color=COLORS[name.split()[0]],
+                    color=COLORS[Candidate.of(name).mechanics],
                     markeredgecolor=INK if picked else "none",
                     linestyle="none",
                     zorder=2 if picked else 1,
