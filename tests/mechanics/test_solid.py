@@ -18,7 +18,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import Asked, State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.failure import most_pressed
+from fefinger.mechanics.press.failure import most_compressed
 from fefinger.neural.afferents import displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -259,7 +259,7 @@ def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
     for depth in (0.1, 0.2):
         asked = Asked("depth", depth, block.body.at_rest)
         state = block.equilibrium.find(state, asked)
-    stretch, place, tissue = most_pressed(block.body, state.values)
+    stretch, place, tissue = most_compressed(block.body, state.values)
     assert stretch == pytest.approx(0.8, rel=1e-6)
     assert tissue == "skin"
     assert ((place > 0) & (place < 1)).all()

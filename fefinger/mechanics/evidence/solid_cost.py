@@ -9,7 +9,7 @@ from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.tradeoff import LAW
 from fefinger.mechanics.press.discretization import symmetric
-from fefinger.mechanics.press.load_steps import memories, stride
+from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene.indenter import INDENTERS
 from fefinger.scene.motion import Motion
@@ -71,13 +71,13 @@ def cost(mesh: str) -> Cost:
 @lru_cache(maxsize=8)
 def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
     """Return how many steps a motion is solved in."""
-    return len(stride(motion, time_grid(motion, fast=fast), relaxing).chosen)
+    return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 
 def seconds(scene: Scene) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(scene.finger.mesh), scene.finger
-    steps = _steps(scene.motion, memories(finger), fast="FAII" in scene.ask.spikes)
+    steps = _steps(scene.motion, tissue_relaxations(finger), fast="FAII" in scene.ask.spikes)
     deep = min(reports.small_strain_part(scene), spent.deepest)
     harder = spent.growth * deep + spent.sharp * scene.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))

@@ -15,26 +15,28 @@ def normalized(prony: Prony) -> tuple[str, ...]:
 
 def apart(finger: Finger) -> tuple[str, ...]:
     """Return what keeps a mechanics that relaxes all stress with one function from a finger."""
-    found = []
+    reasons = []
     if finger.relaxation != "whole":
-        found.append(f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress")
+        reasons.append(f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress")
     for layer in ("skin", "subcutaneous"):
         if getattr(finger, layer).prony not in (None, finger.prony):
-            found.append(f"finger.{layer}.prony: set, but it relaxes all tissue with one function")
-    return tuple(found)
+            reasons.append(
+                f"finger.{layer}.prony: set, but it relaxes all tissue with one function"
+            )
+    return tuple(reasons)
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
     """Return what is unusual in how the tissues of a finger relax."""
-    found = []
+    notes = []
     if finger.relaxation == "deviatoric":
-        found.append("Only the deviatoric stress relaxes; the pressure is elastic.")
+        notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
     for layer in ("skin", "subcutaneous"):
-        own = getattr(finger, layer).prony
-        if own not in (None, finger.prony):
-            found.append(f"The {layer} relaxes with a series of its own.")
-            found.extend(normalized(own))
-    return tuple(found)
+        prony = getattr(finger, layer).prony
+        if prony not in (None, finger.prony):
+            notes.append(f"The {layer} relaxes with a series of its own.")
+            notes.extend(normalized(prony))
+    return tuple(notes)
 
 
 def of_finger(finger: Finger) -> tuple[str, ...]:
@@ -55,14 +57,12 @@ RIGID_BONE = (
 
 def yielding(finger: Finger) -> list[str]:
     """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
-    found = []
+    reasons = []
     if isinstance(finger.bone, Hard):
-        found.append(
-            f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: it knows no elastic bone"
-        )
+        reasons.append(f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid")
     if finger.nail is not None:
-        found.append("finger.nail: set, but it takes the nail as held with the bone")
-    return found
+        reasons.append("finger.nail: set, but it takes the nail as held with the bone")
+    return reasons
 
 
 def hard(finger: Finger) -> tuple[str, ...]:
