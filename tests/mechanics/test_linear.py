@@ -22,6 +22,7 @@ from fefinger.mechanics.press import (
     small_strain,
     time_steps,
 )
+from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
@@ -220,7 +221,7 @@ def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
     ],
 )
 def test_accuracy_is_refused_with_the_number_that_broke(parts: dict, words: str) -> None:
-    (refusal,) = linear.refuse(scene(**parts))
+    (refusal,) = linear.refuse(Situation.of(scene(**parts)))
     assert refusal.about == "accuracy"
     assert words in refusal.reason
 

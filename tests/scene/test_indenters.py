@@ -9,6 +9,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.mechanics import hertz, layered, linear, lumped
+from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
 from fefinger.result import Result
 from fefinger.scene.indenter import INDENTERS, Indenter
@@ -136,7 +137,7 @@ def test_what_cannot_be_an_object_gets_a_sentence(make: object, message: str) ->
 def test_mechanics_without_such_an_object_say_so(indenter: Indenter) -> None:
     bare = scene(indenter, **EXTENT)
     for mechanics in (lumped, hertz, layered):
-        (refusal,) = mechanics.refuse(bare)
+        (refusal,) = mechanics.refuse(Situation.of(bare))
         assert refusal.about == "ability"
         assert f"indenter.kind = '{indenter.kind}'" in refusal.reason
 

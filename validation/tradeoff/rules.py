@@ -34,6 +34,7 @@ from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports, tradeoff
 from fefinger.mechanics.evidence.lumped_law import between
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
 
 
@@ -199,7 +200,7 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
     for each in motions.values():
         for candidate, found in each["direct"].items():
-            known = factors[candidate.split()[0]]
+            known = factors[Candidate.of(candidate).mechanics]
             for quantity in found.keys() - {"area"}:
                 error = found[quantity]
                 factor = error / _own(presses[each["press"]], candidate, each, quantity)
@@ -219,7 +220,9 @@ def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -
     else:
         actual = tradeoff.total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
+        told = tradeoff.interpolated(
+            others, candidate, place, depth / own["thickness_mm"], quantity
+        )
         if told is not None:
             yield error - sum(told)
 

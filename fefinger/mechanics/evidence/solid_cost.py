@@ -8,12 +8,11 @@ import numpy as np
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.tradeoff import LAW
-from fefinger.mechanics.press.discretization import symmetric
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
+from fefinger.mechanics.situation import Situation
 from fefinger.scene.indenter import INDENTERS
 from fefinger.scene.motion import Motion
-from fefinger.scene.scene import Scene
 from fefinger.theory.relaxation import Prony
 
 
@@ -74,14 +73,14 @@ def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
     return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 
-def seconds(scene: Scene) -> float:
+def seconds(case: Situation) -> float:
     """Return the expected wall time in s."""
-    spent, finger = cost(scene.finger.mesh), scene.finger
-    steps = _steps(scene.motion, tissue_relaxations(finger), fast="FAII" in scene.ask.spikes)
-    deep = min(reports.small_strain_part(scene), spent.deepest)
-    harder = spent.growth * deep + spent.sharp * scene.indenter.sharp
+    spent, finger = cost(case.mesh), case.finger
+    steps = _steps(case.motion, tissue_relaxations(finger), fast=case.fast)
+    deep = min(reports.small_strain_part(case), spent.deepest)
+    harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
     whole = spent.setup + steps * spent.step * np.exp(harder)
-    whole += spent.reference if scene.ask.spikes else 0.0
-    whole *= 1.0 if symmetric(scene) else reports.WHOLE
-    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(scene)
+    whole += spent.reference if case.ask.spikes else 0.0
+    whole *= 1.0 if case.half else reports.WHOLE
+    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(case)

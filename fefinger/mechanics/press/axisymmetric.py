@@ -17,7 +17,7 @@ from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, direction
+from fefinger.scene.indenter import STANDARD, Indenter, direction
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
@@ -62,21 +62,21 @@ class Touch:
     axis: Array
 
 
-def touch(scene: Scene) -> Touch | None:
+def touch(finger: Finger, indenter: Indenter) -> Touch | None:
     """Return the first touch on the spherical pad, or None if the place is not on it."""
     upright = direction(STANDARD)
-    center = scene.finger.pad_radius * upright
-    at, flat = scene.indenter.place, scene.indenter.flat
+    center = finger.pad_radius * upright
+    at, flat = indenter.place, indenter.flat
     if flat is not None:
         axis = direction(flat)
     elif at is None:
         axis = upright
     else:
-        across = (center[:2] - np.asarray(at)) / scene.finger.pad_radius
+        across = (center[:2] - np.asarray(at)) / finger.pad_radius
         if across @ across >= 1:
             return None
         axis = np.append(across, np.sqrt(1 - across @ across))
-    return Touch(center - scene.finger.pad_radius * axis, axis)
+    return Touch(center - finger.pad_radius * axis, axis)
 
 
 def respond(
@@ -142,7 +142,7 @@ def respond(
 
 def _first_touch(scene: Scene) -> Touch:
     """Return the first touch, or raise InputError for a place that is not on the pad."""
-    first = touch(scene)
+    first = touch(scene.finger, scene.indenter)
     if first is None:
         msg = (
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Body, Solid
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
@@ -129,7 +129,7 @@ class _RimReachedError(Exception):
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, body: Solid, contact: Sliding, probe: Any, frames: set[int]) -> None:
+    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = body.space.node_points
         on = contact.on
@@ -173,7 +173,7 @@ def _steps(
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
-        contact = sliding(body.space, body.pad, body.normals, press.obstacle, reach)
+        contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
         limits.check_under(press.motion, len(contact))
         history = _on_candidates(press, elements, contact, steps, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
@@ -187,7 +187,7 @@ def _steps(
 def _on_candidates(
     press: Press,
     elements: Continuum,
-    contact: Sliding,
+    contact: ContactSurface,
     steps: LoadSteps,
     stages: Stages,
     allowance: Allowance | None,

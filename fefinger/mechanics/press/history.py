@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced
-from fefinger.fem.contact.deformed_gap import Sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.neural.reference import Reference
@@ -44,7 +44,7 @@ class FiniteStrainHistory:
     motion, or nothing.
     """
 
-    contact: Sliding
+    contact: ContactSurface
     steps: LoadSteps
     depth: Array
     pressure: Array

@@ -1,5 +1,6 @@
 """Notes that several mechanics leave with their answers."""
 
+from fefinger.mechanics.refusals import Doubt
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.theory.relaxation import Prony
@@ -13,17 +14,19 @@ def normalized(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).",)
 
 
-def apart(finger: Finger) -> tuple[str, ...]:
+def apart(finger: Finger) -> tuple[Doubt, ...]:
     """Return what keeps a mechanics that relaxes all stress with one function from a finger."""
-    reasons = []
+    doubts = []
     if finger.relaxation != "whole":
-        reasons.append(f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress")
+        reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
+        doubts.append(Doubt("finger.relaxation", reason))
     for layer in ("skin", "subcutaneous"):
         if getattr(finger, layer).prony not in (None, finger.prony):
-            reasons.append(
-                f"finger.{layer}.prony: set, but it relaxes all tissue with one function"
+            field = f"finger.{layer}.prony"
+            doubts.append(
+                Doubt(field, f"{field}: set, but it relaxes all tissue with one function")
             )
-    return tuple(reasons)
+    return tuple(doubts)
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
@@ -55,14 +58,16 @@ RIGID_BONE = (
 )
 
 
-def yielding(finger: Finger) -> list[str]:
+def yielding(finger: Finger) -> tuple[Doubt, ...]:
     """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
-    reasons = []
+    doubts = []
     if isinstance(finger.bone, Hard):
-        reasons.append(f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid")
+        reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
+        doubts.append(Doubt("finger.bone", reason))
     if finger.nail is not None:
-        reasons.append("finger.nail: set, but it takes the nail as held with the bone")
-    return reasons
+        reason = "finger.nail: set, but it takes the nail as held with the bone"
+        doubts.append(Doubt("finger.nail", reason))
+    return tuple(doubts)
 
 
 def hard(finger: Finger) -> tuple[str, ...]:

@@ -127,9 +127,9 @@ class Condensed:
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
-        self._state = lcp_compiled.active(reduced.flexibility)
+        self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, travel = self.patch.gap, self.patch.travel
-        self._memory = step_compiled.memory(gap, travel, weights, np.array(prony.v), tolerance)
+        self._memory = step_compiled.pad_state(gap, travel, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
