@@ -243,7 +243,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     small = ["--set", "ask.fields=false", "--set", "motion.corner=0.001"]
     assert main(["run", *scene, *small, "--mechanics", "solid", "-o", str(folder)]) == 1
     said = capsys.readouterr().err
-    assert "kept:" in said
+    assert "saved up to there:" in said
     assert "failed: at" in said
     assert "At the last equilibrium the subcutaneous tissue at x = " in said
     kept = ff.load(str(folder))
