@@ -120,8 +120,8 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
 
 def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
     """Return what an answer was computed from, with what solver, and in how much memory."""
-    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    return found | {"solver": body.system.name} if isinstance(body, Body) else found
+    sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
+    return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
 
 
 def gave_way(body: Solid) -> tuple[str, ...]:
