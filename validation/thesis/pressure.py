@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.contact.curvature import (
-    Contact,
     at_depth,
     goodwin,
     goodwin_at_depth,

@@ -1,6 +1,6 @@
-"""One elastic layer on a rigid base: its exact compliance, and the published short cuts beside it.
+"""One elastic layer on a rigid base: exact compliance, and published approximations.
 
-`theory/indentation.py` solves the contact on a `Sheet` exactly; the polynomials give the ratio of
+`indentation.py` solves the contact on a `Sheet` exactly; the polynomials give the ratio of
 the force to that of Hertz at equal depth as functions of chi = sqrt(R depth) / h. Lengths in mm,
 moduli in kPa. Sources: Lebedev and Ufliand 1958 (kernels); Dimitriadis et al., Biophys. J. 82,
 2002, 2798; Garcia and Garcia, Biophys. J. 114, 2018, 2923.
@@ -29,7 +29,7 @@ THIN_RANGE = 20.0
 
 @dataclass(frozen=True)
 class Sheet:
-    """A layer of `thickness` mm, bonded to a rigid base or sliding on it without friction.
+    """An elastic layer of `thickness` mm, bonded to a rigid base or sliding on it without friction.
 
     modulus E in kPa, poisson nu in 0 to 0.5; ValueError for a value outside its range.
     """
@@ -74,11 +74,11 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Faced:
-    """A sheet that is touched by an elastic body, such as a ball, instead of a rigid one.
+    """A sheet in contact with an elastic body, such as a ball, instead of a rigid one.
 
-    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. Its surface
-    sinks in too, so the compliances add: 1 - L is that of the sheet, in the part that the sheet has
-    in both. The depth of a contact is the approach of the two. ValueError for a value outside its
+    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. The compliances
+    add: 1 - L is that of the sheet times its fraction of the sum. The depth of a contact is the
+    approach of the two bodies. ValueError for a value outside its
     range.
     """
 
@@ -92,11 +92,11 @@ class Faced:
 
     @property
     def surface(self) -> tuple[float, float]:
-        """Modulus in kPa of the incompressible half-space that is as compliant as both at the top.
+        """Modulus in kPa and Poisson's ratio of a half-space as compliant as both at the top.
 
-        The sheet is as thick as a half-space there.
+        At high wavenumbers the sheet is a half-space.
         """
-        return 0.75 / (self._own + self._under), 0.5
+        return 0.75 / (self._above + self._under), 0.5
 
     @property
     def scales(self) -> tuple[float, float]:
@@ -105,24 +105,26 @@ class Faced:
 
     def compliance(self, xi: ArrayLike) -> Array:
         """Return L (n,) at wavenumbers xi (n,) in 1/mm: both u_z over those of two half-spaces."""
-        part = self._under / (self._own + self._under)
+        part = self._under / (self._above + self._under)
         return 1 - part * (1 - self.sheet.compliance(xi))
 
     @property
-    def _own(self) -> float:
+    def _above(self) -> float:
+        """Compliance 1 / E* of the touching body."""
         return 1 / elastic.plane_modulus(self.modulus, self.poisson)
 
     @property
     def _under(self) -> float:
+        """Compliance 1 / E* of the sheet at high wavenumbers."""
         return 1 / elastic.plane_modulus(*self.sheet.surface)
 
 
 def dimitriadis(chi: ArrayLike, poisson: float, *, bonded: bool = True) -> Array:
-    """Return P / P_Hertz of Dimitriadis et al. for chi at most 0.2 (ValueError beyond).
+    """Force ratio P / P_Hertz of Dimitriadis et al.; chi at most 0.2 (ValueError beyond).
 
     Against the exact layer: bonded and incompressible 0.9 % low at 0.19, growing fast; not bonded,
-    right at nu = 0.3 only, since the exact sliding layer does not know nu and this does (nu = 0.5:
-    2.7 % high at 0.19).
+    right at nu = 0.3 only, since the exact sliding layer does not depend on nu and this one does
+    (nu = 0.5: 2.7 % high at 0.19).
     """
     elastic.require_elastic("dimitriadis", 1.0, poisson)
     chi = _within("dimitriadis", chi, DIMITRIADIS_RANGE)
@@ -144,14 +146,14 @@ def dimitriadis(chi: ArrayLike, poisson: float, *, bonded: bool = True) -> Array
 
 
 def garcia(chi: ArrayLike) -> Array:
-    """Return P / P_Hertz of Garcia and Garcia, bonded and incompressible, chi at most 0.55."""
+    """Force ratio P / P_Hertz of Garcia and Garcia: bonded, incompressible, chi at most 0.55."""
     chi = _within("garcia", chi, GARCIA_RANGE)
     return np.asarray(np.polynomial.polynomial.polyval(chi, [1, 1.133, 1.497, 1.469, 0.755]))
 
 
 @dataclass(frozen=True)
 class Thin:
-    """The limit of a bonded incompressible layer far thinner than the contact: lubrication.
+    """Contact with a bonded incompressible layer far thinner than the contact: lubrication limit.
 
     thickness h, radius R and depth in mm, modulus E in kPa. ValueError for a / h below 20.
     """
@@ -196,6 +198,7 @@ class Thin:
 
 
 def _within(owner: str, chi: ArrayLike, largest: float) -> Array:
+    """Check that chi is in the range of a polynomial."""
     chi = np.asarray(chi, np.float64)
     if not np.all((chi >= 0) & (chi <= largest)):
         msg = (

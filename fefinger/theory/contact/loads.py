@@ -1,9 +1,9 @@
-"""Loads on the surface of a half-space: point, line, strip, circle and rectangle.
+"""Stress and displacement by loads on a half-space: point, line, strip, circle and rectangle.
 
 Lengths in mm, moduli and stresses in kPa, forces in mN; z points into the body; stresses positive
-in tension, loads positive in compression. Points on an edge of a load, where the stress is
-infinite or has two values, are for the caller to avoid. Sources: Boussinesq, Flamant, Love 1929;
-Johnson, Contact Mechanics, 1985, 2.3 to 3.4.
+in tension, loads positive in compression. The caller has to avoid points on an edge of a load,
+where the stress is infinite or has two values. Sources: Boussinesq, Flamant, Love 1929; Johnson,
+Contact Mechanics, 1985, 2.3 to 3.4.
 """
 
 import numpy as np
@@ -15,6 +15,7 @@ from fefinger.theory.contact.elastic import Array
 
 
 def _below(owner: str, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
+    """Broadcast x and z; ValueError unless below the surface."""
     x, z = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(z, np.float64))
     if not (np.all(np.isfinite(x)) and np.all(z > 0)):
         msg = f"{owner}: expected points below the surface, z > 0 mm"
@@ -23,7 +24,7 @@ def _below(owner: str, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
 
 
 def point_stress(r: ArrayLike, z: ArrayLike, *, force: float, poisson: float) -> Array:
-    """Return sigma_r, sigma_theta, sigma_z, tau_rz (4, ...) in kPa below a normal point force.
+    """Stress sigma_r, sigma_theta, sigma_z, tau_rz (4, ...) in kPa below a normal point force.
 
     force in mN; r >= 0 and z > 0 in mm (ValueError otherwise). Boussinesq.
     """
@@ -48,7 +49,7 @@ def point_stress(r: ArrayLike, z: ArrayLike, *, force: float, poisson: float) ->
 def point_displacement(
     r: ArrayLike, z: ArrayLike, *, force: float, modulus: float, poisson: float
 ) -> Array:
-    """Return u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
+    """Displacement u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
     elastic.require_elastic("point_displacement", modulus, poisson)
     elastic.require_finite("point_displacement", force=force)
     r, z = elastic.points("point_displacement", r, z)
@@ -62,7 +63,7 @@ def point_displacement(
 
 
 def line_stress(x: ArrayLike, z: ArrayLike, *, line_force: float) -> Array:
-    """Return sigma_x, sigma_z, tau_xz (3, ...) in kPa below a line force in mN/mm, z > 0."""
+    """Stress sigma_x, sigma_z, tau_xz (3, ...) in kPa below a line force in mN/mm, z > 0."""
     elastic.require_finite("line_stress", line_force=line_force)
     x, z = _below("line_stress", x, z)
     return -2 * line_force / np.pi * z / (x**2 + z**2) ** 2 * np.array([x**2, z**2, x * z])
@@ -77,7 +78,7 @@ def line_displacement(
     modulus: float,
     poisson: float,
 ) -> Array:
-    """Return u_x, u_z (2, ...) in mm below a line force in mN/mm, plane strain.
+    """Displacement u_x, u_z (2, ...) in mm below a line force in mN/mm, plane strain.
 
     u_z is relative to the surface at the distance `reference` mm: it has no absolute zero.
     """
@@ -93,7 +94,7 @@ def line_displacement(
 
 
 def strip_stress(x: ArrayLike, z: ArrayLike, *, half_width: float, pressure: float) -> Array:
-    """Return sigma_x, sigma_z, tau_xz (3, ...) in kPa below a uniform pressure on |x| < w."""
+    """Stress sigma_x, sigma_z, tau_xz (3, ...) in kPa below a uniform pressure on |x| < w."""
     elastic.require_positive("strip_stress", half_width=half_width)
     elastic.require_finite("strip_stress", pressure=pressure)
     x, z = _below("strip_stress", x, z)
@@ -105,7 +106,7 @@ def strip_stress(x: ArrayLike, z: ArrayLike, *, half_width: float, pressure: flo
 
 
 def flat_strip_pressure(x: ArrayLike, *, half_width: float, line_force: float) -> Array:
-    """Return the pressure in kPa under a flat rigid strip with `line_force` mN/mm."""
+    """Pressure in kPa under a flat rigid strip with `line_force` mN/mm."""
     elastic.require_positive("flat_strip_pressure", half_width=half_width)
     elastic.require_finite("flat_strip_pressure", line_force=line_force)
     x = elastic.numbers("flat_strip_pressure", "x", x)
@@ -116,7 +117,7 @@ def flat_strip_pressure(x: ArrayLike, *, half_width: float, line_force: float) -
 
 
 def circle_axis_stress(z: ArrayLike, *, radius: float, pressure: float, poisson: float) -> Array:
-    """Return sigma_r, sigma_z (2, ...) in kPa on the axis below a uniform pressure on a circle."""
+    """Stress sigma_r, sigma_z (2, ...) in kPa on the axis below a uniform pressure on a circle."""
     elastic.require_elastic("circle_axis_stress", 1.0, poisson)
     elastic.require_positive("circle_axis_stress", radius=radius)
     elastic.require_finite("circle_axis_stress", pressure=pressure)
@@ -129,7 +130,7 @@ def circle_axis_stress(z: ArrayLike, *, radius: float, pressure: float, poisson:
 def circle_displacement(
     r: ArrayLike, *, radius: float, pressure: float, modulus: float, poisson: float
 ) -> Array:
-    """Return u_z in mm of the surface at r (...,) mm under a uniform pressure on a circle."""
+    """Displacement u_z in mm of the surface at r (...,) mm under a uniform pressure on a circle."""
     elastic.require_elastic("circle_displacement", modulus, poisson)
     elastic.require_positive("circle_displacement", radius=radius)
     elastic.require_finite("circle_displacement", pressure=pressure)
@@ -147,7 +148,7 @@ def circle_displacement(
 def rectangle_stress(
     place: ArrayLike, *, half_sides: tuple[float, float], pressure: float, poisson: float
 ) -> Array:
-    """Return the stress tensor (..., 3, 3) in kPa below a uniform pressure on a rectangle.
+    """Stress tensor (..., 3, 3) in kPa below a uniform pressure on a rectangle.
 
     place (..., 3) mm from the middle of the rectangle |x| < half_sides[0], |y| < half_sides[1],
     with z > 0 into the body (ValueError otherwise). Love 1929, by the derivatives of his
@@ -172,7 +173,7 @@ def rectangle_stress(
         out[..., 1, 1] += sign * (-2 * poisson * sunk + swell_y - loose * turn_y)
         out[..., 2, 2] += sign * (-sunk - swell_x - swell_y)
         out[..., 0, 1] -= sign * (loose * np.log(rho + z) + z / rho)
-        # Up to a part that the corners cancel, so that no difference of large numbers is left.
+        # A term that cancels between the corners is left out, to avoid loss of digits.
         out[..., 0, 2] += sign * z**2 * big_y / (rho * (big_x**2 + z**2))
         out[..., 1, 2] += sign * z**2 * big_x / (rho * (big_y**2 + z**2))
     for i, j in ((0, 1), (0, 2), (1, 2)):
@@ -188,7 +189,7 @@ def rectangle_displacement(
     modulus: float,
     poisson: float,
 ) -> Array:
-    """Return u_z (...,) in mm of surface points (..., 2) mm under a uniform pressure (Love)."""
+    """Displacement u_z (...,) in mm of surface points (..., 2) under a uniform pressure (Love)."""
     elastic.require_elastic("rectangle_displacement", modulus, poisson)
     elastic.require_positive("rectangle_displacement", x=half_sides[0], y=half_sides[1])
     elastic.require_finite("rectangle_displacement", pressure=pressure)
@@ -207,5 +208,5 @@ def rectangle_displacement(
 
 
 def _corners(half_sides: tuple[float, float]) -> list[tuple[int, float, float]]:
-    """Return the sign and place of each corner of a rectangle in an integral over it."""
+    """Sign and position of each corner of a rectangle in the double integral over it."""
     return [(i * j, i * half_sides[0], j * half_sides[1]) for i in (1, -1) for j in (1, -1)]
