@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mesh.first_touch import Touch
+from fefinger.mesh.first_touch import FirstTouch
 from fefinger.result import Result
 from fefinger.results.pressure import SPREAD
 from fefinger.results.records import Array
-from fefinger.scene.indenter import Flat, Sphere
 from fefinger.studies.times import SAME, until
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.elliptic import LONGEST, Elliptic
@@ -20,7 +19,7 @@ NODES = 64, 32
 half axes of up to 50 mm."""
 
 
-def hertz(result: Result, touch: Touch, where: float) -> dict[str, Any]:
+def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
     """Return the columns of elliptic Hertz on the curvatures at first touch, at the same depths.
 
     The half-space has the mean compliance of skin and pulp and relaxes as the finger does: its
@@ -30,9 +29,9 @@ def hertz(result: Result, touch: Touch, where: float) -> dict[str, Any]:
     from fefinger.mechanics.hertz import tissue
 
     scene, indenter = result.scene, result.scene.indenter
-    if not isinstance(indenter, Flat | Sphere):
+    if indenter.flat is None and indenter.ball_radius is None:
         return {}
-    own = 1 / indenter.radius if isinstance(indenter, Sphere) else 0.0
+    own = 1 / indenter.ball_radius if indenter.ball_radius is not None else 0.0
     (low, high), axes = np.linalg.eigh(touch.curvature + own * np.eye(2))
     depth = until(result.depth, where)
     if low <= 0 or high / low > LONGEST or (np.diff(depth) < -SAME * depth.max()).any():

@@ -14,7 +14,6 @@ from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
 from fefinger.results.records import Array, Integers
-from fefinger.scene.indenter import Flat
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
@@ -26,7 +25,7 @@ from fefinger.theory.contact.pressure_moments import moments as shape_of
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.first_touch import Touch
+    from fefinger.mesh.first_touch import FirstTouch
 
 FELT = 4.0
 """Standard deviations of its noise above which an element of the array counts as touched."""
@@ -130,7 +129,7 @@ class View:
     result: Result
     places: Array
     areas: Array
-    touch: "Touch | None"
+    touch: "FirstTouch | None"
 
 
 def _view(result: Result) -> View | None:
@@ -146,7 +145,7 @@ def _view(result: Result) -> View | None:
     return View(result, (pad.points - origin) @ directions(axis).T, areas, touch)
 
 
-def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
+def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | None":
     """Return the place (3,) mm of first touch, the travel (3,), and the skin there.
 
     On the finger's mesh it is that on its smooth skin; else the place above the end organs.
@@ -156,10 +155,8 @@ def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
     from fefinger.scene.indenter import STANDARD, direction
 
     scene, sites = result.scene, result.sites
-    indenter: Any = scene.indenter
-    placed = getattr(indenter, "at", None) is not None
-    if "mesh" in result.response.sources and not placed:
-        axis = direction(indenter if hasattr(indenter, "angle") else STANDARD)
+    if "mesh" in result.response.sources and scene.indenter.place is None:
+        axis = direction(scene.indenter.plate or STANDARD)
         touch = first_touch(Recipe.of(scene.finger), axis)
         return touch.point, axis, touch
     if sites is None or scene.ask.population is not None:
@@ -213,7 +210,7 @@ def _sensed(seen: View, where: float) -> dict[str, Any]:
     sensor, pad, pressure = ArraySensor(), seen.result.pad, seen.result.pressure
     assert pad is not None
     assert pressure is not None
-    if not isinstance(seen.result.scene.indenter, Flat):
+    if seen.result.scene.indenter.flat is None:
         return {}
     heaviest = pressure[int(np.argmax(seen.result.response.force))] * pad.areas
     middle = heaviest @ seen.places / heaviest.sum()

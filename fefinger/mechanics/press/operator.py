@@ -110,7 +110,7 @@ def reduced(
 
     `probe` gives the strain at the points; it is called only where the cache lacks the answer.
     """
-    digest = hashlib.sha256(json.dumps([solid.known, finger.skin.modulus]).encode())
+    digest = hashlib.sha256(json.dumps([solid.identities, finger.skin.modulus]).encode())
     on_pad = (patch.loads, patch.places)
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
@@ -122,11 +122,11 @@ def reduced(
     with suppress(OSError, ValueError, EOFError):
         found = [np.load(place / f"{name}.npy", mmap_mode="r") for name in names]
         count = len(patch.vertices)
-        rows = (count, 6 * len(points), len(patch.seen.vertices))
+        rows = (count, 6 * len(points), len(patch.neighborhood.vertices))
         if [array.shape for array in found] == [(row, count) for row in rows]:
             return Reduced(patch, *(array.view(np.ndarray) for array in found))
     made = reduction.reduce(solid, patch, probe())
-    if None not in solid.known:
+    if None not in solid.identities:
         with suppress(OSError), cache.appearing(place) as new:
             for name in names:
                 np.save(new / f"{name}.npy", getattr(made, name))
@@ -190,7 +190,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 METHOD = Method(
-    lambda scene, mesh, report: operator(scene.finger, half=mesh.half, progress=report),
+    lambda finger, mesh, solver, report: operator(finger, half=mesh.half, progress=report),
     reduction.reduce,
     step_compiled.march,
     reduction.displaced,

@@ -148,19 +148,6 @@ def tap(spring: Spring, prony: Prony, *, depth: float, speed: float) -> Dissipat
     return dissipation(way / speed, position, force)
 
 
-def offset_scale(m: float, shift: float) -> float:
-    """Factor e^(m shift) on changes of force for an offset `shift` mm deeper.
-
-    Notes
-    -----
-    Eq. 2.21 without its misprint reads P = b e^(m x_i) integral of G e^(m dx) (d dx / d tau) d tau:
-    exact for changes of force about a relaxed offset, not for the force itself, which keeps the
-    "-1" of Eq. 2.1. The dissipated fraction therefore depends on the offset, by 3 to 4 %.
-    """
-    elastic.require_finite("offset_scale", m=m, shift=shift)
-    return math.exp(m * shift)
-
-
 def _mean(force: Array) -> float:
     """Mean over a whole cycle whose first and last samples have the same phase."""
     return float((force[:-1] + force[1:]).mean() / 2)
