@@ -96,7 +96,7 @@ def _touch(result: ResultRecord) -> str:
     scene = result.scene
     finger, motion = scene.finger, scene.motion
     who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
-    peak = f"{motion.peak:.3g} {'N' if motion.control == 'force' else 'mm'}"
+    peak = f"{motion.peak:.3g} {motion.unit}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
     what = f"{scene.indenter.describe()}; {motion.kind} to {peak}"
     return f"{who} ({size}) and {what}, {_time(motion.duration)} in all."
