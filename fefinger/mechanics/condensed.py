@@ -90,7 +90,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     try:
         return small_strain.respond(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
-    except OutsideError:  # met when the unit loads are solved, so nothing of the press is kept
+    except OutsideError:  # raised by the unit loads, before any contact is solved
         whole = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
         notes = (*linear.NOTES, RIGID_BONE, BEYOND)
         return small_strain.respond(scene, progress, mechanics=name, notes=notes, method=whole)

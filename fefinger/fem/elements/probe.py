@@ -1,4 +1,4 @@
-"""Fields at points: strain of a displacement at end-organ sites and at mesh vertices."""
+"""Operators from unknowns to strain and displacement gradient, at sites and at mesh vertices."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -16,9 +16,6 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 Rows = Callable[[Space, Integers, Array], sparse.csr_matrix]
 """From a space, cells (n,) and reference coordinates (n, 3) to rows for each point."""
-
-ODD = (3, 4)
-"""Components that change sign in the mirror y = 0."""
 
 
 def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
@@ -46,17 +43,17 @@ def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> spar
 
 
 def _mirrored(points: Array, planes: Sequence[int]) -> Array:
-    """Return what the mean with its image leaves of a point's gradient (n_points, 3, 3): 1 or 0."""
-    left = np.ones((len(points), 3, 3))
+    """Factors (n_points, 3, 3), 1 or 0, of the mean of a point's gradient with its mirror image."""
+    factors = np.ones((len(points), 3, 3))
     for axis in planes:
         across = np.arange(3) == axis
-        left[np.ix_(points[:, axis] == 0, across, ~across)] = 0.0
-        left[np.ix_(points[:, axis] == 0, ~across, across)] = 0.0
-    return left
+        factors[np.ix_(points[:, axis] == 0, across, ~across)] = 0.0
+        factors[np.ix_(points[:, axis] == 0, ~across, across)] = 0.0
+    return factors
 
 
 def _at_points(space: Space, points: Array, rows_at: Rows, mirrored: Array) -> sparse.csr_matrix:
-    """Return the mean over the cells of each point, times `mirrored` (n_points, ...)."""
+    """Mean of the rows over the cells of each point, times `mirrored` (n_points, ...)."""
     owner, cells, local = locate(space, points)
     width = mirrored[0].size if len(points) else 1
     share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], width)
@@ -76,7 +73,10 @@ def strain_at_vertices(space: Space) -> sparse.csr_matrix:
 
 
 def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
-    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at the vertices, a like mean."""
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at the vertices.
+
+    A vertex gets the same mean over its cells as in `strain_at_vertices`.
+    """
     return _at_vertices(space, _gradient_rows, 9)
 
 
@@ -108,7 +108,7 @@ def tensors(components: Array) -> Array:
 
 
 def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
-    """Return the cells that hold the points: point number, cell and reference coordinates (m, 3).
+    """Locate points in the mesh: point number, cell and reference coordinates (m, 3).
 
     Points are numbered in order; a point on a face, edge or vertex has an entry for each cell.
 
@@ -126,26 +126,27 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
                 "choose a smaller depth or another place on the pad"
             )
             raise InputError(message)
-        found = np.flatnonzero(least >= min(least.max(), -SHARED))
-        owners.append(np.full(len(found), k))
-        cells.append(near[found])
-        local.append(inner[found])
+        holding = np.flatnonzero(least >= min(least.max(), -SHARED))
+        owners.append(np.full(len(holding), k))
+        cells.append(near[holding])
+        local.append(inner[holding])
     if not cells:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
     return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
 
 
 def inside(space: Space, points: Array) -> NDArray[np.bool_]:
-    """Return which points (n, 3) mm lie in the body, by the measure of `locate`."""
-    holds = [(least >= -INSIDE).any() for _, _, least in _coordinates(space, points)]
-    return np.array(holds, dtype=np.bool_)
+    """Whether points (n, 3) mm lie in the body, with the tolerance of `locate`."""
+    flags = [(least >= -INSIDE).any() for _, _, least in _coordinates(space, points)]
+    return np.array(flags, dtype=np.bool_)
 
 
 def _coordinates(space: Space, points: Array) -> Iterator[tuple[Integers, Array, Array]]:
-    """Give, per point, the cells near it, its reference coordinates (m, 3) and its least one (m,).
+    """Compute the reference coordinates of each point in the cells near it.
 
-    The least of the four barycentric ones: 0 or more in a cell. Near are the cells in whose sphere
-    the point lies, which are all that may hold it.
+    Yields per point: cells (m,), coordinates (m, 3), and the least of the four barycentric ones
+    (m,), which is 0 or more inside a cell. Only cells whose circumscribed sphere about the
+    centroid contains the point are tested.
     """
     corners = space.points[space.vertices]
     centers, inverse = corners.mean(axis=1), _inverse_jacobians(space)
