@@ -16,6 +16,7 @@ from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, 
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
@@ -30,7 +31,6 @@ from fefinger.mechanics.press.load_steps import (
 )
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import finite_strain_response
-from fefinger.mechanics.press.sites import folded
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Response
@@ -196,7 +196,7 @@ def _on_candidates(
     body, motion, finger = press.body, press.motion, press.finger
     path = Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t)))
     where = press.sites.points if press.sites else np.empty((0, 3))
-    where = folded(where) if body.half else where
+    where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     frames |= peak_steps(motion, steps, tissue_relaxations(finger))

@@ -9,6 +9,8 @@ from fefinger.fem.body import Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import foremost, smooth_places
 from fefinger.fem.elements.spaces import trace
+from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.locate import locate
 from fefinger.scene.indenter import STANDARD, Indenter, direction
 from fefinger.support.checks import InputError
 
@@ -86,9 +88,7 @@ def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
 
 def border(body: Solid) -> NDArray[np.int64]:
     """Return the pad vertices on edges of only one pad triangle, the medial plane aside."""
-    edges = np.sort(body.pad[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    single = unique[count == 1]
+    single = boundary_edges(body.pad)
     if body.half:
         medial = (np.abs(body.space.points[single][:, :, 1]) == 0).all(axis=1)
         single = single[~medial]
@@ -97,22 +97,10 @@ def border(body: Solid) -> NDArray[np.int64]:
 
 def _pad_point(body: Solid, at: tuple[float, float]) -> tuple[Array, Array]:
     """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,)."""
-    points = body.space.points[body.pad]
-    palmar = body.normals[body.pad][:, :, 2].max(axis=1) < 0
-    a, b, c = np.moveaxis(points[palmar][:, :, :2], 1, 0)
-    place = np.asarray(at, dtype=np.float64)
-    total = _cross(b - a, c - a)
-    weights = np.stack([_cross(b - place, c - place), _cross(c - place, a - place)], axis=1)
-    weights = weights / total[:, None]
-    weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
-    best = int(np.argmax(weights.min(axis=1)))
-    if weights[best].min() < -1e-9:
+    palmar = body.pad[body.normals[body.pad][:, :, 2].max(axis=1) < 0]
+    (best,), (weights,) = locate(body.space.points[palmar][:, :, :2], np.array([at], dtype=float))
+    if weights.min() < -1e-9:
         message = f"indenter.at: expected a place (x, y) mm on the pad, received {tuple(at)}"
         raise InputError(message)
-    triangle = body.pad[palmar][best]
-    normal = weights[best] @ body.normals[triangle]
-    return weights[best] @ body.space.points[triangle], -normal / np.linalg.norm(normal)
-
-
-def _cross(u: Array, v: Array) -> Array:
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+    normal = weights @ body.normals[palmar[best]]
+    return weights @ body.space.points[palmar[best]], -normal / np.linalg.norm(normal)

@@ -24,15 +24,15 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Obstacle, Rigid
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import History
-from fefinger.fem.elements.probe import ODD, VOIGT
 from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
 from fefinger.mechanics import condensed
 from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.response import small_strain_response
-from fefinger.mechanics.press.sites import central_sites, folded
+from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
 from fefinger.neural.streaming import Afferents
@@ -120,7 +120,7 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
-        where = folded(self.sites.points) if half else self.sites.points
+        where = mirror.to_half(self.sites.points) if half else self.sites.points
         reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self._touch, self._reduced = touch, reduced
@@ -344,11 +344,10 @@ def _reference_plate(finger: Finger, solid: Solid, sites: Sites) -> problem.Refe
 
 
 def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
-    """Return strain (6 n, ...) at points (n, 3) from that at the `folded` ones: mirrored."""
+    """Return strain (6 n, ...) at points (n, 3), given that at their places in the half body."""
     if not solid.half:
         return strain
-    signs = np.ones((len(points), len(VOIGT)))
-    signs[np.ix_(points[:, 1] < 0, np.array(ODD))] = -1.0
+    signs = np.where(points[:, 1:2] < 0, mirror.SIX_SIGNS, 1.0)
     return signs.reshape(-1, 1) * strain
 
 
