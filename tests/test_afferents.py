@@ -162,6 +162,8 @@ def test_a_response_without_these_end_organs_is_refused(synthetic):
         fire(asked(LINE), synthetic.response)
     with pytest.raises(InputError, match="gives no strain"):
         fire(asked(LINE), replace(synthetic.response, strain=None))
+    with pytest.raises(InputError, match=r"ask\.spikes: 'linear' gives no strain"):
+        fire(ff.Ask(spikes=("SAI",)), replace(synthetic.response, reference=None))
 
 
 REFUSED = [
