@@ -112,12 +112,12 @@ def _both_halves(result: ResultRecord, title: str) -> Drawing:
 
 
 def _bar(span: Span, name: str) -> dict[str, Any]:
-    """Return what the page knows of the color bar of a field."""
+    """Return the record of the color bar of a field."""
     return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
 
 
 def _map(span: Span) -> str:
-    """Return what the page calls the colors of a bar: the name of the map, and the part of it."""
+    """Return the key of a color table: the name of the map, and the part of it in use."""
     low, high = span.part
     return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
@@ -199,7 +199,7 @@ def _force(result: ResultRecord, times: Array) -> list[float] | None:
 
 
 def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
-    """Return where marks are, their names and colors, and the rates of their units."""
+    """Return places, labels and colors of marks, and the rates of their units."""
     if shown is None:
         return None
     rates = None

@@ -20,7 +20,7 @@ from fefinger.view.compact_svg import compact
 
 Curves = list[tuple[str, str, Array]]
 
-# Okabe and Ito (2008): told apart with every color vision.
+# Okabe and Ito (2008): distinguishable with every type of color vision.
 COLORS = {"SAI": "#0072B2", "SAII": "#009E73", "FAI": "#D55E00", "FAII": "#AA4499"}
 INK, STEEL, BONE = "#1f2933", "#8b98a5", "#efe6d6"
 STYLE: Any = {

@@ -1,4 +1,4 @@
-"""Which of the stored times is shown for the time that was asked for."""
+"""Stored times nearest to a requested time, and fields mirrored to the whole finger."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,8 +30,8 @@ def check(name: str, results: Sequence[ResultRecord], time: float | None) -> Non
         raise InputError(message)
 
 
-def told(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:
-    """Return a sentence for each result that is shown at another time than asked."""
+def deviations(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:
+    """Return a sentence for each result whose nearest stored time differs from `time`."""
     sentences = []
     for result, name in zip(results, names, strict=True):
         fields = quantities.fields_of(result)

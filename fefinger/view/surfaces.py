@@ -146,7 +146,7 @@ class Followed:
     mirrored: NDArray[np.bool_]
 
     def moved(self, displacement: Array) -> Array:
-        """Return where the points (n, 3) are with the displacement of the mesh (n_points, 3)."""
+        """Return the displaced points (n, 3) for a displacement of the mesh (n_points, 3)."""
         shift = np.einsum("nk,nkj->nj", self.weight, displacement[self.corners])
         shift[self.mirrored, 1] *= -1.0
         return np.asarray(self.points + shift)
