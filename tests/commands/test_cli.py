@@ -93,8 +93,8 @@ def test_a_result_says_how_to_make_it_again():
     import fefinger as ff
 
     scene = builtin.load("flat-press", builtin.settings(QUICK[1::2]))
-    asked = replace(scene, ask=Ask(strain=False, spikes=("FAI",), fields=False))
-    result = ff.run(asked, mechanics="linear")
+    requested = replace(scene, ask=Ask(strain=False, spikes=("FAI",), fields=False))
+    result = ff.run(requested, mechanics="linear")
     assert (result.strain, result.fields) == (None, None)
     assert result.spikes.types == ("FAI",)
     assert result.provenance["fefinger"] == ff.__version__
@@ -201,12 +201,15 @@ def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_
 def test_validate_says_where_its_files_and_the_index_are(capsys, monkeypatch, tmp_path):
     suites = pytest.importorskip("fefinger.validation.suites")
     monkeypatch.setattr(suites, "run", lambda suites, **options: {})
-    told = [f"file  {tmp_path / 'validation'}.{kind}" for kind in ("json", "html")]
+    message = [f"file  {tmp_path / 'validation'}.{kind}" for kind in ("json", "html")]
     assert main(["validate", "--quick", "-o", str(tmp_path)]) == 0
-    assert capsys.readouterr().out.splitlines()[-2:] == told
+    assert capsys.readouterr().out.splitlines()[-2:] == message
     (tmp_path / "index.html").write_text("")
     assert main(["validate", "--quick", "-o", str(tmp_path)]) == 0
-    assert capsys.readouterr().out.splitlines()[-3:] == [*told, f"file  {tmp_path / 'index.html'}"]
+    assert capsys.readouterr().out.splitlines()[-3:] == [
+        *message,
+        f"file  {tmp_path / 'index.html'}",
+    ]
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError()], ids=repr)
@@ -226,33 +229,33 @@ SIZE = ("--set", "finger.width=15")
 
 
 def test_a_subject_of_another_size_is_told(capsys, tmp_path):
-    said = "The finger differs from subject a.h.: width 15 mm instead of 14 mm."
+    message = "The finger differs from subject a.h.: width 15 mm instead of 14 mm."
     assert main(["explain", "flat-press", *SIZE]) == 0
-    assert capsys.readouterr().err.strip() == said
+    assert capsys.readouterr().err.strip() == message
     force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")
     only = [word for each in force for word in ("--set", f"ask.{each}")]
     assert main(["run", "flat-press", *only, *SIZE, "--mechanics", "lumped"]) == 0
-    assert said in capsys.readouterr().out
+    assert message in capsys.readouterr().out
     assert main(["explain", "flat-press", "--set", "finger.tissue=calibrated_ah"]) == 0
     assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("name", ["d.p.", None])
 def test_tissue_that_was_fitted_to_another_subject_is_told(name):
-    said = "The tissue was fitted to subject a.h., another finger (calibrated_ah)."
+    message = "The tissue was fitted to subject a.h., another finger (calibrated_ah)."
     finger = ff.Finger.subject(name or "a.h.", tissue="calibrated_ah")
-    assert origin_notes(replace(finger, subject_name=name)) == (said,)
+    assert origin_notes(replace(finger, subject_name=name)) == (message,)
     assert origin_notes(ff.Finger.subject("a.h.", tissue="calibrated_ah")) == ()
 
 
 def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
     finger = replace(ff.Finger.subject("a.h."), tissue="calibrated_dp")
-    said = origin_notes(finger)
-    assert said[0] == (
+    message = origin_notes(finger)
+    assert message[0] == (
         "The tissue differs from calibrated_dp: finger.skin and finger.subcutaneous as given in "
         "the scene."
     )
-    assert not any("fitted" in sentence for sentence in said)
+    assert not any("fitted" in sentence for sentence in message)
     assert origin_notes(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
         "The tissue differs from maeno1998: finger.skin as given in the scene.",
     )
@@ -271,8 +274,8 @@ def test_validate_leaves_the_long_suites_out_unless_they_are_asked_for(capsys, m
         ran.clear()
         assert main(["validate", *words]) == 0
         assert sorted([*ran, *left_out]) == sorted(suites.SUITES)
-        said = capsys.readouterr().err
-        assert all((f"{suite} is left out" in said) == (words == []) for suite in suites.LONG)
+        message = capsys.readouterr().err
+        assert all((f"{suite} is left out" in message) == (words == []) for suite in suites.LONG)
 
 
 def test_view_draws_what_run_wrote(capsys, monkeypatch, tmp_path, synthetic):

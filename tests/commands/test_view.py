@@ -17,7 +17,7 @@ def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--field", "stress"], "--field: expected one of 'compressive strain', 'tensile strain'"),
         (["--field", "SED"], "Did you mean 'elastic strain energy' or 'relaxed strain energy'?"),
@@ -31,10 +31,10 @@ def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixtu
     ],
 )
 def test_the_command_refuses_in_a_sentence(
-    saved: Result, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+    saved: Result, capsys: pytest.CaptureFixture[str], words: list[str], message: str
 ) -> None:
     assert main(["view", "out", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_the_command_says_which_time_is_shown(

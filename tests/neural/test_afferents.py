@@ -227,9 +227,9 @@ def test_the_requested_tolerance_is_kept_and_chooses_the_integrator():
     time, x = press(hold=1.0)
     exact = respond(time, x, check=False, dt=1e-5)
     for tolerance in (1e-3, 5e-5, 1e-6):
-        found = respond(time, x, check=False, tolerance=tolerance)
-        np.testing.assert_array_equal(found.count(), exact.count())
-        errors = np.concatenate([a - b for a, b in zip(found.times, exact.times, strict=True)])
+        response = respond(time, x, check=False, tolerance=tolerance)
+        np.testing.assert_array_equal(response.count(), exact.count())
+        errors = np.concatenate([a - b for a, b in zip(response.times, exact.times, strict=True)])
         assert np.quantile(np.abs(errors), 0.95) <= tolerance
     with pytest.raises(InputError, match="tolerance: expected a HodgkinHuxley membrane"):
         respond(time, x, tolerance=1e-3, membrane=IntegrateAndFire())
@@ -247,20 +247,20 @@ def test_many_units_are_fired_as_each_by_itself():
 
 def test_many_sentences_of_a_kind_become_one():
     time, x = press(hold=0.3)
-    found = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
-    assert any("(this or similar for 9 units)" in note for note in found.notes)
-    assert len(found.notes) < 9
+    trains = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
+    assert any("(this or similar for 9 units)" in note for note in trains.notes)
+    assert len(trains.notes) < 9
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("changed", "message"),
     [
         (range(3, 12), "9 of 12 units change their spike count, by 11 at most, when it is"),
         ([4], "unit 4: the spike count changes from 0 to 4 when it is"),
     ],
 )
-def test_many_counts_that_change_become_one_sentence(changed, said):
+def test_many_counts_that_change_become_one_sentence(changed, message):
     names = [f"unit {i}" for i in range(12)]
     before = [np.empty(0)] * 12
     after = [np.zeros(i if i in changed else 0) for i in range(12)]
-    assert count_changes(names, before, after, "it is") == (said,)
+    assert count_changes(names, before, after, "it is") == (message,)

@@ -60,8 +60,8 @@ def random_chains(count, pairs):
 def test_filters_of_random_chains_are_the_printed_ones(pairs):
     frequency = np.geomspace(1e-4, 1e4, 9)
     for chain in random_chains(300, pairs):
-        found = chain.displacement_filter().frequency_response(frequency)
-        np.testing.assert_allclose(found, printed(chain, 2j * np.pi * frequency), rtol=1e-9)
+        response = chain.displacement_filter().frequency_response(frequency)
+        np.testing.assert_allclose(response, printed(chain, 2j * np.pi * frequency), rtol=1e-9)
 
 
 def test_zeros_and_poles_of_random_chains_interlace():
@@ -92,8 +92,8 @@ def test_response_to_uneven_straight_lines_is_that_of_the_network(chain, paralle
     _, expected, _ = signal.lsim(network(chain, parallel), x, time)
     np.testing.assert_allclose(organ.respond(time, x), expected, atol=1e-11)
     at_knots = np.searchsorted(time, knots - 1e-9)
-    found = organ.respond(time[at_knots], x[at_knots], at=time)
-    np.testing.assert_allclose(found, expected, atol=1e-11)
+    response = organ.respond(time[at_knots], x[at_knots], at=time)
+    np.testing.assert_allclose(response, expected, atol=1e-11)
 
 
 @CHAINS
@@ -102,8 +102,8 @@ def test_a_parallel_spring_shares_the_force(chain):
     frequency, parallel = np.geomspace(1e-3, 1e3, 13), 1.7
     share = chain.displacement_filter().frequency_response(frequency)
     expected = share / (parallel + chain.nerve * share)
-    found = chain.force_filter(parallel).frequency_response(frequency)
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    response = chain.force_filter(parallel).frequency_response(frequency)
+    np.testing.assert_allclose(response, expected, rtol=1e-12)
     alone = under_force(chain.displacement_filter(), nerve=chain.nerve, parallel=parallel)
     np.testing.assert_allclose(alone.frequency_response(frequency), expected, rtol=1e-9)
 

@@ -56,8 +56,8 @@ def test_steady_sinusoid_is_the_frequency_response(kind):
     last = slice(-2000, None)
     wave = np.sin(2 * np.pi * frequency * time)
     turn = np.exp(-2j * np.pi * frequency * time[last])
-    found = 2j * np.mean(organ.respond(time, wave)[last] * turn)
-    assert found == pytest.approx(complex(organ.frequency_response(frequency)), rel=3e-5)
+    response = 2j * np.mean(organ.respond(time, wave)[last] * turn)
+    assert response == pytest.approx(complex(organ.frequency_response(frequency)), rel=3e-5)
 
 
 @KINDS

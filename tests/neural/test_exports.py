@@ -67,12 +67,12 @@ def test_every_array_has_its_unit():
 
 
 def test_every_form_says_what_the_current_is_between_its_times(tmp_path):
-    said = "generator current at these times, not linear between them"
+    message = "generator current at these times, not linear between them"
     TRAINS.to_npz(tmp_path / "spikes.npz")
     with np.load(tmp_path / "spikes.npz") as file:
-        assert any(said in meaning for meaning in file["meanings"])
+        assert any(message in meaning for meaning in file["meanings"])
     data = TRAINS.to_xarray()
-    assert said in data["current"].attrs["long_name"]
+    assert message in data["current"].attrs["long_name"]
     assert "linear between its times" in data["x_in"].attrs["long_name"]
 
 
@@ -95,9 +95,9 @@ def test_pandas_has_one_row_per_spike(trains):
     table = trains.to_pandas()
     assert list(table["unit"]) == ["SAI-1"] * 7 + ["SAI-2"] * 3
     np.testing.assert_array_equal(table["time_s"], np.concatenate(TIMES))
-    known = trains.depths is not None
-    assert table["depth_mm"].notna().all() == known
-    assert table["x_mm"].notna().all() == known
+    expected = trains.depths is not None
+    assert table["depth_mm"].notna().all() == expected
+    assert table["x_mm"].notna().all() == expected
 
 
 @BOTH
@@ -156,11 +156,11 @@ def test_neo_reads_the_nwb_file(tmp_path):
     reader = neo.io.NWBIO(str(path), mode="r")
     try:
         (block,) = reader.read_all_blocks()
-        found = [np.asarray(train.magnitude) for s in block.segments for train in s.spiketrains]
+        actual = [np.asarray(train.magnitude) for s in block.segments for train in s.spiketrains]
     finally:
         reader._io_nwb.close()
-    assert len(found) == 3
-    for times, expected in zip(found, TIMES, strict=True):
+    assert len(actual) == 3
+    for times, expected in zip(actual, TIMES, strict=True):
         np.testing.assert_array_equal(times, expected)
 
 

@@ -75,11 +75,11 @@ def test_the_adaptive_method_bends_beside_the_steepest_edge(edge):
 def test_the_adaptive_method_passes_jumps_narrower_than_its_steps(at, current):
     """The two differ by the charge of the jump's own width, below 1e-9 mV, and by rounding."""
     levels, after = [0.0, 0.0, current, current], [at, at + 0.01]
-    found = STANDARD.fire([at - 0.1, np.nextafter(at, 0), *after], levels, method="adaptive")
+    trains = STANDARD.fire([at - 0.1, np.nextafter(at, 0), *after], levels, method="adaptive")
     jump = STANDARD.fire([at - 0.1, at, *after], levels, method="adaptive")
     assert len(jump.times[0]) > 0
-    np.testing.assert_allclose(found.times[0], jump.times[0], rtol=0, atol=1e-9)
-    np.testing.assert_allclose(found.final, jump.final, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(trains.times[0], jump.times[0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(trains.final, jump.final, rtol=0, atol=1e-7)
 
 
 def test_time_between_neighboring_numbers_is_not_lost():

@@ -78,8 +78,8 @@ def test_a_short_pulse_gives_the_known_action_potential():
     ("membrane", "expected"), [(STANDARD, 6.2603), (SLOWED, 6.1978)], ids=["standard", "slowed"]
 )
 def test_repetitive_firing_to_a_step_begins_at_the_known_current(membrane, expected):
-    found = onset(lambda current: repetitive(membrane, current), 6.1, 6.4, 2e-4)
-    assert found == pytest.approx(expected, abs=5e-4)
+    actual = onset(lambda current: repetitive(membrane, current), 6.1, 6.4, 2e-4)
+    assert actual == pytest.approx(expected, abs=5e-4)
 
 
 @pytest.mark.parametrize(

@@ -117,9 +117,9 @@ def test_which_places_of_a_grid_lie_beside_the_skin_does_not_depend_on_its_point
     normals = np.concatenate([top.normals, np.tile([1.0, 0.0, 0.0], (n * n, 1))])
     skin = Surface(points, normals, np.concatenate([top.areas, np.full(n * n, top.areas.mean())]))
     places, which = grid(skin, 1.0, 4.2)
-    asked = squares(1.0, 4.2)
-    assert set(asked[which, 0]) == {-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0}
-    np.testing.assert_allclose(places[:, :2], asked[which], atol=0.5)
+    requested = squares(1.0, 4.2)
+    assert set(requested[which, 0]) == {-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0}
+    np.testing.assert_allclose(places[:, :2], requested[which], atol=0.5)
 
 
 def test_branches_are_drawn_by_number_whichever_units_are_beside_the_skin():

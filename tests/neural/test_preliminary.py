@@ -25,8 +25,8 @@ def test_the_printed_ratio_is_the_limit_of_a_stiff_nerve():
 @pytest.mark.parametrize("poles", [(200.0,), (200.0, 300.0)])
 def test_below_its_poles_the_filter_is_a_derivative(poles):
     pure = Derivative(len(poles)).frequency_response([0.5, 2.0])
-    found = derivative(*poles).frequency_response([0.5, 2.0])
-    np.testing.assert_allclose(found, pure, rtol=0.02)
+    response = derivative(*poles).frequency_response([0.5, 2.0])
+    np.testing.assert_allclose(response, pure, rtol=0.02)
     assert derivative(*poles).frequency_response(0.0) == 0.0
 
 
@@ -36,9 +36,9 @@ def test_derivatives_of_polynomials_of_one_degree_more_are_exact_on_uneven_times
     power = np.polynomial.Polynomial(np.arange(1.0, 3.0 + order))
     means = np.convolve(time, np.full(order + 1, 1 / (order + 1)), "valid")
     both = np.column_stack([power(time), 2 * power(time)])
-    found = Derivative(order).respond(time, both, at=means)
+    response = Derivative(order).respond(time, both, at=means)
     expected = power.deriv(order)(means)
-    np.testing.assert_allclose(found, np.column_stack([expected, 2 * expected]), rtol=1e-9)
+    np.testing.assert_allclose(response, np.column_stack([expected, 2 * expected]), rtol=1e-9)
 
 
 def test_derivatives_of_a_sinusoid_converge_with_the_square_of_the_step():

@@ -77,7 +77,7 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "values", "asked"),
+    ("name", "values", "question"),
     [
         ("displacement_mm", -PRESS, "expected are positive values into the skin"),
         ("strain", -0.1 * PRESS, "expected are positive values where it excites the type"),
@@ -86,12 +86,12 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
         ("displacement_mm", np.zeros_like(TIME), None),
     ],
 )
-def test_a_column_of_the_wrong_sign_is_asked_about(name, values, asked, tmp_path):
+def test_a_column_of_the_wrong_sign_is_asked_about(name, values, question, tmp_path):
     path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
     trains = series.fire(series.read(path), ("SAI",), length=2.0, corners=True)
-    found = [note for note in trains.notes if "expected are positive" in note]
-    assert len(found) == (asked is not None)
-    assert all(asked in note for note in found)
+    actual = [note for note in trains.notes if "expected are positive" in note]
+    assert len(actual) == (question is not None)
+    assert all(question in note for note in actual)
 
 
 @pytest.mark.parametrize(("rate", "kind"), [(1000, "FAII"), (30, "FAI"), (5, "SAII")])
@@ -125,11 +125,11 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
         trains = series.fire(series.read(path), (kind,), **options)
         return trains.count()[0], any("a smooth curve joins" in note for note in trains.notes)
 
-    count, told = noted("displacement_mm", np.arange(0, 1, 1 / rate))
-    assert told
+    count, message = noted("displacement_mm", np.arange(0, 1, 1 / rate))
+    assert message
     assert noted("displacement_mm", np.arange(0, 1, 1 / rate), corners=True) == (count, False)
-    fine, told = noted("displacement_mm", np.arange(0, 1, 1e-4))
-    assert not told
+    fine, message = noted("displacement_mm", np.arange(0, 1, 1e-4))
+    assert not message
     assert fine > count
 
 
@@ -277,8 +277,8 @@ def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     with pytest.raises(InputError, match="at most 3600 s in one run"):
         series.fire(series.read(path), corners=True)
     path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
-    found = series.fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
+    trains = series.fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
     exact = series.fire(series.read(path), ("SAI",), corners=True)
-    np.testing.assert_allclose(found.times[0], exact.times[0], atol=5e-5)
+    np.testing.assert_allclose(trains.times[0], exact.times[0], atol=5e-5)
     with pytest.raises(InputError, match="--tolerance: expected"):
         series.fire(series.read(path), corners=True, tolerance=0.0)

@@ -66,10 +66,10 @@ def test_a_histogram_over_trials_integrates_to_the_mean_count():
 @pytest.mark.parametrize("phase", [0.0, 90.0, 250.0])
 def test_spikes_at_one_phase_lock_wholly(phase):
     times = 0.5 + (np.arange(20) + phase / 360) / 8.0
-    found = locking(times, 8.0, start=0.5)
-    assert found.strength == pytest.approx(1.0)
-    assert (found.phase - phase + 180) % 360 == pytest.approx(180.0)
-    assert found.chance < 1e-8
+    actual = locking(times, 8.0, start=0.5)
+    assert actual.strength == pytest.approx(1.0)
+    assert (actual.phase - phase + 180) % 360 == pytest.approx(180.0)
+    assert actual.chance < 1e-8
 
 
 def test_spikes_at_opposite_phases_cancel_and_no_spikes_say_nothing():

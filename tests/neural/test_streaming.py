@@ -63,13 +63,13 @@ def test_units_fire_as_those_that_are_solved_at_once(
     tensors = strain()
     expected = solved(tensors, IntegrateAndFire(), 20)
     units = Afferents.of(TYPES, NORMALS, REFERENCE, substeps=substeps)
-    found = streamed(units, voigt(tensors).astype(precision))
-    assert sum(map(len, found)) > 20
-    for a, b in zip(found, expected, strict=True):
+    trains = streamed(units, voigt(tensors).astype(precision))
+    assert sum(map(len, trains)) > 20
+    for a, b in zip(trains, expected, strict=True):
         assert a == pytest.approx(b, abs=close)
     units.reset()
     again = streamed(units, voigt(tensors).astype(precision))
-    assert all(np.array_equal(a, b) for a, b in zip(found, again, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(trains, again, strict=True))
 
 
 @pytest.mark.parametrize("method", ["splitting", "runge-kutta"])
@@ -83,13 +83,13 @@ def test_hodgkin_huxley_units_fire_as_those_that_are_solved_at_once(
     how = {"membrane": membrane, "method": method, "dt": 2.5e-5}
     units = Afferents.of(types, normals, REFERENCE, substeps=4, **how)
     rows = np.tile(voigt(tensors), (1, copies, 1))
-    found = streamed(units, rows)
-    assert sum(map(len, found)) > 20 * copies
-    for a, b in zip(found, expected, strict=True):
+    trains = streamed(units, rows)
+    assert sum(map(len, trains)) > 20 * copies
+    for a, b in zip(trains, expected, strict=True):
         assert a == pytest.approx(b, abs=1e-9)
     units.reset()
     again = streamed(units, rows)
-    assert all(np.array_equal(a, b) for a, b in zip(found, again, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(trains, again, strict=True))
 
 
 def test_equal_principal_strains_are_no_trouble() -> None:
@@ -184,6 +184,6 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
     ],
 )
 def test_units_that_cannot_be_stepped_are_refused_at_once(given: dict, message: str) -> None:
-    known = {"types": TYPES, "normals": NORMALS, "lengths": dict.fromkeys(TYPES, 1.0)}
+    expected = {"types": TYPES, "normals": NORMALS, "lengths": dict.fromkeys(TYPES, 1.0)}
     with pytest.raises(InputError, match=message):
-        Afferents(**{**known, **given})
+        Afferents(**{**expected, **given})

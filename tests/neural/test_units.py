@@ -252,9 +252,9 @@ def test_noise_does_not_depend_on_how_long_the_run_is_nor_draws_on_the_other_uni
     for branches in (1, 3):
         short = variation.current(2, at, 0.0, 0.1, branches)
         np.testing.assert_array_equal(short, variation.current(2, at, 0.0, 1.0, branches))
-    own = replace(variation, numbers=(2,))
-    np.testing.assert_array_equal(own.current(0, at, 0.0, 0.1, 3), short)
-    assert own.gain(0) == variation.gain(2)
+    separate = replace(variation, numbers=(2,))
+    np.testing.assert_array_equal(separate.current(0, at, 0.0, 0.1, 3), short)
+    assert separate.gain(0) == variation.gain(2)
 
 
 def test_draws_of_units_are_none_of_those_of_places():

@@ -38,12 +38,12 @@ OBJECTS = [
 EXTENT = {"pressure": False, "strain": False, "fields": False}
 
 
-def scene(indenter: Indenter, **asked: object) -> ff.Scene:
+def scene(indenter: Indenter, **requested: object) -> ff.Scene:
     return ff.Scene(
         finger=ff.Finger.subject("a.h.", resolution="coarse"),
         indenter=indenter,
         motion=ff.Ramp(60, 0.6),
-        ask=ff.Ask(**({"fields": False} | asked)),
+        ask=ff.Ask(**({"fields": False} | requested)),
     )
 
 
@@ -183,8 +183,8 @@ def test_every_kind_is_a_final_class_with_one_line_of_bases(kind: str) -> None:
 
 
 def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion() -> None:
-    known = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
-    known |= {"Indenter", "PlateLike", "Placed", "Motion", "SampledMotion"}
+    expected = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
+    expected |= {"Indenter", "PlateLike", "Placed", "Motion", "SampledMotion"}
     seen = []
     for room in ("fefinger", "validation"):
         for file in (Path(__file__).parents[2] / room).rglob("*.py"):
@@ -192,7 +192,7 @@ def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion(
                 if isinstance(node, ast.Call) and ast.unparse(node.func) in CHECKS:
                     classes = {ast.unparse(part) for part in ast.walk(node.args[1])}
                     classes = {name.rpartition(".")[2] for name in classes}
-                    seen += [f"{file.name}: {ast.unparse(node)}"] if classes & known else []
+                    seen += [f"{file.name}: {ast.unparse(node)}"] if classes & expected else []
     assert not seen
 
 
@@ -205,8 +205,8 @@ def test_the_smallest_radius_of_an_object_is_that_of_its_sharpest_crest() -> Non
     assert ff.Relief.of(dots, FINE, FINE).least_radius == pytest.approx(1 / wave, rel=0.05)
 
 
-def peak(indenter: Indenter, **asked: object) -> float:
-    return float(linear.respond(scene(indenter, **(EXTENT | asked))).force[-1])
+def peak(indenter: Indenter, **requested: object) -> float:
+    return float(linear.respond(scene(indenter, **(EXTENT | requested))).force[-1])
 
 
 @pytest.fixture(scope="module")

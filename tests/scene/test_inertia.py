@@ -27,8 +27,8 @@ def test_what_is_not_quasi_static_is_warned_of():
 
 
 def test_a_motion_that_starts_in_contact_is_warned_of() -> None:
-    (said,) = jump(ff.Sampled((0.0, 0.1), (0.3, 0.5)))
-    assert "starts at 0.3 mm, which the indenter reaches in a jump" in said
+    (message,) = jump(ff.Sampled((0.0, 0.1), (0.3, 0.5)))
+    assert "starts at 0.3 mm, which the indenter reaches in a jump" in message
     assert (
         jump(ff.Sampled((0.0, 0.1), (0.0, 0.5))) == jump(ff.Sampled((0.0, 0.1), (-0.2, 0.5))) == ()
     )

@@ -68,8 +68,8 @@ def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
     scene = builtin.load(name)
     assert scene.name == name
     assert Scene.from_toml(scene.to_toml()) == scene
-    said = " ".join(builtin.text(name).replace("\n# ", " ").split())
-    assert said.startswith(f"# {builtin.summary(name)}")
+    message = " ".join(builtin.text(name).replace("\n# ", " ").split())
+    assert message.startswith(f"# {builtin.summary(name)}")
     assert builtin.summary(name).endswith(".")
 
 

@@ -94,11 +94,11 @@ def test_a_fit_is_told_where_it_cannot_be_saved(capsys, press, tmp_path):
 
 
 def test_a_table_of_a_fit_without_room_takes_its_record_along(monkeypatch, press, tmp_path):
-    found = lumped_fit.fit(press)
+    fit = lumped_fit.fit(press)
     (tmp_path / "out").mkdir()
-    monkeypatch.setattr(lumped_fit, "record", lambda found: {})  # small enough
+    monkeypatch.setattr(lumped_fit, "record", lambda fit: {})  # small enough
     with full(), pytest.raises(InputError, match=FULL):
-        lumped_fit.save(found, tmp_path / "out")
+        lumped_fit.save(fit, tmp_path / "out")
     assert list((tmp_path / "out").iterdir()) == []
 
 
@@ -113,9 +113,9 @@ def study():
 
 
 def test_a_study_is_told_where_it_cannot_be_saved(monkeypatch, capsys, study, tmp_path):
-    found = study()  # not while files are limited: it asks git, whose own files would be cut
+    answered = study()  # not while files are limited: it asks git, whose own files would be cut
     monkeypatch.setattr(
-        importlib.import_module("fefinger.studies.study"), "study", lambda *a, **k: found
+        importlib.import_module("fefinger.studies.study"), "study", lambda *a, **k: answered
     )
     words = ["study", "flat-press", "--over", "motion.depth=0.2,0.4", "-o", str(tmp_path)]
     with full():
@@ -127,9 +127,9 @@ def test_a_study_is_told_where_it_cannot_be_saved(monkeypatch, capsys, study, tm
 
 
 def test_a_netcdf_without_room_leaves_nothing(study, tmp_path):
-    found = study()
+    answered = study()
     with full(), pytest.raises(InputError, match=FULL):
-        found.write(tmp_path / "table.nc")
+        answered.write(tmp_path / "table.nc")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -140,8 +140,8 @@ def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch
         )
 
     monkeypatch.setattr("fefinger.studies.tasks.write", write)
-    found = study(folder=tmp_path)
-    assert (found.failures, found.rows[0]["status"]) == ((), "done")
+    answered = study(folder=tmp_path)
+    assert (answered.failures, answered.rows[0]["status"]) == ((), "done")
     assert list((tmp_path / "scenes").iterdir()) == []
 
 

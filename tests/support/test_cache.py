@@ -49,8 +49,8 @@ def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
     keep(root / "patches" / "a", days=3)
     keep(root / "operators" / "b", days=1, megabytes=2)
     identity = {"parity": "odd", "mesh_file_sha256": "0123456789", "modulus_ratio": 0.5}
-    told = json.dumps(identity | {"poisson": [0.48, 0.5]})
-    (root / "operators" / "b" / "identity.json").write_text(told)
+    message = json.dumps(identity | {"poisson": [0.48, 0.5]})
+    (root / "operators" / "b" / "identity.json").write_text(message)
     operator, patch = cache.entries()
     assert (operator.kind, patch.kind) == ("operators", "patches")
     expected = "odd half of mesh 01234567, modulus ratio 0.5, Poisson's ratios 0.48 and 0.5"
@@ -209,10 +209,10 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     monkeypatch.setattr(_operator, "build", lambda *mesh, odd: compliance)
     compliance = _made_up()
     old = store.sha256(finger)
-    found = _operator.operator(finger, half=True)
+    actual = _operator.operator(finger, half=True)
     assert old != store.sha256(finger)
     assert not operator_cache.at_hand(finger, half=True)
-    assert [known["mesh_file_sha256"] for known in found.identities] == [old]
+    assert [expected["mesh_file_sha256"] for expected in actual.identities] == [old]
 
 
 def _made_up() -> Compliance:

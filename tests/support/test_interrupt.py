@@ -218,6 +218,6 @@ def test_the_processes_of_a_calibration_end_with_it(end, tmp_path):
             for line in lines:
                 os.close(line)
             running.kill()
-        said = running.stderr.read()
+        message = running.stderr.read()
     assert status == (130 if end == "SIGINT" else -signal.SIGKILL)
-    assert "Traceback" not in said
+    assert "Traceback" not in message

@@ -23,9 +23,9 @@ def test_the_work_is_done_in_processes_that_are_kept():
 
 
 def test_a_process_that_dies_costs_one_item_and_is_replaced():
-    found = dict(processes.each(process_calls.end_for_odd, [0, 1, 2], 1))
-    assert found[0] == found[2] == {"rows": []}
-    assert found[1].status == 3
+    actual = dict(processes.each(process_calls.end_for_odd, [0, 1, 2], 1))
+    assert actual[0] == actual[2] == {"rows": []}
+    assert actual[1].status == 3
 
 
 def test_an_exception_is_raised_here_and_ends_the_processes():

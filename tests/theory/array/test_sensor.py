@@ -54,15 +54,15 @@ def test_coupling_between_elements_is_one_gaussian_told_in_two_ways():
 
 def test_an_even_pressure_is_read_as_it_is_and_blur_conserves_the_force():
     points, areas, r = grid(0.5, half=12.0)
-    felt = SENSOR.weights(points, areas) @ np.full(len(points), 7.0)
-    assert felt == pytest.approx(7.0, rel=1e-6)
+    element_pressure = SENSOR.weights(points, areas) @ np.full(len(points), 7.0)
+    assert element_pressure == pytest.approx(7.0, rel=1e-6)
     x, weight = np.polynomial.legendre.leggauss(60)
     around = 6.0 * (x + 1)
     ring = 2 * np.pi * around * blurred(BALL.pressure, BALL.contact_radius, around)
     assert 6.0 * weight @ ring == pytest.approx(BALL.force, rel=1e-6)
-    felt = SENSOR.weights(points, areas) @ BALL.pressure(r)
+    element_pressure = SENSOR.weights(points, areas) @ BALL.pressure(r)
     alias = 2 * np.exp(-2 * np.pi**2 * (SENSOR.sigma / SENSOR.pitch) ** 2)
-    assert felt.sum() * SENSOR.pitch**2 == pytest.approx(BALL.force, rel=alias)
+    assert element_pressure.sum() * SENSOR.pitch**2 == pytest.approx(BALL.force, rel=alias)
     assert alias < 0.025
 
 
@@ -143,8 +143,8 @@ def test_centroid_finds_the_center_of_a_cap():
     place = np.array([0.7, -1.3])
     points, areas, _ = grid(0.25)
     pressure = BALL.pressure(np.hypot(*(points - place).T))
-    felt = SENSOR.weights(points, areas) @ pressure
-    assert centroid(SENSOR.positions, felt) == pytest.approx(place, abs=0.02)
+    element_pressure = SENSOR.weights(points, areas) @ pressure
+    assert centroid(SENSOR.positions, element_pressure) == pytest.approx(place, abs=0.02)
     assert centroid(points, pressure * areas) == pytest.approx(place, abs=1e-3)
     assert np.isnan(centroid(SENSOR.positions, np.zeros(64))).all()
 
@@ -176,19 +176,19 @@ def test_sharpening_takes_out_the_tails_as_far_as_the_noise_allows():
     points, areas, r = grid(0.25)
     clean = SENSOR.weights(points, areas) @ BALL.pressure(r)
     noisy = clean + np.random.default_rng(4).normal(0, 0.5, 64)
-    found = sharpen(SENSOR, noisy)
-    assert found.residual == pytest.approx(0.5, rel=1e-3)
-    truth = BALL.pressure(np.hypot(*found.points.T))
+    sharpened = sharpen(SENSOR, noisy)
+    assert sharpened.residual == pytest.approx(0.5, rel=1e-3)
+    truth = BALL.pressure(np.hypot(*sharpened.points.T))
     line = np.unique(SENSOR.positions)
     table = RegularGridInterpolator((line, line), noisy.reshape(8, 8), bounds_error=False)
-    within = np.abs(found.points).max(axis=1) < 7
-    as_read = table(found.points[within][:, ::-1])
-    error = np.sqrt(np.mean((found.pressure[within] - truth[within]) ** 2))
+    within = np.abs(sharpened.points).max(axis=1) < 7
+    as_read = table(sharpened.points[within][:, ::-1])
+    error = np.sqrt(np.mean((sharpened.pressure[within] - truth[within]) ** 2))
     assert error < 0.75 * np.sqrt(np.mean((as_read - truth[within]) ** 2))
     quiet = sharpen(ArraySensor(noise=0.05), clean)
     better = np.sqrt(np.mean((quiet.pressure[within] - truth[within]) ** 2))
     assert better < error
-    assert found.pressure @ found.areas == pytest.approx(BALL.force, rel=0.02)
+    assert sharpened.pressure @ sharpened.areas == pytest.approx(BALL.force, rel=0.02)
 
 
 # Fits by the procedure of the thesis
@@ -218,23 +218,23 @@ def test_the_tabulated_cap_is_the_convolution():
 
 
 def test_the_fit_returns_the_row_of_the_table_that_made_the_readings(slow):
-    found = fit_fingerpad(*slow, DISTANCE)
+    fit = fit_fingerpad(*slow, DISTANCE)
     wanted = {"radius": 14.0, "c0_b": 1.9, "m": 1.9}
-    assert found.parameters == pytest.approx(wanted, rel=0.015)  # noise and a kinked time grid
-    assert found.error == pytest.approx(0.5**2 / slow[1].var(), rel=0.05)  # the noise alone
+    assert fit.parameters == pytest.approx(wanted, rel=0.015)  # noise and a kinked time grid
+    assert fit.error == pytest.approx(0.5**2 / slow[1].var(), rel=0.05)  # the noise alone
 
 
 @pytest.mark.parametrize("offset", [0.08, -0.08])
 def test_a_touch_found_80_um_off_moves_b_by_a_quarter_and_hides_in_the_error(slow, offset):
     depth, pressure = slow
     right = fit_fingerpad(depth, pressure, DISTANCE)
-    found = fit_fingerpad(depth + offset, pressure, DISTANCE)
-    assert found.error < right.error + 2e-4
-    change = found.parameters["c0_b"] / right.parameters["c0_b"] - 1
+    fit = fit_fingerpad(depth + offset, pressure, DISTANCE)
+    assert fit.error < right.error + 2e-4
+    change = fit.parameters["c0_b"] / right.parameters["c0_b"] - 1
     assert 0.2 < -np.sign(offset) * change < 0.3
-    moved = found.parameters["radius"] / right.parameters["radius"] - 1
+    moved = fit.parameters["radius"] / right.parameters["radius"] - 1
     assert 0.025 < -np.sign(offset) * moved < 0.05
-    assert abs(found.parameters["m"] / right.parameters["m"] - 1) < 0.025
+    assert abs(fit.parameters["m"] / right.parameters["m"] - 1) < 0.025
 
 
 def test_the_fit_of_a_ball_returns_the_ball():
@@ -242,8 +242,8 @@ def test_the_fit_of_a_ball_returns_the_ball():
         inside = np.maximum(32.6 * depth[:, None] - r**2, 0)
         return 2 * PLANE / (np.pi * 32.6) * np.sqrt(inside)
 
-    found = fit_ball(*press(pressure, deepest=0.7, seed=8), DISTANCE)
-    assert found.parameters == pytest.approx({"radius": 32.6, "modulus": 570.0}, rel=0.02)
+    fit = fit_ball(*press(pressure, deepest=0.7, seed=8), DISTANCE)
+    assert fit.parameters == pytest.approx({"radius": 32.6, "modulus": 570.0}, rel=0.02)
 
 
 # The force filter
@@ -301,5 +301,5 @@ def test_a_narrow_blur_leaves_a_wide_pressure_as_it_is():
     """At a hundredth of a mm the middle of a cap of 4 mm came out at half."""
     r = np.array([0.0, 1.0, 2.0, 3.0])
     for sigma in (0.1, 0.05, 0.01):
-        found = blurred(lambda s: 16.0 - s**2, 4.0, r, sigma)
-        np.testing.assert_allclose(found, 16.0 - r**2 - 2 * sigma**2, rtol=1e-9)
+        actual = blurred(lambda s: 16.0 - s**2, 4.0, r, sigma)
+        np.testing.assert_allclose(actual, 16.0 - r**2 - 2 * sigma**2, rtol=1e-9)

@@ -20,20 +20,20 @@ DEPTHS = [2e-3, 0.03, 0.3, 1.1, 2.0]
 @pytest.mark.parametrize("depth", DEPTHS)
 def test_any_depth_is_the_contact_solved_there(depth):
     """Tolerances: what the docstring of LEVELS promises."""
-    solved, found = paraboloid_at(FINGER, 10.0, depth=depth), TABLE.at(depth)
+    solved, contact = paraboloid_at(FINGER, 10.0, depth=depth), TABLE.at(depth)
     assert float(TABLE.force(depth)) == pytest.approx(solved.force, rel=1e-6)
-    assert found.contact_radius == pytest.approx(solved.contact_radius, rel=1e-6)
-    assert found.force == pytest.approx(solved.force, rel=3e-6)
+    assert contact.contact_radius == pytest.approx(solved.contact_radius, rel=1e-6)
+    assert contact.force == pytest.approx(solved.force, rel=3e-6)
     # Short of the edge, where the pressure is a root and a part in 1e6 of a shows as 1e-3.
     r = np.linspace(0, 0.98, 20) * solved.contact_radius
-    np.testing.assert_allclose(found.pressure(r), solved.pressure(r), rtol=1e-5)
+    np.testing.assert_allclose(contact.pressure(r), solved.pressure(r), rtol=1e-5)
 
 
 def test_the_force_within_a_radius_is_that_of_the_contacts_solved_there():
     r = np.array([0.0, 0.1, 0.5, 2.0, 5.0, 9.0])
-    found = TABLE.load([0.0, *DEPTHS], r)
-    assert np.abs(found[0]).max() == 0
-    for row, depth in zip(found[1:], DEPTHS, strict=True):
+    actual = TABLE.load([0.0, *DEPTHS], r)
+    assert np.abs(actual[0]).max() == 0
+    for row, depth in zip(actual[1:], DEPTHS, strict=True):
         solved = paraboloid_at(FINGER, 10.0, depth=depth)
         np.testing.assert_allclose(row, solved.load(r), atol=3e-6 * solved.force)
 
@@ -53,11 +53,11 @@ def test_a_table_reaches_what_is_wanted_and_one_step_less_does_not(wanted):
 
 def test_strain_is_that_of_the_contacts_solved_there():
     r, z = np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.5, 0.7, 1.2, 2.0])
-    found = TABLE.strain(DEPTHS, r, z=z)
+    actual = TABLE.strain(DEPTHS, r, z=z)
     contacts = [paraboloid_at(FINGER, 10.0, depth=depth) for depth in DEPTHS]
     solved = below(FINGER, contacts, r, z=z).strain
     scale = np.abs(solved).max(axis=(1, 2))
-    assert np.max(np.abs(found - solved).max(axis=(1, 2)) / scale) < 1.5e-4
+    assert np.max(np.abs(actual - solved).max(axis=(1, 2)) / scale) < 1.5e-4
 
 
 def test_a_half_space_is_hertz_and_huber_at_every_depth():

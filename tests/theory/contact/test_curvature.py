@@ -75,11 +75,11 @@ def test_contacts_agree_with_hertz_by_depth_and_by_force(depth, radius):
     hertz = Hertz(radius, depth, 90.0, 0.5)
     by_depth = at_depth(depth, radius, hertz.plane_modulus)
     by_force = at_force(hertz.force, radius, hertz.plane_modulus)
-    for found in (by_depth, by_force):
-        assert found.radius == pytest.approx(hertz.contact_radius)
-        assert found.peak_pressure == pytest.approx(hertz.peak_pressure)
-        assert found.depth == pytest.approx(depth)
-        assert found.force == pytest.approx(hertz.force)
+    for actual in (by_depth, by_force):
+        assert actual.radius == pytest.approx(hertz.contact_radius)
+        assert actual.peak_pressure == pytest.approx(hertz.peak_pressure)
+        assert actual.depth == pytest.approx(depth)
+        assert actual.force == pytest.approx(hertz.force)
 
 
 def test_at_fixed_depth_compliance_changes_the_pressure_alone_and_curvature_both():

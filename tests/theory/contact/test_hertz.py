@@ -56,8 +56,8 @@ def test_printed_maxima_on_the_axis(poisson, shear, at_shear, axial, at_axial):
     h, p0 = unit(poisson)
 
     def largest(value):
-        found = minimize_scalar(lambda z: -value(z), bounds=(0.1, 1.0), options={"xatol": 1e-7})
-        return -found.fun / p0, found.x
+        optimum = minimize_scalar(lambda z: -value(z), bounds=(0.1, 1.0), options={"xatol": 1e-7})
+        return -optimum.fun / p0, optimum.x
 
     def half_difference(z):
         stress = h.stress(0.0, z)
@@ -83,8 +83,8 @@ def test_printed_values_on_the_axis_of_an_incompressible_body(z, printed):
     h, p0 = unit(0.5)
     stress = h.stress(0.0, z)
     energy = stress @ (h.strain(0.0, z) * [1, 1, 1, 2]) / 2 / p0**2
-    found = (stress[0] / p0, stress[2] / p0, h.strain(0.0, z)[2] / p0, energy)
-    assert found == pytest.approx(printed, abs=6e-5)
+    actual = (stress[0] / p0, stress[2] / p0, h.strain(0.0, z)[2] / p0, energy)
+    assert actual == pytest.approx(printed, abs=6e-5)
     assert stress[1] == pytest.approx(stress[0], rel=1e-12)
     assert stress[3] == 0
 
@@ -102,8 +102,8 @@ OFF_AXIS = {
 def test_printed_values_off_the_axis(place, printed):
     h, p0 = unit(0.5)
     outward, inward = h.displacement(*place)
-    found = np.array([*h.stress(*place), inward, outward]) / p0
-    assert found == pytest.approx(printed, abs=6e-6)
+    actual = np.array([*h.stress(*place), inward, outward]) / p0
+    assert actual == pytest.approx(printed, abs=6e-6)
 
 
 @POISSON

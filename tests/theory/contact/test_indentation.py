@@ -26,36 +26,36 @@ BODIES = pytest.mark.parametrize(
 
 
 def test_a_half_space_is_hertz():
-    found = paraboloid_at(HALF_SPACE, 10.0, depth=0.4)
+    contact = paraboloid_at(HALF_SPACE, 10.0, depth=0.4)
     h = Hertz(10.0, 0.4, modulus=34.0, poisson=0.45)
-    assert found.contact_radius == pytest.approx(h.contact_radius, rel=1e-12)
-    assert found.force == pytest.approx(h.force, rel=1e-12)
+    assert contact.contact_radius == pytest.approx(h.contact_radius, rel=1e-12)
+    assert contact.force == pytest.approx(h.force, rel=1e-12)
     r = np.array([0.0, 0.5, 1.9, 1.9999, 2.0, 2.5])
-    np.testing.assert_allclose(found.pressure(r), h.pressure(r), rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(contact.pressure(r), h.pressure(r), rtol=1e-9, atol=1e-6)
     away = np.array([0.0, 1.0, 2.1, 5.0])
-    np.testing.assert_allclose(found.displacement(away), h.displacement(away, 0.0)[1], rtol=1e-10)
+    np.testing.assert_allclose(contact.displacement(away), h.displacement(away, 0.0)[1], rtol=1e-10)
 
 
 def test_a_half_space_is_sneddons_punch():
-    found = flat_punch(HALF_SPACE, 1.5, depth=0.3)
+    contact = flat_punch(HALF_SPACE, 1.5, depth=0.3)
     punch = FlatPunch(1.5, 0.3, modulus=34.0, poisson=0.45)
-    assert found.force == pytest.approx(punch.force, rel=1e-13)
+    assert contact.force == pytest.approx(punch.force, rel=1e-13)
     r = np.array([0.0, 0.7, 1.4, 1.5, 1.6])
-    np.testing.assert_allclose(found.pressure(r), punch.pressure(r), rtol=1e-12)
-    np.testing.assert_allclose(found.displacement(r), punch.displacement(r), rtol=1e-12)
+    np.testing.assert_allclose(contact.pressure(r), punch.pressure(r), rtol=1e-12)
+    np.testing.assert_allclose(contact.displacement(r), punch.displacement(r), rtol=1e-12)
 
 
 @BODIES
 @pytest.mark.parametrize("wide", [0.3, 2.0, 6.0])
 def test_the_pressure_displaces_the_surface_onto_the_indenter(body, wide):
-    found = paraboloid(body, 40.0, contact_radius=wide)
+    contact = paraboloid(body, 40.0, contact_radius=wide)
     r = np.array([0.0, 0.2, 0.55, 0.9, 1.0]) * wide
     np.testing.assert_allclose(
-        found.displacement(r), found.depth - r**2 / 80.0, atol=1e-10 * found.depth
+        contact.displacement(r), contact.depth - r**2 / 80.0, atol=1e-10 * contact.depth
     )
     outside = np.array([1.01, 1.3, 3.0]) * wide
-    assert np.all(found.displacement(outside) > found.depth - outside**2 / 80.0)
-    inside = found.pressure(np.linspace(0, 0.999, 50) * wide)
+    assert np.all(contact.displacement(outside) > contact.depth - outside**2 / 80.0)
+    inside = contact.pressure(np.linspace(0, 0.999, 50) * wide)
     assert np.all(inside > 0)
     punch = flat_punch(body, wide, depth=0.1)
     np.testing.assert_allclose(punch.displacement(r[:4]), 0.1, rtol=1e-9)
@@ -68,20 +68,22 @@ def test_force_and_transform_are_those_of_the_pressure(body, kind):
         "paraboloid": lambda: paraboloid(body, 10.0, contact_radius=2.0),
         "punch": lambda: flat_punch(body, 2.0, depth=0.1),
     }
-    found = solved[kind]()
+    actual = solved[kind]()
     nodes, weights = np.polynomial.legendre.leggauss(120)
     s = np.pi / 4 * (nodes + 1)
     r = 2.0 * np.sin(s)
-    ring = found.pressure(r) * r * 2.0 * np.cos(s) * np.pi / 4 * weights
-    assert 2 * np.pi * ring.sum() == pytest.approx(found.force, rel=1e-11)
-    part = found.load(np.array([0.0, 1.2, 2.0, 5.0]))
-    assert part[[0, 2, 3]] == pytest.approx([0, found.force, found.force], abs=1e-11 * found.force)
+    ring = actual.pressure(r) * r * 2.0 * np.cos(s) * np.pi / 4 * weights
+    assert 2 * np.pi * ring.sum() == pytest.approx(actual.force, rel=1e-11)
+    part = actual.load(np.array([0.0, 1.2, 2.0, 5.0]))
+    assert part[[0, 2, 3]] == pytest.approx(
+        [0, actual.force, actual.force], abs=1e-11 * actual.force
+    )
     inner = 0.6 * (nodes + 1)
-    within = 2 * np.pi * 0.6 * weights @ (inner * found.pressure(inner))
+    within = 2 * np.pi * 0.6 * weights @ (inner * actual.pressure(inner))
     assert part[1] == pytest.approx(within, rel=1e-11)
     for xi in (0.1, 1.0, 5.0, 20.0):
         expected = j0(xi * r) @ ring
-        assert found.transform(xi) == pytest.approx(expected, abs=1e-11 * ring.sum())
+        assert actual.transform(xi) == pytest.approx(expected, abs=1e-11 * ring.sum())
 
 
 @BODIES
@@ -96,8 +98,8 @@ def test_the_force_is_the_derivative_of_the_energy(body):
 @BODIES
 @pytest.mark.parametrize("depth", [1e-4, 0.02, 0.5])
 def test_the_depth_is_reached(body, depth):
-    found = paraboloid_at(body, 10.0, depth=depth)
-    assert found.depth == pytest.approx(depth, rel=1e-11)
+    contact = paraboloid_at(body, 10.0, depth=depth)
+    assert contact.depth == pytest.approx(depth, rel=1e-11)
 
 
 def influence(body, edges, places):
@@ -114,11 +116,11 @@ def influence(body, edges, places):
     half = np.diff(cuts)[:, None] / 2
     xi, step = (cuts[:-1, None] + half * (nodes + 1)).ravel(), (half * weights).ravel()
     extra = step * (body.compliance(xi) - 1) * 2 * (1 - poisson**2) / modulus / xi
-    own = [
+    separate = [
         circle_displacement(places, radius=edge, pressure=1.0, modulus=modulus, poisson=poisson)
         for edge in edges
     ]
-    return np.stack(own, axis=1) + j0(np.outer(places, xi)) * extra @ (
+    return np.stack(separate, axis=1) + j0(np.outer(places, xi)) * extra @ (
         j1(np.outer(xi, edges)) * edges
     )
 

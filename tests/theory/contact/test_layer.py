@@ -16,10 +16,10 @@ INCOMPRESSIBLE = Sheet(1.0, modulus=30.0, poisson=0.5)
 
 def against_hertz(sheet, wide, *, radius=1e3):
     """Return chi, P / P_Hertz(depth) and a / sqrt(R depth) at a / h = `wide`."""
-    found = paraboloid(sheet, radius, contact_radius=wide * sheet.thickness)
-    half_space = Hertz(radius, found.depth, modulus=sheet.modulus, poisson=sheet.poisson)
+    contact = paraboloid(sheet, radius, contact_radius=wide * sheet.thickness)
+    half_space = Hertz(radius, contact.depth, modulus=sheet.modulus, poisson=sheet.poisson)
     chi = half_space.contact_radius / sheet.thickness
-    return chi, found.force / half_space.force, wide * sheet.thickness / half_space.contact_radius
+    return chi, contact.force / half_space.force, wide * sheet.thickness / half_space.contact_radius
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45, 0.5])
@@ -63,11 +63,11 @@ def test_the_kernel_ends_at_the_half_space_and_begins_as_a_foundation(base):
 )
 def test_printed_slope_of_a_small_contact(poisson, base, integral):
     sheet = Sheet(2.5, modulus=3.0, poisson=poisson, base=base)
-    found = sheet.thickness * spectrum(sheet, 0.0)[1].sum()
-    assert found == pytest.approx(integral, abs=6e-5)
+    actual = sheet.thickness * spectrum(sheet, 0.0)[1].sum()
+    assert actual == pytest.approx(integral, abs=6e-5)
     chi, ratio, _ = against_hertz(sheet, 1e-3)
     # The next term of the expansion is of the order of chi² = 1e-6.
-    assert (ratio - 1) / chi == pytest.approx(2 / math.pi * found, rel=5e-3)
+    assert (ratio - 1) / chi == pytest.approx(2 / math.pi * actual, rel=5e-3)
 
 
 RECOMPUTED = [
@@ -97,9 +97,9 @@ def test_printed_sphere_on_a_layer(poisson, base, wide, printed):
 def test_hayes_factor_of_a_flat_punch(wide, poisson, kappa):
     """P = 2 E a w kappa / (1 - nu²), Hayes et al. 1972 recomputed."""
     sheet = Sheet(2.0, modulus=30.0, poisson=poisson)
-    found = flat_punch(sheet, 2.0 * wide, depth=0.01)
+    contact = flat_punch(sheet, 2.0 * wide, depth=0.01)
     half_space = 2 * 30.0 / (1 - poisson**2) * 2.0 * wide * 0.01
-    assert found.force / half_space == pytest.approx(kappa, abs=6e-4)
+    assert contact.force / half_space == pytest.approx(kappa, abs=6e-4)
 
 
 @pytest.mark.parametrize(
@@ -115,11 +115,11 @@ def test_hayes_factor_of_a_flat_punch(wide, poisson, kappa):
 )
 def test_printed_stiffening_of_a_finger_over_bone(radius, thickness, depth, chi, ratio):
     sheet = Sheet(float(thickness), modulus=34.0, poisson=0.5)
-    found = paraboloid_at(sheet, float(radius), depth=depth)
-    assert found.depth == pytest.approx(depth, rel=1e-12)
+    contact = paraboloid_at(sheet, float(radius), depth=depth)
+    assert contact.depth == pytest.approx(depth, rel=1e-12)
     half_space = Hertz(radius, depth, modulus=34.0, poisson=0.5)
     tolerance = 6e-3 if chi else 6e-2
-    assert found.force / half_space.force == pytest.approx(ratio, abs=tolerance)
+    assert contact.force / half_space.force == pytest.approx(ratio, abs=tolerance)
     if chi:
         assert half_space.contact_radius / thickness == pytest.approx(chi, abs=6e-3)
 
@@ -186,9 +186,9 @@ BALL = (31.0, 540.0)
 )
 def test_printed_ball_on_a_bonded_cover(radius, modulus, force, wide):
     cover = Faced(Sheet(2.0, 1000.0, 0.5), modulus, 0.5)
-    found = paraboloid_at(cover, radius, depth=0.59)
-    assert 1e-3 * found.force == pytest.approx(force, abs=0.005)
-    assert found.contact_radius == pytest.approx(wide, abs=0.005)
+    contact = paraboloid_at(cover, radius, depth=0.59)
+    assert 1e-3 * contact.force == pytest.approx(force, abs=0.005)
+    assert contact.contact_radius == pytest.approx(wide, abs=0.005)
 
 
 def test_a_rigid_ball_feels_the_sheet_alone_and_a_soft_one_itself():
@@ -203,11 +203,11 @@ def test_a_rigid_ball_feels_the_sheet_alone_and_a_soft_one_itself():
 def test_on_a_thick_cover_the_compliances_add_as_in_hertz():
     both = Faced(Sheet(1e4, 1000.0, 0.5), 540.0, 0.4)
     plane = 1 / ((1 - 0.4**2) / 540.0 + 0.75 / 1000.0)
-    found = paraboloid_at(both, 31.0, depth=0.1)
-    assert found.force == pytest.approx(4 / 3 * plane * np.sqrt(31.0) * 0.1**1.5, rel=1e-3)
+    contact = paraboloid_at(both, 31.0, depth=0.1)
+    assert contact.force == pytest.approx(4 / 3 * plane * np.sqrt(31.0) * 0.1**1.5, rel=1e-3)
     # The two surfaces meet: what each sinks under the one pressure fills the gap.
     r = np.array([0.0, 0.5, 1.2])
-    np.testing.assert_allclose(found.displacement(r), 0.1 - r**2 / 62.0, rtol=1e-6)
+    np.testing.assert_allclose(contact.displacement(r), 0.1 - r**2 / 62.0, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

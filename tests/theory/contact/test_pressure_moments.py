@@ -35,19 +35,19 @@ def hertz(places, a, b, center=(0.0, 0.0), turn=0.0):
 @pytest.mark.parametrize("shift", [-0.7, 0.0, 0.31, 1.2])
 def test_asymmetry_of_hertz_is_that_of_a_cut_ball(shift):
     places, triangles, areas = grid()
-    found = moments(places, triangles, areas, hertz(places, 1.6, 1.1, (shift, 0.4)))
+    actual = moments(places, triangles, areas, hertz(places, 1.6, 1.1, (shift, 0.4)))
     s = shift / 1.6  # the part of a ball beyond a plane is (2 + 3 s - s^3) / 4
-    assert found.asymmetry == pytest.approx((3 * s - s**3) / 2, abs=2e-3)
-    assert found.center == pytest.approx([shift, 0.4], abs=2e-3)
-    assert found.force == pytest.approx(2 / 3 * np.pi * 1.6 * 1.1, rel=3e-3)
+    assert actual.asymmetry == pytest.approx((3 * s - s**3) / 2, abs=2e-3)
+    assert actual.center == pytest.approx([shift, 0.4], abs=2e-3)
+    assert actual.force == pytest.approx(2 / 3 * np.pi * 1.6 * 1.1, rel=3e-3)
 
 
 @pytest.mark.parametrize("turn", [0, 25, -60, 90])
 def test_ellipticity_and_direction_of_hertz(turn):
     places, triangles, areas = grid()
-    found = moments(places, triangles, areas, hertz(places, 2.0, 1.2, (0.3, -0.2), turn))
-    assert found.ellipticity == pytest.approx(1 - 1.2 / 2.0, abs=3e-3)
-    assert abs((found.long_axis - turn + 90) % 180 - 90) < 0.5
+    actual = moments(places, triangles, areas, hertz(places, 2.0, 1.2, (0.3, -0.2), turn))
+    assert actual.ellipticity == pytest.approx(1 - 1.2 / 2.0, abs=3e-3)
+    assert abs((actual.long_axis - turn + 90) % 180 - 90) < 0.5
 
 
 def test_a_linear_pressure_is_cut_exactly_wherever_the_line_runs():
@@ -57,11 +57,11 @@ def test_a_linear_pressure_is_cut_exactly_wherever_the_line_runs():
     weights = rng.dirichlet([1, 1, 1], 400_000)
     values = weights @ pressure
     for cut in (-0.6, 0.2, 0.5, 1.4):
-        found = moments(triangle - [cut, 0], [[0, 1, 2]], [2.0], pressure)
+        actual = moments(triangle - [cut, 0], [[0, 1, 2]], [2.0], pressure)
         ahead = (weights @ triangle)[:, 0] > cut
         drawn = 2 * values[ahead].sum() / values.sum() - 1
-        assert found.asymmetry == pytest.approx(drawn, abs=4e-3)
-        assert found.force == pytest.approx(2.0 * 7 / 3)
+        assert actual.asymmetry == pytest.approx(drawn, abs=4e-3)
+        assert actual.force == pytest.approx(2.0 * 7 / 3)
 
 
 def test_nothing_has_no_moments():

@@ -75,9 +75,9 @@ def test_a_cylinder_carries_its_force_and_is_sheared_most_at_the_printed_place()
         across, down, _ = CYLINDER.stress(0.0, z)
         return -(across - down) / 2
 
-    found = minimize_scalar(shear, bounds=(0.3 * b, 2 * b))
-    assert -found.fun / p0 == pytest.approx(0.30, abs=5e-3)
-    assert found.x / b == pytest.approx(0.78, abs=7e-3)
+    optimum = minimize_scalar(shear, bounds=(0.3 * b, 2 * b))
+    assert -optimum.fun / p0 == pytest.approx(0.30, abs=5e-3)
+    assert optimum.x / b == pytest.approx(0.78, abs=7e-3)
 
 
 @pytest.mark.parametrize("place", [(0.3, 0.5), (-0.3, 0.5), (4.0, 0.4), (-4.0, 1.0), (0.0, 1.0)])

@@ -86,9 +86,9 @@ def test_the_kernels_solve_the_printed_equation(stack, xi):
         step = min(layer.thickness, 1.0)
         state = expm(rate(layer, xi) * step) @ state
         depth += step
-        found = stack.kernels([xi], depth)[:, 0]
-        found[:2] /= xi
-        np.testing.assert_allclose(found, state, rtol=1e-7, atol=1e-9)
+        actual = stack.kernels([xi], depth)[:, 0]
+        actual[:2] /= xi
+        np.testing.assert_allclose(actual, state, rtol=1e-7, atol=1e-9)
 
 
 def test_a_state_at_the_base_obeys_it():
@@ -115,9 +115,9 @@ def test_printed_loads_on_a_finger_over_bone(a, depth, force):
 
     Ours puts the surface on the indenter to 1e-10 (test_indentation.py), whatever the nodes.
     """
-    found = paraboloid(FINGER, 10.0, contact_radius=float(a))
-    assert found.depth == pytest.approx(depth, rel=7e-4)
-    assert found.force / 1e3 == pytest.approx(force, rel=2e-4, abs=6e-5)
+    contact = paraboloid(FINGER, 10.0, contact_radius=float(a))
+    assert contact.depth == pytest.approx(depth, rel=7e-4)
+    assert contact.force / 1e3 == pytest.approx(force, rel=2e-4, abs=6e-5)
 
 
 LINE = np.array([0.5, 1, 1.5, 2, 3, 4])
@@ -153,10 +153,10 @@ def test_printed_profile_beside_a_bar(moduli, poisson, printed):
     (0.49, 0.48; not with 0.5, which is 0.1 off) to 3e-3, not to their digits.
     """
     stack = Stack(tuple(Layer(*row) for row in zip((1.0, 4.0), moduli, poisson, strict=True)))
-    found = bar_profile(stack, LINE, width=0.1)
+    actual = bar_profile(stack, LINE, width=0.1)
     tolerance = 3e-3 if moduli[0] > moduli[1] else 2e-3
-    np.testing.assert_allclose(found / found[0], np.array(printed) / printed[0], atol=tolerance)
-    assert 1 < found[0] / printed[0] < 1.02
+    np.testing.assert_allclose(actual / actual[0], np.array(printed) / printed[0], atol=tolerance)
+    assert 1 < actual[0] / printed[0] < 1.02
 
 
 def test_close_to_a_bar_a_thick_layer_is_a_half_space():
@@ -170,9 +170,9 @@ def test_close_to_a_bar_a_thick_layer_is_a_half_space():
         return -np.log(np.abs(x - source)) @ step
 
     x = np.array([0.02, 0.1, 0.4])
-    found = 1 - bar_profile(Stack((Layer(400.0, 34.0, 0.45),)), x, width=0.1)
+    actual = 1 - bar_profile(Stack((Layer(400.0, 34.0, 0.45),)), x, width=0.1)
     expected = np.array([sunk(0.0) - sunk(place) for place in x])
-    np.testing.assert_allclose(found / found[-1], expected / expected[-1], atol=2e-4)
+    np.testing.assert_allclose(actual / actual[-1], expected / expected[-1], atol=2e-4)
 
 
 def points(seed, stack, count=24):
@@ -215,25 +215,27 @@ def test_the_field_is_in_equilibrium_and_the_gradient_of_its_displacement(stack,
         return below(stack, [contact], r, z=z)
 
     def both(r, z):
-        found = field(r, z)
-        return np.concatenate([found.stress[0], found.displacement[0]])
+        computed = field(r, z)
+        return np.concatenate([computed.stress[0], computed.displacement[0]])
 
     by_r = derivative(lambda s: both(s, z), r, 2e-3)
     by_z = derivative(lambda s: both(r, s), z, 2e-3)
-    found = field(r, z)
-    radial, hoop, _, shear = found.stress[0]
-    scale = np.abs(found.stress[0]).max()
+    computed = field(r, z)
+    radial, hoop, _, shear = computed.stress[0]
+    scale = np.abs(computed.stress[0]).max()
     np.testing.assert_allclose(by_r[0] + by_z[3] + (radial - hoop) / r, 0, atol=1e-6 * scale)
     np.testing.assert_allclose(by_r[3] + by_z[2] + shear / r, 0, atol=1e-6 * scale)
-    u_r = found.displacement[0, 0]
+    u_r = computed.displacement[0, 0]
     gradient = [by_r[4], u_r / r, by_z[5], (by_z[4] + by_r[5]) / 2]
-    np.testing.assert_allclose(found.strain[0], gradient, atol=1e-6 * np.abs(found.strain[0]).max())
+    np.testing.assert_allclose(
+        computed.strain[0], gradient, atol=1e-6 * np.abs(computed.strain[0]).max()
+    )
     index = [stack.locate(float(depth))[0] for depth in z]
     hooke = [
-        elastic.strain(found.stress[0][:, i], stack.layers[j].modulus, stack.layers[j].poisson)
+        elastic.strain(computed.stress[0][:, i], stack.layers[j].modulus, stack.layers[j].poisson)
         for i, j in enumerate(index)
     ]
-    np.testing.assert_allclose(found.strain[0].T, hooke, atol=1e-12 * scale)
+    np.testing.assert_allclose(computed.strain[0].T, hooke, atol=1e-12 * scale)
 
 
 @STACKS

@@ -239,14 +239,14 @@ def test_depth_control_of_the_depth_under_force_returns_the_force():
 )
 def test_the_contact_radius_creeps_as_the_reference_says(prony, ratios):
     """Independent values to three decimals, of the Prony inversion and J^(1/3)."""
-    asked = [0, 5e-3, 0.05, 0.5, 5.0, 200.0]
-    time = np.unique(np.concatenate([asked, np.geomspace(1e-5, 200, 2000)]))
+    requested = [0, 5e-3, 0.05, 0.5, 5.0, 200.0]
+    time = np.unique(np.concatenate([requested, np.geomspace(1e-5, 200, 2000)]))
     nodes = radius_nodes(2.0, 500)
     contact = press_by_force(prony, time, np.full(len(time), 40.0), nodes, hertz)
-    radius = np.sqrt(contact.edge[np.searchsorted(time, asked)])
+    radius = np.sqrt(contact.edge[np.searchsorted(time, requested)])
     assert radius[1:] / radius[0] == pytest.approx(ratios, abs=1e-3)
     elastic = creep_integral(prony, time, np.full(len(time), 40.0))
-    by_inversion = np.cbrt(elastic[np.searchsorted(time, asked)] / elastic[0])
+    by_inversion = np.cbrt(elastic[np.searchsorted(time, requested)] / elastic[0])
     assert by_inversion[1:] == pytest.approx(ratios, abs=5.1e-4)
 
 

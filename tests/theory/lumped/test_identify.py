@@ -30,31 +30,31 @@ def truth(name="a.h."):
 @pytest.mark.parametrize(("name", "b"), BIASED_B.items())
 def test_the_procedure_of_the_thesis_is_biased(name, b):
     """Found: b 33 to 43 % low, m within 1.5 %, c0 of .30 to .42 for .22 to .29; without noise."""
-    found = identify.thesis(*trial(name, seed=None))
+    fit = identify.thesis(*trial(name, seed=None))
     spring, prony = SUBJECTS[name]
-    assert found.spring.b == pytest.approx(b, rel=0.01)
-    assert 0.32 < 1 - found.spring.b / spring.b < 0.44
-    assert found.spring.m == pytest.approx(spring.m, rel=0.016)
-    assert 0.295 < found.prony.weights[0] < 0.425
-    assert found.prony.weights[0] / prony.weights[0] > 1.35
-    assert found.prony.v == pytest.approx(prony.v, rel=0.01)  # the rates survive
+    assert fit.spring.b == pytest.approx(b, rel=0.01)
+    assert 0.32 < 1 - fit.spring.b / spring.b < 0.44
+    assert fit.spring.m == pytest.approx(spring.m, rel=0.016)
+    assert 0.295 < fit.prony.weights[0] < 0.425
+    assert fit.prony.weights[0] / prony.weights[0] > 1.35
+    assert fit.prony.v == pytest.approx(prony.v, rel=0.01)  # the rates survive
 
 
 def test_the_line_through_the_stiffness_looks_perfect_all_the_same():
-    found = identify.thesis(*trial(seed=0))
-    assert found.vaf_stiffness > 0.98
-    assert found.vaf_hold > 0.999
-    assert found.mse < 0.05
-    off = abs(found.spring.b - AH[0].b) / found.uncertainty["b"]
+    fit = identify.thesis(*trial(seed=0))
+    assert fit.vaf_stiffness > 0.98
+    assert fit.vaf_hold > 0.999
+    assert fit.mse < 0.05
+    off = abs(fit.spring.b - AH[0].b) / fit.uncertainty["b"]
     assert off > 4  # far outside of its own uncertainty
 
 
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_the_joint_fit_recovers_every_subject_without_noise(name):
-    found = identify.joint(*trial(name, seed=None))
+    fit = identify.joint(*trial(name, seed=None))
     for key, value in truth(name).items():
-        assert found.parameters[key] == pytest.approx(value, rel=1e-3), key
-    assert found.warnings == ()
+        assert fit.parameters[key] == pytest.approx(value, rel=1e-3), key
+    assert fit.warnings == ()
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +62,9 @@ def scores():
     """Return the deviations of 12 noisy fits in their stated standard deviations."""
     rows = []
     for seed in range(12):
-        found = identify.joint(*trial(seed=seed))
+        fit = identify.joint(*trial(seed=seed))
         expected = truth()
-        rows.append(
-            {k: (v - expected[k]) / found.uncertainty[k] for k, v in found.parameters.items()}
-        )
+        rows.append({k: (v - expected[k]) / fit.uncertainty[k] for k, v in fit.parameters.items()})
     return {key: np.array([row[key] for row in rows]) for key in rows[0]}
 
 
@@ -84,7 +82,7 @@ def test_the_joint_fit_is_closer_than_the_thesis_to_b_and_c0():
     biased, cured = identify.thesis(*data), identify.joint(*data)
     for key in ("b", "c0", "c1"):
         value = truth()[key]
-        errors = [abs(found.parameters[key] / value - 1) for found in (biased, cured)]
+        errors = [abs(actual.parameters[key] / value - 1) for actual in (biased, cured)]
         assert errors[0] > 0.2, key
         assert errors[1] < 0.05, key
 
@@ -104,16 +102,16 @@ def test_the_same_seed_makes_the_same_trial_with_the_stated_noise():
 
 def test_the_touch_of_the_thesis_is_as_unsure_as_its_line():
     """It scatters by 0.02 mm; with m and b taken for sure it said 0.2 um."""
-    found = [identify.thesis(*trial(seed=seed)) for seed in range(12)]
-    scatter = np.std([each.spring.x0 for each in found], ddof=1)
-    stated = np.median([each.uncertainty["x0"] for each in found])
+    fit = [identify.thesis(*trial(seed=seed)) for seed in range(12)]
+    scatter = np.std([each.spring.x0 for each in fit], ddof=1)
+    stated = np.median([each.uncertainty["x0"] for each in fit])
     assert 0.4 < scatter / stated < 2.0
 
 
-def near(found, deviations=3.5):
+def near(actual, deviations=3.5):
     """Return whether every parameter is that of a.h. within its stated uncertainty."""
     return all(
-        abs(found.parameters[key] - value) < deviations * found.uncertainty[key]
+        abs(actual.parameters[key] - value) < deviations * actual.uncertainty[key]
         for key, value in truth().items()
     )
 
@@ -124,24 +122,24 @@ def test_a_ramp_of_many_samples_is_averaged_and_still_fits():
 
 def test_a_ramp_too_slow_for_the_fast_term_is_told():
     """The stiffness is 20 % low then, by more than it says."""
-    found = identify.joint(*trial(seed=0, speed=2.0, hold=4.0))
-    assert "term 1 has faded" in found.warnings[-1]
-    assert "ramp faster" in found.warnings[-1]
+    fit = identify.joint(*trial(seed=0, speed=2.0, hold=4.0))
+    assert "term 1 has faded" in fit.warnings[-1]
+    assert "ramp faster" in fit.warnings[-1]
     assert identify.thesis(*trial(seed=0, speed=2.0, hold=4.0)).spring.b > 0
 
 
 def test_a_corner_between_few_samples_stays_sharp():
     """At 1 kHz nine points are 0.5 mm: b came out at 0.35 N/mm instead of 0.18."""
-    found = identify.joint(*trial(seed=None, sample_rate=1e3))
-    assert found.spring.b == pytest.approx(AH[0].b, rel=0.02)
-    assert found.prony.v[0] == pytest.approx(AH[1].v[0], rel=0.02)
+    fit = identify.joint(*trial(seed=None, sample_rate=1e3))
+    assert fit.spring.b == pytest.approx(AH[0].b, rel=0.02)
+    assert fit.prony.v[0] == pytest.approx(AH[1].v[0], rel=0.02)
 
 
 def test_a_search_that_goes_astray_starts_again():
     """It left out the fast term, and advised a longer hold."""
-    found = identify.joint(*trial(seed=4, speed=8.0))
-    assert found.prony.v[1:] == pytest.approx(AH[1].v[1:], rel=0.05)
-    assert not any("slower than the hold" in each for each in found.warnings)
+    fit = identify.joint(*trial(seed=4, speed=8.0))
+    assert fit.prony.v[1:] == pytest.approx(AH[1].v[1:], rel=0.05)
+    assert not any("slower than the hold" in each for each in fit.warnings)
 
 
 def moved(time, position, *, noise=3e-3, seed=0):
@@ -159,8 +157,8 @@ def test_a_gentle_ramp_of_few_samples_is_not_smoothed_away():
     """The least jerk in 40 samples; b was 26 % high, six deviations."""
     time = np.arange(0.0, 6.0, 1e-3)
     u = np.clip(time / 0.04, 0.0, 1.0)
-    found = identify.joint(*moved(time, 0.2 + 1.85 * u**3 * (10 - 15 * u + 6 * u**2)))
-    assert near(found)
+    fit = identify.joint(*moved(time, 0.2 + 1.85 * u**3 * (10 - 15 * u + 6 * u**2)))
+    assert near(fit)
 
 
 @pytest.mark.parametrize("rate", [1e3, 1e4])
@@ -187,17 +185,21 @@ def test_a_record_that_begins_in_contact_is_refused():
 
 def test_a_force_that_is_not_tared_is_told():
     time, position, force = trial(seed=0)
-    for offset, said in ((-0.05, "the force is -0.0"), (0.01, "the force is 0.0"), (0.03, "touch")):
-        found = identify.joint(time, position, force + offset)
-        assert found.warnings[-1].startswith(said)
-        assert "tare the force" in found.warnings[-1]
+    for offset, message in (
+        (-0.05, "the force is -0.0"),
+        (0.01, "the force is 0.0"),
+        (0.03, "touch"),
+    ):
+        fit = identify.joint(time, position, force + offset)
+        assert fit.warnings[-1].startswith(message)
+        assert "tare the force" in fit.warnings[-1]
 
 
 def test_what_the_data_say_nothing_of_is_unknown_and_the_rest_is_not():
     design = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]])
-    found = confidence.covariance(design, np.array([0.1, -0.1, 0.0]))
-    assert found[0, 0] == pytest.approx(0.02 / 3)
-    assert found[1, 1] == np.inf
+    actual = confidence.covariance(design, np.array([0.1, -0.1, 0.0]))
+    assert actual[0, 0] == pytest.approx(0.02 / 3)
+    assert actual[1, 1] == np.inf
 
 
 def test_a_ramp_that_starts_and_stops_gently_is_identified_as_well():
@@ -248,17 +250,17 @@ def test_a_search_of_the_thesis_that_is_cut_short_is_told(monkeypatch):
         return search(*arguments, **options | {"max_nfev": 3})
 
     monkeypatch.setattr(optimize, "least_squares", short)
-    found = identify.thesis(*trial())
-    touch, hold, *_ = found.warnings
-    assert touch == f"x0 = {found.spring.x0:.4g} mm had not converged after 3 evaluations"
+    fit = identify.thesis(*trial())
+    touch, hold, *_ = fit.warnings
+    assert touch == f"x0 = {fit.spring.x0:.4g} mm had not converged after 3 evaluations"
     assert hold.startswith("the 3 terms had not converged after 3 evaluations; they leave")
-    assert f"leave {100 * (1 - found.vaf_hold):.2g} % of the variance of the hold" in hold
-    assert found.prony.weights[0] == pytest.approx(whole.prony.weights[0], rel=0.1)
+    assert f"leave {100 * (1 - fit.vaf_hold):.2g} % of the variance of the hold" in hold
+    assert fit.prony.weights[0] == pytest.approx(whole.prony.weights[0], rel=0.1)
 
 
 def test_a_hold_that_is_too_short_gets_a_warning():
-    found = identify.joint(*trial(seed=0, hold=0.8))
-    assert any("slower than the hold" in sentence for sentence in found.warnings)
+    fit = identify.joint(*trial(seed=0, hold=0.8))
+    assert any("slower than the hold" in sentence for sentence in fit.warnings)
 
 
 @pytest.mark.parametrize("degree", range(5))
@@ -321,8 +323,8 @@ def test_a_fast_term_that_the_hold_alone_does_not_show_is_found_on_the_ramp(
     prony = Prony((0.27, 0.4, 0.19, 0.14), (226.0, 8.6, 0.61))
     force = hereditary_integral(prony, time, Spring(1.162, 1.05).force(depth))
     force += np.random.default_rng(0).normal(0.0, 1.0, len(time)) * noise
-    found = identify.joint(time, depth, force)
-    assert found.spring.b == pytest.approx(1.162, rel=0.1)
-    assert found.spring.m == pytest.approx(1.05, rel=0.05)
-    assert found.prony.v == pytest.approx(prony.v, rel=0.1)
+    fit = identify.joint(time, depth, force)
+    assert fit.spring.b == pytest.approx(1.162, rel=0.1)
+    assert fit.spring.m == pytest.approx(1.05, rel=0.05)
+    assert fit.prony.v == pytest.approx(prony.v, rel=0.1)
     assert np.isfinite(list(identify.thesis(time, depth, force).parameters.values())).all()

@@ -94,5 +94,5 @@ def test_the_relaxed_preload_is_what_is_meant_unless_the_print_is_asked_for():
     spring, prony = MEANS
     for tone in (1.0, 30.0):
         bare = impedance.relaxation_spectrum(prony, tone)
-        own = spring.stiffness(0.5 / prony.long_time) * bare
-        assert impedance.impedance(spring, prony, tone, 0.5) == pytest.approx(own, rel=1e-12)
+        separate = spring.stiffness(0.5 / prony.long_time) * bare
+        assert impedance.impedance(spring, prony, tone, 0.5) == pytest.approx(separate, rel=1e-12)

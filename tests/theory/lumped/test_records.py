@@ -25,10 +25,10 @@ def trial(name: str = "a.h.", *, seed: int | None = 3, **options: float) -> Samp
     return made.time, made.position, made.force
 
 
-def scores(found: identify.Identification, name: str = "a.h.") -> dict[str, float]:
+def scores(fit: identify.Identification, name: str = "a.h.") -> dict[str, float]:
     """Return by how many of its deviations every parameter is off."""
     truth = identify.Identification(*SUBJECTS[name], {}, 0.0, 1.0).parameters
-    return {k: (v - truth[k]) / found.uncertainty[k] for k, v in found.parameters.items()}
+    return {k: (v - truth[k]) / fit.uncertainty[k] for k, v in fit.parameters.items()}
 
 
 def corner(position: Array) -> int:
@@ -49,24 +49,24 @@ def test_a_hold_that_is_sampled_slowly_later_on_is_averaged_by_time(rate: int) -
     def slower(time: Array, end: float) -> Array:
         return (time < end + 0.5) | (np.arange(len(time)) % (10_000 // rate) == 0)
 
-    found = identify.joint(*kept(slower))
-    assert max(map(abs, scores(found).values())) < 2
-    assert found.warnings == ()
+    fit = identify.joint(*kept(slower))
+    assert max(map(abs, scores(fit).values())) < 2
+    assert fit.warnings == ()
 
 
 def test_a_second_without_samples_in_the_hold_costs_nothing_else() -> None:
-    found = identify.joint(*kept(lambda time, end: (time < end + 0.5) | (time > end + 2.5)))
-    assert max(map(abs, scores(found).values())) < 3
-    assert found.warnings == ()
+    fit = identify.joint(*kept(lambda time, end: (time < end + 0.5) | (time > end + 2.5)))
+    assert max(map(abs, scores(fit).values())) < 3
+    assert fit.warnings == ()
 
 
 @pytest.mark.parametrize(("before", "after"), [(0.005, 0.005), (0.0, 0.02), (0.02, 0.1)])
 def test_samples_that_are_missing_at_the_corner_are_told(before: float, after: float) -> None:
     """Seven deviations off without a word, or an error from within the search."""
     data = kept(lambda time, end: (time < end - before) | (time > end + after))
-    found = identify.joint(*data)
-    (said,) = (each for each in found.warnings if "no samples from" in each)
-    assert "about the corner of the ramp" in said
+    fit = identify.joint(*data)
+    (message,) = (each for each in fit.warnings if "no samples from" in each)
+    assert "about the corner of the ramp" in message
 
 
 @pytest.mark.parametrize(("step", "noise"), [(0.012, 0.0), (0.012, 1.0), (0.005, 0.0)])
@@ -77,17 +77,17 @@ def test_a_force_in_steps_has_the_noise_of_its_rounding(step: float, noise: floa
     rounded = np.round((exact + noise * (force - exact)) / step) * step
     record = ramp_hold.split(time, position, rounded)
     assert record.force_noise >= 0.99 * step / np.sqrt(12)
-    found = identify.joint(time, position, rounded)
-    assert max(map(abs, scores(found).values())) < 3.5
-    assert found.warnings == ()
+    fit = identify.joint(time, position, rounded)
+    assert max(map(abs, scores(fit).values())) < 3.5
+    assert fit.warnings == ()
 
 
 @pytest.mark.parametrize("step", [0.005, 0.01])
 def test_a_position_in_steps_is_no_position_without_noise(step: float) -> None:
     """14 deviations off, or refused for positions that do not differ."""
     time, position, force = trial()
-    found = identify.joint(time, np.round(position / step) * step, force)
-    assert max(map(abs, scores(found).values())) < 3.5
+    fit = identify.joint(time, np.round(position / step) * step, force)
+    assert max(map(abs, scores(fit).values())) < 3.5
 
 
 def test_an_even_ramp_without_noise_is_not_taken_for_a_rounded_one() -> None:
@@ -103,9 +103,9 @@ def test_noise_that_went_through_a_filter_counts_as_a_whole(cutoff: float) -> No
     noise = two_pole(time, force - exact, cutoff)
     record = ramp_hold.split(time, position, exact + noise)
     assert record.force_noise == pytest.approx(np.std(noise), rel=0.1)
-    found = identify.joint(time, position, exact + noise)
-    assert max(map(abs, scores(found).values())) < 3.5
-    assert found.warnings == ()
+    fit = identify.joint(time, position, exact + noise)
+    assert max(map(abs, scores(fit).values())) < 3.5
+    assert fit.warnings == ()
 
 
 def late(time: Array, force: Array) -> Array:
@@ -125,8 +125,8 @@ def test_a_model_that_misses_the_record_says_so(
     spoil: Callable[[Array, Array], Array], terms: int
 ) -> None:
     time, position, force = trial()
-    found = identify.joint(time, position, spoil(time, force), terms=terms)
-    assert any(each.startswith("the model misses the record by") for each in found.warnings)
+    fit = identify.joint(time, position, spoil(time, force), terms=terms)
+    assert any(each.startswith("the model misses the record by") for each in fit.warnings)
 
 
 @pytest.mark.parametrize("rate", [5e3, 1e4])
@@ -143,8 +143,8 @@ def test_the_line_of_a_ramp_of_many_samples_is_as_sure_as_of_few(rate: float) ->
 def test_a_search_that_looks_good_enough_is_still_compared() -> None:
     """It ended at half of its error, 72 deviations off in b, where smoothing had made it small."""
     data = trial("p.w.", speed=10.0, sample_rate=2e3, hold=2.0, peak_force=5.0, seed=35)
-    found = identify.joint(*data)
-    assert max(map(abs, scores(found, "p.w.").values())) < 3.5
+    fit = identify.joint(*data)
+    assert max(map(abs, scores(fit, "p.w.").values())) < 3.5
 
 
 @pytest.mark.parametrize("seed", [104, 105])
@@ -165,8 +165,8 @@ def test_a_record_without_a_line_is_fitted_from_a_typical_finger(
         raise ValueError
 
     monkeypatch.setattr(identify, "stiffness_line", none)
-    found = identify.joint(*data)
-    assert found.parameters == pytest.approx(usual.parameters, rel=1e-3)
+    fit = identify.joint(*data)
+    assert fit.parameters == pytest.approx(usual.parameters, rel=1e-3)
 
 
 def test_a_ramp_without_a_rest_gets_a_sentence() -> None:

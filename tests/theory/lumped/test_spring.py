@@ -163,11 +163,11 @@ def test_the_free_skin_obeys_zero_force_by_a_second_method():
 
 def test_contact_loss_converges_with_the_step():
     spring, prony = AH
-    found = []
+    actual = []
     for per_cycle in (125, 250, 500, 4000):
         time, position = figure_2_4(per_cycle)
-        found.append(lumped.contact_force(spring, prony, time, position)[-per_cycle:].max())
-    errors = np.abs(np.array(found[:-1]) / found[-1] - 1)
+        actual.append(lumped.contact_force(spring, prony, time, position)[-per_cycle:].max())
+    errors = np.abs(np.array(actual[:-1]) / actual[-1] - 1)
     assert errors[0] < 3e-4
     assert errors[-1] < 1e-5
 
