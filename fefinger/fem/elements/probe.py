@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.geometry.locate import around
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import INSIDE, SHARED
 
@@ -115,7 +116,8 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
         If a point (n_points, 3) mm lies outside the body.
     """
     owners, cells, local = [], [], []
-    for k, (near, inner, least) in enumerate(_coordinates(space, points)):
+    for k, (near, weights) in enumerate(_around(space, points)):
+        least = weights.min(axis=1)
         if not (least >= -INSIDE).any():
             listed = ", ".join(f"{x:.3g}" for x in points[k])
             message = (
@@ -126,7 +128,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
         found = np.flatnonzero(least >= min(least.max(), -SHARED))
         owners.append(np.full(len(found), k))
         cells.append(near[found])
-        local.append(inner[found])
+        local.append(weights[found, 1:])
     if not cells:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
     return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
@@ -134,25 +136,13 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
 
 def inside(space: Space, points: Array) -> NDArray[np.bool_]:
     """Return which points (n, 3) mm lie in the body, by the measure of `locate`."""
-    holds = [(least >= -INSIDE).any() for _, _, least in _coordinates(space, points)]
+    holds = [(weights.min(axis=1) >= -INSIDE).any() for _, weights in _around(space, points)]
     return np.array(holds, dtype=np.bool_)
 
 
-def _coordinates(space: Space, points: Array) -> Iterator[tuple[Integers, Array, Array]]:
-    """Give, per point, the cells near it, its reference coordinates (m, 3) and its least one (m,).
-
-    The least of the four barycentric ones: 0 or more in a cell. Near are the cells in whose sphere
-    the point lies, which are all that may hold it.
-    """
-    corners = space.points[space.vertices]
-    centers, inverse = corners.mean(axis=1), _inverse_jacobians(space)
-    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
-    reach = ((1 + 8 * INSIDE) * radii) ** 2
-    for point in points:
-        apart = centers - point
-        near = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= reach)
-        inner = np.einsum("eij,ej->ei", inverse[near], point - corners[near, 0])
-        yield near, inner, np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1))
+def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:
+    """Yield, per point, the cells near it and its barycentric coordinates (m, 4) in each."""
+    return around(space.points[space.vertices], points, margin=8 * INSIDE)
 
 
 def _inverse_jacobians(space: Space) -> Array:
