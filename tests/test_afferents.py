@@ -168,7 +168,7 @@ REFUSED = [
     ({"kind": "scater"}, "ask.population.kind: .*Did you mean 'scatter'"),
     ({"kind": "grid", "radios": 2}, r"radios: unknown key in \[ask.population\]"),
     ({"kind": "line", "stop": [1, 1]}, "ask.population.start: missing"),
-    ({"kind": "line", "start": [1, 1], "stop": [1, 1]}, "another place than start"),
+    ({"kind": "line", "start": [1, 1], "stop": [1, 1]}, "a place other than start"),
     ({"kind": "line", "start": [0, 0], "stop": [1, 1], "count": 1}, "2 or more places"),
     ({"kind": "places", "places": []}, "one place .* or more, received none"),
     ({"kind": "places", "places": 3}, "a list of .x, y."),

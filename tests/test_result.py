@@ -249,7 +249,7 @@ def test_a_missing_result_is_named(tmp_path: Path, path: str) -> None:
 
 def test_a_file_that_is_no_result_is_refused(tmp_path: Path) -> None:
     (tmp_path / "result.nc").write_text("not HDF5")
-    with pytest.raises(InputError, match="damaged or is no result"):
+    with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path)
 
 
@@ -263,7 +263,7 @@ def test_another_netcdf_file_is_refused(tmp_path: Path) -> None:
 def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> None:
     path = Path(synthetic.save(tmp_path)[0])
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with pytest.raises(InputError, match="damaged or is no result"):
+    with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path)
 
 
@@ -276,7 +276,7 @@ def test_a_result_with_damaged_links_is_refused(
     whole = path.read_bytes()
     assert part in whole
     path.write_bytes(whole.replace(part, b"xxxx"))
-    with pytest.raises(InputError, match="damaged or is no result"):
+    with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path)
 
 
@@ -285,5 +285,5 @@ def test_another_record_is_no_result(synthetic: Result, tmp_path: Path) -> None:
     with xr.open_dataset(synthetic.save(tmp_path)[0], engine="h5netcdf") as kept:
         other = kept.load().assign(record='{"dict": {}}')
     other.to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
-    with pytest.raises(InputError, match="its record is a dict, not a Result"):
+    with pytest.raises(InputError, match="expected the record of a Result, received a dict"):
         load(tmp_path / "other.nc")

@@ -1,4 +1,4 @@
-"""A finger as a factored elastic body: soft tissue, held facets, symmetry, one factor."""
+"""Linear elastic body of a finger mesh: soft tissue, held facets, symmetry and its system."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.checks import InputError
 
 
-FLAT = 1e-6  # volume over the cube of the longest edge from a corner, of a cell without volume
-BLOCK = 64  # loads solved at once: enough to stream the factor once for many, small in memory
+FLAT = 1e-6  # volume over (longest edge from a corner)³ below which a cell counts as flat
+BLOCK = 64  # loads per solve: many share one pass through the factor, at little memory
 
 
 @dataclass(frozen=True)
 class Solid:
-    """The soft tissue of a finger.
+    """The soft tissue of a finger mesh with its finite-element space.
 
     pad (n, 3) triangles and normals (n_points, 3) in the numbering of the space; original
-    (n_points,) the number that each vertex has in the mesh; half: only y >= 0 is there.
+    (n_points,) the number of each vertex in the mesh; half: only y >= 0 is meshed.
     """
 
     space: Space
@@ -34,23 +34,23 @@ class Solid:
 
     @property
     def planes(self) -> tuple[int, ...]:
-        """The axes across whose plane the body goes on as its mirror image."""
+        """Axes normal to the planes of symmetry, beyond which the body is its mirror image."""
         return (1,) if self.half else ()
 
 
 @dataclass(frozen=True)
 class Body(Solid):
-    """A body with its linear system."""
+    """A solid with the linear system of its stiffness matrix."""
 
     system: System
 
 
 @dataclass(frozen=True)
 class Reduced:
-    """What the body does under unit loads on a patch.
+    """Response of a body to unit loads on a patch.
 
-    flexibility F (n, n), strain (n_rows, n), and approach (n_seen, n) mm, the displacement of what
-    is seen along the obstacle's normal.
+    flexibility F (n, n); strain (n_rows, n); approach (n_near, n) mm: displacement of the patch's
+    neighborhood along the obstacle's normal.
     """
 
     patch: Patch
@@ -71,7 +71,7 @@ def body(
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
     A region that is left out (a rigid bone) must be held through the facets that bound it. `solver`
-    as in `solve.factor`; unless `factored` it is made when it is first needed.
+    as in `system.factor`; unless `factored`, the matrix is factored on first use.
 
     Raises
     ------
@@ -88,10 +88,10 @@ def body(
 
 
 def solid(mesh: FingerMesh, regions: Iterable[int]) -> Solid:
-    """Return the cells of `mesh` whose region is among `regions`."""
-    kept = np.isin(mesh.region, list(regions))
-    original, cells = np.unique(mesh.cells[kept], return_inverse=True)
-    space = Space(mesh.points[original], cells.reshape(-1, 4), mesh.region[kept])
+    """Build the solid of those cells of `mesh` whose region is among `regions`."""
+    chosen = np.isin(mesh.region, list(regions))
+    original, cells = np.unique(mesh.cells[chosen], return_inverse=True)
+    space = Space(mesh.points[original], cells.reshape(-1, 4), mesh.region[chosen])
     pad = _present(space, mesh, original, "pad")
     return Solid(space, pad, mesh.pad_normals[original], original, mesh.half)
 
@@ -99,10 +99,10 @@ def solid(mesh: FingerMesh, regions: Iterable[int]) -> Solid:
 def prescribed(
     soft: Solid, mesh: FingerMesh, held: Sequence[str], *, odd: bool = False
 ) -> Integers:
-    """Return the unknowns that are zero: those on the facets `held` and in the medial plane.
+    """Prescribed (zero) unknowns: those on the facets `held` and in the medial plane.
 
-    A field of half a finger goes on beyond the medial plane as its mirror image or, if `odd`, as
-    the opposite of that: then the plane moves across itself only, and has no mean stress.
+    A field of half a finger continues beyond the medial plane as its mirror image or, if `odd`, as
+    the negative of that: then the plane moves normal to itself only, and has no mean stress.
     """
     space = soft.space
     fixed = [
@@ -123,8 +123,8 @@ def _check(mesh: FingerMesh, tissues: Mapping[int, Elastic]) -> None:
         if not (mesh.region == label).any():
             present = ", ".join(map(str, np.unique(mesh.region)))
             message = (
-                f"mesh {mesh.name}: expected cells of region {label}, received regions {present} "
-                "alone; mesh the finger again"
+                f"mesh {mesh.name}: expected cells of region {label}, received only regions "
+                f"{present}; mesh the finger again"
             )
             raise InputError(message)
     corners = mesh.points[mesh.cells]
@@ -144,7 +144,7 @@ def reduce(
     strain: sparse.csr_matrix,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> Reduced:
-    """Solve for every unit load of the patch; keep F and the strains `strain` @ unknowns."""
+    """Solve for every unit load of the patch: F, and the strains `strain` @ unknowns."""
     count = len(patch.vertices)
     flexibility = np.empty((count, count))
     strains = np.empty((strain.shape[0], count))
@@ -160,7 +160,7 @@ def reduce(
 
 
 def _present(space: Space, mesh: FingerMesh, original: Integers, name: str) -> Integers:
-    """Triangles of the facets `name` that bound kept cells, in the numbering of the space."""
+    """Triangles of the facets `name` that bound the solid, in the numbering of the space."""
     number = np.full(len(mesh.points), -1, dtype=np.int64)
     number[original] = np.arange(len(original))
     triangles = number[mesh.facets[name]]

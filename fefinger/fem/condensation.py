@@ -1,12 +1,12 @@
-"""A body reduced once to its pad: everything that contact may ask of it, without its mesh.
+"""Static condensation of a body to the displacements of its pad, for contact with any obstacle.
 
-The pad's displacement nodes are eliminated last. What is left of the stiffness then acts between
-them alone, and its inverse A gives the displacement u = A f of the pad under any load f on it, in
-three directions: so one operator serves every obstacle, place and angle. The fronts before it are
-kept, because they lead from the pad to strain and displacement anywhere in the body.
+The pad's displacement nodes are eliminated last. The Schur complement on them has the inverse A,
+which gives the displacement u = A f of the pad under any load f on it, in three directions: one
+operator serves every obstacle, place and angle. The fronts before it are stored too, because they
+give strain and displacement anywhere in the body from those of the pad.
 
-A finger is its own mirror image. A load on a whole one is the sum of an even and an odd part, and
-each is a problem of the half: two operators of half the size do the work of one.
+A finger is symmetric about its medial plane. A load on a whole finger is the sum of an even and an
+odd part, each a problem of the half: two operators of half the size replace one.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,21 +31,21 @@ from fefinger.support.checks import InputError
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
 
-BLOCK = 96  # columns swept through the fronts at once
+BLOCK = 96  # columns per pass through the fronts
 PALMAR = 0.5
-"""Outward z of the normal up to which a vertex belongs to the operator: 30 degrees beyond the
-side of the finger, where neither plates nor objects on the pad reach."""
+"""Largest z of the outward normal of a vertex of the operator: 30 degrees beyond the side of the
+finger, which neither plates nor objects on the pad reach."""
 
-SAME = 1e-9  # of the size of the body, by which the image of a node may miss its twin
+SAME = 1e-9  # largest distance of a mirrored node from its twin, over the size of the body
 
 
 class OutsideError(InputError):
-    """A load outside the part of the pad that an operator keeps."""
+    """Error for a load outside the palmar part of the pad, where the operator is not defined."""
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """One parity of a body, reduced to its pad.
+    """Compliance of the pad of a condensed body, for loads of one parity.
 
     order (n,) the free unknowns in the order of elimination, those of the pad last; fronts of the
     others; matrix (n_pad, n_pad) the displacement A under unit loads on the pad.
@@ -61,17 +61,17 @@ class Compliance:
         return self.order[len(self.order) - len(self.matrix) :]
 
     def tractions(self, rows: sparse.csr_matrix) -> Array:
-        """Return T (n_pad, n_rows): `rows` @ u = T' A f for every load f on the pad."""
+        """Matrix T (n_pad, n_rows) such that `rows` @ u = T' A f for every load f on the pad."""
         factor = multifrontal.Factor(self.order, self.fronts)
-        found = np.empty((len(self.matrix), rows.shape[0]))
+        tractions = np.empty((len(self.matrix), rows.shape[0]))
         for start in range(0, rows.shape[0], BLOCK):
             work = np.asarray(rows[start : start + BLOCK][:, self.order].toarray().T, order="C")
             factor.forward(work)
-            found[:, start : start + BLOCK] = work[len(work) - len(found) :]
-        return found
+            tractions[:, start : start + BLOCK] = work[len(work) - len(tractions) :]
+        return tractions
 
     def displacements(self, pad: Array, size: int) -> Array:
-        """Return all unknowns (size, k) that go with displacements (n_pad, k) of the pad."""
+        """Recover all unknowns (size, k) from displacements (n_pad, k) of the pad."""
         work = np.zeros((len(self.order), pad.shape[1]))
         work[len(work) - len(pad) :] = pad
         multifrontal.Factor(self.order, self.fronts).backward(work)
@@ -82,10 +82,10 @@ class Compliance:
 
 @dataclass(frozen=True)
 class Part:
-    """A parity of an operator.
+    """Even or odd part of an operator.
 
-    unfold (n_unknowns, n_unknowns of the half) makes a field of the body from one of the half;
-    scale: what a unit response of `compliance` stands for.
+    unfold (n_unknowns, n_unknowns of the half): matrix from a field of the half to one of the body;
+    scale: factor on the response of `compliance`, which was computed for a skin of 1 kPa.
     """
 
     compliance: Compliance
@@ -95,31 +95,33 @@ class Part:
 
 @dataclass(frozen=True)
 class Operator(Solid):
-    """A solid with all that it does under loads on its pad.
+    """A solid with its response to loads on the pad.
 
-    known: what decides each of its parts, to keep what follows from it; None where that is unknown.
+    identities: the inputs that determine each of its parts, as a key for the cache of derived
+    results; None where they are not recorded.
     """
 
     parts: tuple[Part, ...]
-    known: tuple[dict[str, Any] | None, ...] = (None,)
+    identities: tuple[dict[str, Any] | None, ...] = (None,)
 
 
 def faces_down(solid: Solid) -> NDArray[np.bool_]:
-    """Return which vertices (n_points,) belong to the palmar part with all of their triangles."""
+    """Whether vertices (n_points,) belong to the palmar part of the pad."""
     return np.asarray(solid.normals[:, 2] < PALMAR)
 
 
 def palmar(solid: Solid) -> Integers:
-    """Return the nodes of the pad that an operator keeps."""
+    """Nodes of the palmar part of the pad, on which an operator is defined."""
     under = faces_down(solid)
     return solid.space.face_nodes(solid.pad[under[solid.pad].any(axis=1)])
 
 
 @one_thread
 def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> Compliance:
-    """Reduce a solid whose unknowns `fixed` are zero to the palmar part of its pad.
+    """Condense a solid, whose unknowns `fixed` are zero, to the palmar part of its pad.
 
-    Incompressible tissue keeps a compressibility that is next to none.
+    Incompressible tissue gets a compressibility of `REDUCED_COMPRESSIBILITY`, so that it can be
+    factored.
 
     Raises
     ------
@@ -130,12 +132,12 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
     is_free = np.ones(space.n_unknowns, dtype=np.bool_)
     is_free[fixed] = False
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    kept = number[(3 * palmar(solid)[:, None] + np.arange(3)).ravel()]
+    pad = number[(3 * palmar(solid)[:, None] + np.arange(3)).ravel()]
     dissection = multifrontal.dissect(
         number[space.unknowns],
         space.points[space.vertices].mean(axis=1),
         int(is_free[: space.n_displacements].sum()),
-        last=np.sort(kept[kept >= 0]),
+        last=np.sort(pad[pad >= 0]),
     )
     matrix = compressible(space, stiffness(space, tissues), REDUCED_COMPRESSIBILITY)
     free = np.flatnonzero(is_free)
@@ -147,10 +149,10 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
 
 
 def mirrored(whole: Space, half: Space, *, odd: bool) -> sparse.csr_matrix:
-    """Return the matrix that makes an even or odd displacement of `whole` from one of `half`."""
+    """Matrix from a displacement of `half` to the even or odd displacement of `whole`."""
     distance, twin = cKDTree(half.node_points).query(mirror.to_half(whole.node_points))
     if distance.max() > SAME * np.ptp(half.node_points):
-        message = "mesh: expected a finger that is its own mirror image, received another"
+        message = "mesh: expected a finger that is symmetric about y = 0, received another"
         raise InputError(message)
     signs = np.ones((whole.n_nodes, 3))
     beyond = whole.node_points[:, 1] < 0
@@ -168,12 +170,12 @@ def reduce(
     strain: sparse.csr_matrix,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> Reduced:
-    """Return F of the patch and the strains `strain` @ unknowns under its unit loads.
+    """Evaluate the operator on a patch: F, and the strains `strain` @ unknowns of unit loads.
 
     Raises
     ------
     InputError
-        If the patch reaches beyond the part of the pad that the operator keeps.
+        If the patch reaches beyond the palmar part of the pad.
     """
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
@@ -194,7 +196,7 @@ def reduce(
 
 
 def _beyond(operator: Operator, places: sparse.csc_matrix) -> NDArray[np.bool_]:
-    """Return which of the `places` (n_unknowns, k) lie beyond the pad that the operator keeps."""
+    """Whether each of the `places` (n_unknowns, k) lies outside the palmar part of the pad."""
     entries = places.tocoo()
     outside = ~np.isin(entries.row // 3, palmar(operator))
     return np.bincount(entries.col[outside], minlength=places.shape[1]) > 0
@@ -207,21 +209,23 @@ def _read(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Arra
     """
     if rows.shape[0] <= moved.shape[1]:
         return np.asarray(compliance.tractions(rows).T @ moved)
-    found = np.empty((rows.shape[0], moved.shape[1]))
+    values = np.empty((rows.shape[0], moved.shape[1]))
     for start in range(0, moved.shape[1], BLOCK):
         block = slice(start, start + BLOCK)
-        found[:, block] = rows @ compliance.displacements(moved[:, block], rows.shape[1])
-    return found
+        values[:, block] = rows @ compliance.displacements(moved[:, block], rows.shape[1])
+    return values
 
 
 @one_thread
 def displaced(operator: Operator, loads: Array) -> Array:
-    """Return the unknowns (n_unknowns, k) under `loads` (n_unknowns, k) on the pad, its stresses 0.
+    """Compute the unknowns (n_unknowns, k) under `loads` (n_unknowns, k) on the pad.
+
+    The pressure unknowns on the pad itself are zero.
 
     Raises
     ------
     InputError
-        If a load lies outside the part of the pad that the operator keeps.
+        If a load lies outside the palmar part of the pad.
     """
     unknowns = np.zeros_like(loads)
     for part in operator.parts:
@@ -232,10 +236,9 @@ def displaced(operator: Operator, loads: Array) -> Array:
 
 
 def _on_pad(operator: Operator, part: Part, loads: sparse.csc_matrix) -> sparse.csc_matrix:
-    """Return the loads (n_pad, k) of the half that do the work of `loads` (n_unknowns, k)."""
-    kept = palmar(operator)
-    touched = np.unique(loads.tocoo().row // 3)
-    if not np.isin(touched, kept).all():
+    """Work-equivalent loads (n_pad, k) of the half for `loads` (n_unknowns, k) of the body."""
+    loaded = np.unique(loads.tocoo().row // 3)
+    if not np.isin(loaded, palmar(operator)).all():
         message = (
             "indenter: expected contact on the palmar part of the pad, received candidates beyond "
             "the side of the finger; press less, or use the mechanics 'linear'"

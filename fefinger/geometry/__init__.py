@@ -1,1 +1,1 @@
-"""Shapes that need no mesher: profiles of indenters, meshes as records, surfaces and sections."""
+"""Geometry without a mesher: indenter profiles, the mesh record, surface files and sections."""

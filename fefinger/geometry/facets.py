@@ -1,11 +1,9 @@
-"""Faces of a tetrahedral mesh: which are shared, which are boundary, and what they are called."""
+"""Faces of a tetrahedral mesh: interfaces of regions, boundary, and the named facet sets."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fefinger.geometry.finger_mesh import BONE, faces
 
@@ -13,14 +11,14 @@ from fefinger.geometry.finger_mesh import BONE, faces
 Index = NDArray[np.int64]
 
 FLAT = 0.9
-"""Smallest cosine between a facet and the plane it is said to lie in."""
+"""Smallest cosine between the normals of a facet and of the plane it is assigned to."""
 
 
 def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, Index]:
-    """Return the faces where the region changes: (f, 3) outward, and the regions on both sides.
+    """Faces where the region changes: (f, 3) outward, and the regions on both sides.
 
-    Boundary faces come once with outer region 0; a face between two regions comes once, seen from
-    the region of the smaller number (the outer tissue), whose outward normal it carries.
+    Boundary faces have the outer region 0. A face between two regions appears once, with the
+    outward normal of the region of the smaller number (the outer tissue).
     """
     all_faces = faces(cells).reshape(-1, 3)
     owner = np.repeat(region.astype(np.int64), 4)
@@ -35,7 +33,10 @@ def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, In
 
 
 def parts(cells: Index) -> int:
-    """Return in how many parts the cells fall that hang together by faces."""
+    """Count the parts of a mesh whose cells are connected by faces."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     if not len(cells):
         return 0
     every = np.sort(faces(cells).reshape(-1, 3), axis=1)
@@ -54,14 +55,14 @@ def facet_sets(
     tolerance: float,
     level: Callable[[NDArray[np.float64]], NDArray[np.float64]],
 ) -> dict[str, Index]:
-    """Return the named facets, the outer skin with the nail still as "pad", and the two interfaces.
+    """Sort boundary and interface faces into named sets; "pad" is all of the outer skin.
 
-    "skin-subcutaneous" is the interface of the tissues. A face within `tolerance` mm of a plane
-    belongs to that plane if it is parallel to it or reaches under the skin, whose signed distance
-    is `level`.
+    "skin-subcutaneous" is the interface of the tissues; the nail is separated from "pad" later. A
+    face within `tolerance` mm of a plane belongs to that plane if it is parallel to it or extends
+    below the skin, whose signed distance is `level`.
     """
-    found, inner, outer = interfaces(cells, region)
-    corners = points[found]
+    boundary_faces, inner, outer = interfaces(cells, region)
+    corners = points[boundary_faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     boundary = outer == 0
@@ -71,10 +72,10 @@ def facet_sets(
     at_cut = boundary & ~medial & (np.abs(corners[:, :, 0] - cut).max(1) < tolerance)
     at_cut &= deep | (normal[:, 0] < -FLAT)
     return {
-        "pad": found[boundary & ~medial & ~at_cut],
-        "cut": found[at_cut & (inner != BONE)],
-        "bone-cut": found[at_cut & (inner == BONE)],
-        "medial": found[medial],
-        "bone": found[~boundary & (outer == BONE)],
-        "skin-subcutaneous": found[~boundary & (outer != BONE)],
+        "pad": boundary_faces[boundary & ~medial & ~at_cut],
+        "cut": boundary_faces[at_cut & (inner != BONE)],
+        "bone-cut": boundary_faces[at_cut & (inner == BONE)],
+        "medial": boundary_faces[medial],
+        "bone": boundary_faces[~boundary & (outer == BONE)],
+        "skin-subcutaneous": boundary_faces[~boundary & (outer != BONE)],
     }

@@ -1,4 +1,4 @@
-"""The mesh of a finger as plain arrays."""
+"""Mesh of a finger as plain arrays, with volumes, faces and edges of its tetrahedra."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -32,9 +32,9 @@ class FingerMesh:
     pad_normals : (n, 3) unit outward normals of the smooth surface at pad vertices, else zero.
     half : whether only y >= 0 is meshed.
     name : subject and resolution, such as "ah-standard".
-    recipe : what the mesh was made from.
+    recipe : dimensions and resolution that the mesh was built from.
     quality : measured figures, see `fefinger.mesh.quality`.
-    source_sha256 : hash of the file that it was read from, empty where it is from none.
+    source_sha256 : hash of the file that it was read from, empty if it was built in memory.
 
     """
 

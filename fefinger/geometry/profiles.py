@@ -1,8 +1,8 @@
-"""Shapes of rigid obstacles as height fields across their travel: numbers only, no scene, no mesh.
+"""Shapes of rigid obstacles as height fields across their direction of travel.
 
-A profile says how far the surface stays behind its foremost point, h >= 0 in mm, at places (u, v)
-in mm across the travel, with first and second derivatives; h is infinite (and its derivatives are
-zero) where there is no surface ahead. Profiles that change along u alone run along v.
+A profile gives the distance h >= 0 in mm of the surface behind its foremost point, at positions
+(u, v) in mm across the travel, with first and second derivatives. h is infinite, with derivatives
+of zero, where there is no surface. Profiles that vary along u only extend along v.
 """
 
 from abc import ABC, abstractmethod
@@ -20,11 +20,11 @@ Heights = tuple[Array, Array, Array]
 """h (...,) mm, its slope (..., 2) and its curvature (..., 2, 2) in 1/mm."""
 
 FLANK = 75.0
-"""Degrees by which the sides of a bar fall away: steep, yet a height field has a surface there."""
+"""Slope in degrees of the sides of a bar: a height field cannot represent vertical ones."""
 
 
 class Profile(ABC):
-    """The shape of an obstacle."""
+    """Shape of an obstacle."""
 
     plane: ClassVar[bool] = False
     """Whether it is a plane."""
@@ -47,7 +47,7 @@ class Plane(Profile):
     plane = True
 
     def height(self, across: Array) -> Heights:
-        """Return h = 0."""
+        """Height of a plane: h = 0."""
         return _lifted(*(np.zeros(across.shape[:-1]),) * 3)
 
 

@@ -1,4 +1,4 @@
-"""Sections of a finger mesh by a plane."""
+"""Section of a finger mesh by its medial plane."""
 
 from dataclasses import dataclass
 
@@ -9,46 +9,52 @@ from fefinger.geometry.boundary import boundary_edges
 from fefinger.support.arrays import Array, Integers
 
 
-BONE = 3  # the region of rigid bone, which has no field of its own
-
-
-SNAP = 1e-3  # of an edge
+SNAP = 1e-3  # distance over edge length below which a section vertex is moved to a mesh point
 
 
 def is_half(points: Array) -> bool:
-    """Return whether only y >= 0 is meshed."""
+    """Whether only y >= 0 is meshed."""
     return bool(points[:, 1].min() >= -1e-9 * np.ptp(points))
 
 
 @dataclass(frozen=True)
-class Cut:
-    """The medial section of a mesh: vertices lie on its edges, at `weight` from first to second.
+class EdgePoints:
+    """Points on edges of a mesh, which follow the mesh through all of its frames.
 
-    edges (n, 2) point numbers, weight (n,), triangles (k, 3) of section vertices, region (k,).
+    edges (n, 2) mesh points, weight (n,): 0 at the first point of an edge, 1 at the second.
     """
 
     edges: Integers
     weight: Array
-    triangles: Integers
-    region: NDArray[np.int8]
 
     def at(self, nodal: Array) -> Array:
-        """Return values given at the mesh points, (n_points, ...), at the section's vertices."""
+        """Interpolate values at the mesh points, (n_points, ...), to these points."""
         first, second = nodal[self.edges[:, 0]], nodal[self.edges[:, 1]]
         weight = self.weight.reshape(-1, *[1] * (nodal.ndim - 1))
         return np.asarray((1 - weight) * first + weight * second)
 
+
+@dataclass(frozen=True)
+class Cut(EdgePoints):
+    """The medial section of a mesh: triangles (k, 3) of its points, and region (k,) of each."""
+
+    triangles: Integers
+    region: NDArray[np.int8]
+
     def outlines(self) -> Integers:
-        """Return the edges (m, 2) of section vertices that bound a region."""
-        found = []
+        """Edges (m, 2), in section vertices, that bound a region."""
+        outlines = []
         for region in np.unique(self.region):
             corners = self.triangles[self.region == region]
-            found.append(boundary_edges(corners))
-        return np.concatenate(found)
+            outlines.append(boundary_edges(corners))
+        return np.concatenate(outlines)
 
 
 def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
-    """Cut tetrahedra with the medial plane, a hair above y = 0 so that half meshes are met."""
+    """Cut tetrahedra with the medial plane.
+
+    The plane is at 1e-6 of the size above y = 0, so that it intersects the cells of half meshes.
+    """
     level = 1e-6 * np.ptp(points)
     above = points[:, 1] > level
     count = above[cells].sum(axis=1)
@@ -73,5 +79,5 @@ def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
     edges, first, vertex = np.unique(every, axis=0, return_index=True, return_inverse=True)
     triangles = vertex.reshape(-1, 3)
     proper = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
-    kept = np.concatenate(kinds)[proper]
-    return Cut(edges, np.clip(weight[first], 0.0, 1.0), triangles[proper], kept)
+    regions = np.concatenate(kinds)[proper]
+    return Cut(edges, np.clip(weight[first], 0.0, 1.0), triangles[proper], regions)

@@ -1,4 +1,4 @@
-"""Reading the surface of a fingertip from a file: repaired where that is safe, checked, described.
+"""Read the surface of a fingertip from a file; repair and check it.
 
 The file is in mm with x distal, y radial and z dorsal, wherever its origin.
 """
@@ -16,42 +16,42 @@ from fefinger.support.checks import InputError
 Array = NDArray[np.float64]
 
 WIDTHS = (6.0, 40.0)
-"""mm between which the smaller sides of a fingertip's box may be: others are in another unit."""
+"""Range in mm of the smaller sides of a fingertip's bounding box; outside, the unit is wrong."""
 
 UNITS = {"m": 1e3, "cm": 10.0, "inches": 25.4, "micrometers": 1e-3}
-"""mm per unit, for the guess which unit a file is in."""
+"""mm per unit, to suggest the unit of a file that is not in mm."""
 
 HOLE = 0.2
-"""Diameter of a hole over the finger's width up to which it is filled."""
+"""Largest diameter of a hole that is filled, over the finger's width."""
 
 BACK = 0.25
-"""Part of the length at the proximal end where a finger may be open: the mesh is cut before it."""
+"""Proximal share of the length where the surface may be open; the mesh is cut distal of it."""
 
 LENGTH = 24.0
-"""mm from the tip that the size of a finger is taken from, and that are meshed."""
+"""Length in mm from the tip that is meshed and that width and thickness are measured on."""
 
 COARSE = 1.0
-"""mm of the triangles among which intersections are looked for."""
+"""Largest edge in mm of the triangles that are tested for intersections."""
 
 VTK = (".vtk", ".vtp", ".vtu")
 
 SHORTEST = 0.9
-"""Length over width or thickness that a fingertip has at least: a stout one cut behind its nail."""
+"""Smallest length over width or thickness: that of a thick fingertip cut behind its nail."""
 
 THICKEST = 1.1
-"""Thickness over width that a fingertip has at most; it is 0.7 to 0.85 in the subjects' fingers."""
+"""Largest thickness over width; it is 0.7 to 0.85 in the subjects' fingers."""
 
 AHEAD = 0.01
-"""Part of the length by which the center of mass may be ahead of the middle of the box.
+"""Largest offset of the center of mass toward the tip from the middle of the box, over the length.
 
-It is 0.015 to 0.12 behind in the subjects' fingers, cut 1.1 to 2 widths from the tip, squarely or
-20 degrees askew, with 0.1 mm of noise or without: their wider, cut end is proximal.
+It is -0.015 to -0.12 in the subjects' fingers, cut 1.1 to 2 widths from the tip, squarely or 20
+degrees askew, with 0.1 mm of noise or without: their wider, cut end is proximal.
 """
 
 
 @dataclass(frozen=True)
 class SurfaceFile:
-    """A closed surface: `mesh` (trimesh), width and thickness in mm, what was done and found."""
+    """A closed surface: `mesh` (trimesh), width and thickness in mm, notes on size and repairs."""
 
     mesh: Any
     width: float
@@ -60,12 +60,13 @@ class SurfaceFile:
 
 
 def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
-    """Return the surface of a finger from an STL, OBJ, PLY or VTK file, closed and checked.
+    """Read and check the closed surface of a finger from an STL, OBJ, PLY or VTK file.
 
     Raises
     ------
     InputError
-        The file is missing, no surface, empty, open, crossing itself, or not in mm and the frame.
+        The file is missing, empty or no surface; the surface is open, intersects itself, or is
+        not in mm and in the frame x distal, y radial, z dorsal.
     """
     file = Path(path)
     mesh, notes = read_closed(file, field)
@@ -91,7 +92,7 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
 
 
 def _loaded(file: Path, field: str) -> Any:
-    """Return the triangles of a file, unchecked."""
+    """Load the triangles of a file; raise InputError if it has none."""
     import trimesh
 
     if not file.is_file():
@@ -119,7 +120,7 @@ def _loaded(file: Path, field: str) -> Any:
 
 
 def _vtk(file: Path) -> tuple[Array, NDArray[np.int64]]:
-    """Return points and triangles of a VTK file: the outer surface of whatever it holds."""
+    """Read points and triangles of the outer surface of the data set in a VTK file."""
     import pyvista as pv
 
     outer = pv.read(file).extract_surface(algorithm=None).triangulate()
@@ -127,9 +128,9 @@ def _vtk(file: Path) -> tuple[Array, NDArray[np.int64]]:
 
 
 def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
-    """Return a surface in one piece, closed and oriented outward, and what was repaired.
+    """Read a surface in one piece, closed and oriented outward; also return notes on repairs.
 
-    Raises InputError for a file that is no such surface and cannot safely be made one.
+    Raises InputError for a file that is no such surface and cannot safely be repaired.
     """
     file, notes = Path(path), []
     mesh = _loaded(file, field)
@@ -146,8 +147,8 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
     parts = mesh.body_count
     if parts > 1:
         message = (
-            f"{field}: expected one surface, {file.name} has {parts} that do not hang together; "
-            "keep the skin alone"
+            f"{field}: expected one connected surface, {file.name} has {parts} separate ones; keep "
+            "only the skin"
         )
         raise InputError(message)
     for loop in _holes(mesh, file, field):
@@ -163,7 +164,7 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
 
 
 def _face_outward(mesh: Any) -> None:
-    """Turn triangles over until neighbors agree and the volume is positive."""
+    """Orient all triangles outward, in place."""
     import pyvista as pv
 
     if mesh.is_winding_consistent and mesh.volume > 0:
@@ -176,7 +177,7 @@ def _face_outward(mesh: Any) -> None:
 
 
 def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
-    """Return the rims of the holes that may be filled: small ones, and the open proximal end.
+    """Rims of the holes that may be filled: small ones, and the open proximal end.
 
     A rim holds the edges (n, 2) in the direction of their triangles.
     """
@@ -186,26 +187,26 @@ def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
     rim = mesh.edges[group_rows(mesh.edges_sorted, require_count=1)]
     label = connected_component_labels(rim, node_count=len(mesh.vertices))[rim[:, 0]]
     low, high = mesh.bounds
-    quarter = BACK * (high[0] - low[0])
+    quarter, wide = BACK * (high[0] - low[0]), float(np.sort(high - low)[1])
     loops = [rim[label == one] for one in np.unique(label)]
     for loop in loops:
         points = mesh.vertices[np.unique(loop)]
         across = float(np.ptp(points, axis=0).max())
         behind = bool((points[:, 0] < low[0] + quarter).all())
-        if not behind and across > HOLE * float(np.sort(high - low)[1]):
+        if not behind and across > HOLE * wide:
             x, y, z = points.mean(axis=0)
             message = (
                 f"{field}: expected a closed surface, {file.name} has a hole {across:.3g} mm wide "
                 f"near ({x:.3g}, {y:.3g}, {z:.3g}) mm; close it in the program that made it"
             )
-            if (points[:, 0] > high[0] - quarter).all():
+            if across > wide / 2 and (points[:, 0] > high[0] - quarter).all():
                 message += ", or if it is the proximal end, turn the finger about z by 180 degrees"
             raise InputError(message)
     return loops
 
 
 def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
-    """Close a hole with a fan about its middle, and return what was done."""
+    """Close a hole with a fan of triangles about its center; return a note on it."""
     middle = mesh.vertices[np.unique(loop)].mean(axis=0)
     number = len(mesh.vertices)
     fan = np.column_stack([loop[:, ::-1], np.full(len(loop), number)])
@@ -216,7 +217,7 @@ def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
 
 
 def _check_size(extents: Array, name: str) -> str:
-    """Return the box as text, or raise InputError with the unit that the file seems to be in."""
+    """Format the size of the box; raise InputError, with the likely unit, if it is not in mm."""
     size = " x ".join(f"{value:.4g}" for value in extents)
     smaller = float(np.sort(extents)[1])
     if WIDTHS[0] <= smaller <= WIDTHS[1]:
@@ -251,9 +252,9 @@ def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
 
 
 def crossings(mesh: Any) -> Array | None:
-    """Return a point (3,) where an edge passes through a triangle that it does not touch, or None.
+    """Find a self-intersection: a point (3,) where an edge passes through a triangle, or None.
 
-    Near-coplanar pairs count as touching, not as crossing.
+    Triangles that share a vertex, and nearly coplanar ones, do not count.
     """
     from scipy.spatial import cKDTree
     from trimesh.remesh import subdivide_to_size
@@ -280,7 +281,10 @@ def crossings(mesh: Any) -> Array | None:
 
 
 def _pierced(start: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
-    """Return which segments pass through the inside of their triangles (Möller and Trumbore)."""
+    """Whether segments pass through the inside of their triangles.
+
+    Möller and Trumbore, J. Graph. Tools 2:21, 1997.
+    """
     a, b, c = triangle.transpose(1, 0, 2)
     along, u, v = end - start, b - a, c - a
     normal = np.cross(along, v)

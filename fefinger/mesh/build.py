@@ -1,4 +1,4 @@
-"""Building a half finger: surfaces, tetrahedra, regions, smooth boundaries, quality gate."""
+"""Build the mesh of a half finger: surfaces, tetrahedra, regions, smooth boundaries, quality."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,7 +16,7 @@ from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import gate, measure
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.scan import scanned
-from fefinger.mesh.tetrahedralize import Settings, tetrahedra
+from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -25,40 +25,40 @@ Index = NDArray[np.int64]
 Progress = Callable[[str], None]
 
 SETTINGS = {
-    "coarse": Settings(pad=0.8, deep=0.7, far=0.9, largest=4.0, envelope=5e-3, facet=1.0),
-    "standard": Settings(pad=0.42, deep=0.5, far=0.6),
-    "fine": Settings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
+    "coarse": MesherSettings(pad=0.8, deep=0.7, far=0.9, largest=4.0, envelope=5e-3, facet=1.0),
+    "standard": MesherSettings(pad=0.42, deep=0.5, far=0.6),
+    "fine": MesherSettings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
 
 PALMAR = -1.0
-"""z in mm from which the palmar skin is looked for, below the touch of the 30 degree plate."""
+"""z in mm of the start of a projection onto the palmar skin, below the 30 degree plate's touch."""
 
 RIDGE, FOREMOST = 400, 12.0
-"""Places along the finger among which the touch of a plate is looked for, up to x in mm."""
+"""Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
 
 REFERENCE_RADIUS = 2.5
-"""Radius in mm about the origin that stays fine, for the small press that strains refer to."""
+"""Radius in mm of fine mesh about the origin, for the reference press that scales strains."""
 
 ROUNDED, BACKWARD = 3.0, 30
-"""mm by which the place of a recipe may be beside the pad, and steps in which it is moved back."""
+"""Distance in mm that a rounded place may lie beside the pad, and steps of moving it back."""
 
 ATTEMPTS = 4
-"""Builds before giving up; each has another envelope, since the mesher is not deterministic."""
+"""Largest number of builds; each has a smaller envelope, as the mesher is not deterministic."""
 
 WANTED_SINE = np.sin(np.radians(14.0))
-"""Vertices of a cell with a smaller sine of a dihedral angle are moved."""
+"""Sine of a dihedral angle below which the vertices of a cell are moved."""
 
 
 def build(
     recipe: Recipe,
     *,
-    settings: Settings | None = None,
+    settings: MesherSettings | None = None,
     name: str = "finger",
     progress: Progress | None = None,
 ) -> FingerMesh:
-    """Return the mesh of half a finger (y >= 0) that passed the quality gate.
+    """Build the mesh of half a finger (y >= 0); it passes the quality check.
 
-    Raises ConvergenceError with the last attempt's faults if none passes.
+    Raises ConvergenceError with the faults of the last attempt if none passes.
     """
     shape = parametric(recipe) if recipe.surface is None else scanned(recipe)
     settings = settings or SETTINGS[recipe.resolution]
@@ -74,12 +74,12 @@ def build(
             say(str(fault))
             continue
         return mesh
-    message = f"{fault} after {ATTEMPTS} attempts; try another resolution or other dimensions"
+    message = f"{fault} in {ATTEMPTS} attempts; use another resolution or other dimensions"
     raise ConvergenceError(message)
 
 
-def sizes(shape: Shape, settings: Settings, touch: Touch = None) -> Callable[[Array], Array]:
-    """Return the wanted edge length (n,) mm at points (n, 3): fine at the pad, growing inward.
+def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callable[[Array], Array]:
+    """Sizing function: edge length (n,) mm at points (n, 3), fine at the pad, growing inward.
 
     `touch` as in `Recipe`.
     """
@@ -97,8 +97,8 @@ def sizes(shape: Shape, settings: Settings, touch: Touch = None) -> Callable[[Ar
     return size
 
 
-def touched(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """Return the point (3,) of the palmar skin at a place, or where a plate of an angle touches.
+def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
+    """Point (3,) of the palmar skin at a place (x, y), or first touch of a plate at an angle.
 
     Raises InputError for a place that is not on the pad.
     """
@@ -120,23 +120,24 @@ def touched(shape: Shape, touch: float | tuple[float, float]) -> Array:
 
 
 def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """Return the point (3,) of `touched`, of a place beside the pad the nearest towards the origin.
+    """As `touch_point`, but move a place beside the pad toward the origin until it is on the pad.
 
-    The place of a recipe is rounded, so that it may be beside the pad where that of a scene is not.
-    Raises InputError for a place that is more than ROUNDED beside it.
+    The place of a recipe is rounded, so that it may be off the pad where that of a scene is not.
+    Raises InputError for a place that is more than ROUNDED off.
     """
     if isinstance(touch, tuple):
         far = float(np.hypot(*touch))
         for back in np.arange(0.0, min(ROUNDED, far), ROUNDED / BACKWARD):
             with suppress(InputError):
-                return touched(shape, (touch[0] * (1 - back / far), touch[1] * (1 - back / far)))
-    return touched(shape, touch)
+                place = (touch[0] * (1 - back / far), touch[1] * (1 - back / far))
+                return touch_point(shape, place)
+    return touch_point(shape, touch)
 
 
 def _attempt(
-    shape: Shape, recipe: Recipe, settings: Settings, *, name: str, say: Progress
+    shape: Shape, recipe: Recipe, settings: MesherSettings, *, name: str, say: Progress
 ) -> FingerMesh:
-    """Return one half mesh, measured but not judged."""
+    """Make one half mesh with its measured quality, without checking it."""
     inputs = shape.triangles(settings.facet)
     points, cells = tetrahedra(inputs, sizes(shape, settings, recipe.touch), settings)
     tolerance = 1.6 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
@@ -155,10 +156,10 @@ def _attempt(
 def _inside(
     shape: Shape, points: Array, cells: Index, tolerance: float
 ) -> tuple[Array, Index, NDArray[np.int8]]:
-    """Return the part of the box that is the half finger, with the region of each cell.
+    """Select the cells of the meshed box that belong to the half finger, with their regions.
 
-    Cells within `tolerance` mm of the medial plane, the cut or the skin's surface are left out:
-    they would be flat once their vertices are put there.
+    Cells within `tolerance` mm of the medial plane, the cut or the skin's surface are dropped:
+    they would be flat once their vertices are moved onto it.
     """
     centers = points[cells].mean(axis=1)
     region = shape.region(centers)
@@ -172,7 +173,7 @@ def _inside(
 
 
 def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Array, int]:
-    """Return points with those of the flat facets on their planes, and the vertex put at P30."""
+    """Move the vertices of plane facets onto their planes, and one vertex to the origin P30."""
     points = points.copy()
     medial = np.unique(facets["medial"])
     points[medial, 1] = 0.0
@@ -184,7 +185,7 @@ def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Arr
 
 
 def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> smooth.Supports:
-    """Return what each vertex stays on: a shell's surface, the medial plane, the cut."""
+    """Constraints of each vertex: the surface of a shell, the medial plane, the cut."""
     on = np.full(count, -1)
     for number, name in enumerate(("pad", "skin-subcutaneous", "bone")):
         on[np.unique(facets[name])] = number
@@ -200,9 +201,9 @@ def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> smooth.Supp
 def _bone_of_full_volume(
     shape: Shape, points: Array, bone: Index, facets: dict[str, Index]
 ) -> Array:
-    """Return points with the bone's surface moved out by what its facets cut off its volume.
+    """Offset the bone's surface outward so that its facets enclose the exact volume.
 
-    The bone is thin and strongly curved: facets between vertices on it would lose 2 to 3 %.
+    The bone is thin and strongly curved: facets with vertices on it would lose 2 to 3 %.
     """
     on = np.unique(facets["bone"])
     free = _supports(shape, len(points), facets).free[on]
@@ -222,7 +223,7 @@ def _record(
     *,
     name: str,
 ) -> FingerMesh:
-    """Return the mesh with its nail, smooth normals and measured quality."""
+    """Make the mesh record, with its nail, smooth normals and measured quality."""
     outer = facets["pad"]
     nail = shape.nail.covers(points[outer].mean(axis=1))
     sets = {"pad": outer[~nail], "nail": outer[nail]}
@@ -237,7 +238,7 @@ def _record(
     quality = measure(
         mesh,
         radii=shape.radii,
-        own_volumes=shape.volumes,
+        surface_volumes=shape.volumes,
         gap=gap,
     )
     if shape.notes:

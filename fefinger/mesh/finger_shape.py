@@ -1,4 +1,4 @@
-"""What a fingertip is made of, whatever it comes from: nested surfaces, nail and bone.
+"""Shape of a fingertip, parametric or scanned: nested smooth surfaces, nail and bone.
 
 Frame: x distal, y radial, z dorsal; the origin is the point P30 that a plate at 30 degrees touches
 first. Lengths in mm.
@@ -20,17 +20,17 @@ from fefinger.support.checks import InputError
 
 
 FINE = 0.2
-"""Facets in mm that give a smooth surface's own volume to about 0.1 %."""
+"""Facet size in mm that gives the volume inside a smooth surface to about 0.1 %."""
 
 ROOM = 0.2
-"""Least subcutaneous tissue around the bone, mm: thinner layers would need flat cells."""
+"""Least thickness in mm of subcutaneous tissue around the bone: thinner would need flat cells."""
 
 SAMPLES = 4001
-"""Points in a profile table: their trapezoid error is below 1e-6 mm."""
+"""Points in a profile table; the error of the trapezoidal rule is below 1e-6 mm."""
 
 
-class Surface(Protocol):
-    """A smooth closed surface; `Shell` and `fefinger.mesh.scan.Cloud` are its kinds."""
+class SmoothSurface(Protocol):
+    """Interface of a smooth closed surface, implemented by `Shell` and `scan.Cloud`."""
 
     def level(self, points: Array) -> Array:
         """Return a signed distance, negative inside, (n,) mm."""
@@ -44,14 +44,14 @@ class Surface(Protocol):
 
 @dataclass(frozen=True)
 class Nail:
-    """Patch of the back under the nail: a rounded rectangle seen from above, mm.
+    """Patch of dorsal skin under the nail: a rounded rectangle in the projection along z, mm.
 
     Attributes
     ----------
     start, end : x of its proximal and distal end.
     half_width : half its width where the finger is wide.
-    middle : z that it stays above.
-    side : half width of the finger at x, which it follows where the finger narrows.
+    middle : lower bound of z.
+    side : half width of the finger at x, which limits that of the nail where the finger narrows.
 
     """
 
@@ -62,14 +62,14 @@ class Nail:
     side: Callable[[Array], Array]
 
     def covers(self, points: Array) -> NDArray[np.bool_]:
-        """Return which points of the skin are under the nail, (n,)."""
+        """Whether points of the skin are under the nail, (n,)."""
         x, y, z = points.T
         along = (2.0 * x - self.start - self.end) / (self.end - self.start)
         reach = self._reach(x) * np.maximum(1.0 - along**6, 0.0) ** (1.0 / 6.0)
         return np.asarray((np.abs(y) < reach) & (z > self.middle))
 
     def edge(self, count: int) -> tuple[Array, Array]:
-        """Return x and y of points along the outline with y >= 0, each (count,)."""
+        """Compute points along the outline with y >= 0: x and y, each (count,) mm."""
         angle = np.linspace(0.0, np.pi, count)
         along, aside = (
             np.sign(part) * np.abs(part) ** (1.0 / 3.0) for part in (np.cos(angle), np.sin(angle))
@@ -94,15 +94,15 @@ class Shape:
     cut : x of the proximal cut, mm.
     radii : wanted normal curvature radii at P30, along (R') and across (R'') the finger, mm.
     nail : the patch under the nail.
-    triangles : step in mm -> surfaces for the mesher that divide half a finger into its regions.
+    triangles : facet size in mm -> surfaces for the mesher that bound the regions of half a finger.
     volumes : volume of half of each region inside the smooth surfaces, by name, mm^3.
-    notes : what was taken from a surface file, and what was repaired.
+    notes : remarks on the surface files used and their repairs.
 
     """
 
-    skin: Surface
-    subcutaneous: Surface
-    bone: Surface
+    skin: SmoothSurface
+    subcutaneous: SmoothSurface
+    bone: SmoothSurface
     cut: float
     radii: tuple[float, float]
     nail: Nail
@@ -111,12 +111,12 @@ class Shape:
     notes: tuple[str, ...] = ()
 
     @property
-    def shells(self) -> tuple[Surface, Surface, Surface]:
+    def shells(self) -> tuple[SmoothSurface, SmoothSurface, SmoothSurface]:
         """Outer surfaces of the skin (1), the subcutaneous tissue (2) and the bone (3)."""
         return self.skin, self.subcutaneous, self.bone
 
     def region(self, points: Array) -> NDArray[np.int8]:
-        """Return 0 outside, 1 in skin, 2 in subcutaneous tissue, 3 in bone, (n,)."""
+        """Region of points (n,): 0 outside, 1 skin, 2 subcutaneous tissue, 3 bone."""
         return np.sum([shell.level(points) < 0.0 for shell in self.shells], axis=0, dtype=np.int8)
 
 
@@ -131,20 +131,20 @@ def region_volumes(skin: float, subcutaneous: float, bone: float) -> dict[str, f
     return {"skin": skin - subcutaneous, "subcutaneous": subcutaneous - bone, "bone": bone}
 
 
-def check_room(under: Surface, bone: Array, recipe: Recipe) -> None:
-    """Raise InputError unless the points (n, 3) of the bone keep ROOM from the skin."""
-    left = -float(under.level(bone).max())
-    if left < ROOM:
+def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
+    """Raise InputError unless the points (n, 3) of the bone are ROOM below the surface `under`."""
+    least = -float(under.level(bone).max())
+    if least < ROOM:
         message = (
-            f"thickness: expected room for the bone of a finger {recipe.width:g} mm wide and "
-            f"{recipe.thickness:g} mm thick, received a shape that leaves {left:.2f} mm around it, "
-            f"less than {ROOM:g} mm; use a thinner skin, other dimensions or, for a scan, its frame"
+            f"thickness: expected at least {ROOM:g} mm of subcutaneous tissue around the bone of a "
+            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
+            f"{least:.2f} mm; use a thinner skin, other dimensions or, for a scan, its frame"
         )
         raise InputError(message)
 
 
 def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
-    """Return the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
+    """Build the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
     width, thickness = recipe.width, recipe.thickness
     pulp = BONE * thickness
     middle = top - recipe.skin_thickness - 0.14 * thickness
@@ -162,11 +162,11 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
 
 
 def rounding(x: Array, tip: float, reach: float) -> Array:
-    """Return sqrt(1 - u^3) with u the share of the last `reach` mm: from one to zero at the tip."""
+    """Profile factor sqrt(1 - u^3) of a rounded tip; u rises to 1 over the last `reach` mm."""
     return np.asarray(np.sqrt(1.0 - np.clip((x - tip) / reach + 1.0, 0.0, 1.0) ** 3))
 
 
 def smooth(u: Array) -> Array:
-    """Return the step from 0 to 1 over 0 < u < 1 with two continuous derivatives."""
+    """Smooth step from 0 to 1 over 0 < u < 1, with two continuous derivatives."""
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))

@@ -1,4 +1,4 @@
-"""Where a plate first touches the smooth skin of a finger, and how the skin curves there.
+"""First touch of a plate with the smooth skin of a finger, and the curvature of the skin there.
 
 Frame: x distal, y radial, z dorsal; lengths in mm.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.mesh.build import FOREMOST, PALMAR
-from fefinger.mesh.finger_shape import Shape, Surface
+from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import FIT_RADIUS
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
@@ -19,11 +19,11 @@ from fefinger.mesh.shell import Array
 
 
 COUNT, ZOOM, ROUNDS = 21, 0.25, 8
-"""Points a side of a patch, and how often it is made how much smaller to find the first touch."""
+"""Points per side of a search patch, factor of its refinement, and number of refinements."""
 
 
 @dataclass(frozen=True)
-class Touch:
+class FirstTouch:
     """First touch: point (3,) mm, curvature (2, 2) 1/mm along `directions(axis)`, convex positive.
 
     The curvature is that of the quadric fitted within 2 mm.
@@ -41,29 +41,29 @@ def directions(axis: ArrayLike) -> Array:
     return np.stack([distal, np.cross(axis, distal)])
 
 
-def first_touch(recipe: Recipe, axis: ArrayLike) -> Touch:
-    """Return where a plate that moves along `axis` (3,) meets the smooth skin of a finger."""
+def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
+    """Find where a plate that moves along `axis` (3,) first touches the smooth skin of a finger."""
     shape, axis = _shape(recipe), np.asarray(axis, float)
     across = directions(axis)
     x = np.linspace(shape.cut, FOREMOST, 200)[1:]
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
-    seen = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), PALMAR)], axis=-1)
-    free = np.tile([False, False, True], (seen.size // 3, 1))
-    point = _foremost(shape.skin, shape.skin.project(seen.reshape(-1, 3), free=free), axis)
+    below = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), PALMAR)], axis=-1)
+    free = np.tile([False, False, True], (below.size // 3, 1))
+    point = _foremost(shape.skin, shape.skin.project(below.reshape(-1, 3), free=free), axis)
     reach = 1.0
     for _ in range(ROUNDS):
         point = _foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
         reach *= ZOOM
-    return Touch(point, _curvature(shape.skin, point, axis, across))
+    return FirstTouch(point, _curvature(shape.skin, point, axis, across))
 
 
 @lru_cache(maxsize=64)
 def at_cut(recipe: Recipe, axis: tuple[float, float, float]) -> float:
-    """Return how far in mm from the skin at the proximal cut such a plate is at first touch."""
+    """Distance in mm of the skin at the proximal cut from a plate at its first touch."""
     shape, travel = _shape(recipe), np.array(axis)
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
-    seen = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
-    skin = shape.skin.project(seen, free=np.tile([False, False, True], (len(y), 1)))
+    below = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
+    skin = shape.skin.project(below, free=np.tile([False, False, True], (len(y), 1)))
     return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)
 
 
@@ -72,20 +72,20 @@ def _shape(recipe: Recipe) -> Shape:
     return parametric(recipe) if recipe.surface is None else scanned(recipe)
 
 
-def _patch(skin: Surface, point: Array, across: Array, reach: float) -> Array:
+def _patch(skin: SmoothSurface, point: Array, across: Array, reach: float) -> Array:
     """Return points (n, 3) of the skin about a point of it."""
     line = np.linspace(-reach, reach, COUNT)
     places = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
     return skin.project(point + places @ across)
 
 
-def _foremost(skin: Surface, points: Array, axis: Array) -> Array:
-    """Return the point of the skin (3,), among points (n, 3), that a plate meets first."""
+def _foremost(skin: SmoothSurface, points: Array, axis: Array) -> Array:
+    """First of the points (n, 3) on the skin that a plate moving along `axis` touches, (3,)."""
     off = np.abs(skin.level(points)) > 1e-3
     return np.asarray(points[int(np.argmin(np.where(off, np.inf, points @ axis)))])
 
 
-def _curvature(skin: Surface, point: Array, axis: Array, across: Array) -> Array:
+def _curvature(skin: SmoothSurface, point: Array, axis: Array, across: Array) -> Array:
     """Return the second derivatives (2, 2) 1/mm of the quadric fitted within 2 mm."""
     offset = _patch(skin, point, across, 1.5 * FIT_RADIUS) - point
     offset = offset[np.linalg.norm(offset, axis=1) < FIT_RADIUS]

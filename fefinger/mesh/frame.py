@@ -1,4 +1,4 @@
-"""The plate at 30 degrees that defines the mesh frame: where it touches, and the pad's radii there.
+"""Frame of the mesh: the plate at 30 degrees that defines its origin, and the pad's radii there.
 
 The origin P30 of every finger is the point that this plate touches first.
 """
@@ -18,7 +18,7 @@ ALONG = np.array([np.cos(PLATE), 0.0, np.sin(PLATE)])
 
 PATCH_CENTER = np.array([-1.8, 0.0, -0.7])
 PATCH_RADIUS = 5.0
-"""Ball, mm, in which the pad meets the plate: it reaches farther towards the flat pad."""
+"""Ball in mm that contains the contact with the plate: it extends toward the flatter pad."""
 
 FIT_RADIUS = 2.0
 """Radius in mm around P30 within which the quadric is fitted."""

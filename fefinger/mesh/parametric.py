@@ -1,4 +1,4 @@
-"""The parametric fingertip: skin from width, thickness and pad radius, the rest inside it."""
+"""Parametric fingertip: skin from width, thickness and pad radius; inner surfaces from the skin."""
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -17,7 +17,8 @@ TIP_HEIGHT = 0.65
 """Wanted height of the foremost point above the lowest one, over the thickness."""
 
 TIP_RADIUS = 0.2
-"""Smallest radius of the palmar profile at the tip, over the thickness; it may lift the tip."""
+"""Smallest radius of the palmar profile at the tip, over the thickness; it has priority over
+TIP_HEIGHT."""
 
 SHARPENING = (np.radians(34.0), np.radians(48.0))
 """Slopes between which the profile turns from the pad's curvature to the tip's."""
@@ -56,7 +57,7 @@ def parametric(recipe: Recipe) -> Shape:
     return _with_inside(recipe, skin, tables, wanted)
 
 
-def patch_points(skin: finger_shape.Surface) -> Array:
+def patch_points(skin: finger_shape.SmoothSurface) -> Array:
     """Return points of a symmetric skin around the origin, for fitting, (n, 3) mm."""
     grid = np.stack(np.meshgrid(np.linspace(-3, 3, 31), np.linspace(-3, 3, 31)), axis=-1)
     u, v = grid.reshape(-1, 2).T
@@ -66,7 +67,7 @@ def patch_points(skin: finger_shape.Surface) -> Array:
 def _with_inside(
     recipe: Recipe, skin: Shell, tables: dict[str, Table], wanted: tuple[float, float]
 ) -> Shape:
-    """Return the shape with subcutaneous tissue, bone and nail put inside the skin."""
+    """Complete the shape: subcutaneous tissue, bone and nail inside the skin."""
     cut, tip = skin.cut, skin.tip
     inner = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     under = Shell.of(skin.middle, cut=cut, **inner)
@@ -150,9 +151,9 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
 
 
 def _distal(recipe: Recipe, along: float, slope: Array) -> Table:
-    """Return x and z of the profile at slopes from the lowest point to the tip, as sharp as needed.
+    """Compute x and z of the palmar profile at slopes from the lowest point to the tip.
 
-    A tip of height TIP_HEIGHT t if its radius need not be smaller than TIP_RADIUS t for that.
+    The tip has the height TIP_HEIGHT t, unless that needs a radius below TIP_RADIUS t.
     """
     start, end = SHARPENING
     ramp = smooth((slope - start) / (end - start))
@@ -177,8 +178,8 @@ def _distal(recipe: Recipe, along: float, slope: Array) -> Table:
 def _triangles(shells: tuple[Shell, ...], nail: Nail, step: float) -> list[Triangles]:
     """Return the closed skin, the open inner surfaces and a wall under the nail's outline.
 
-    The inner surfaces reach through the cut, so that nothing depends on their open edges there;
-    the wall makes facets end at the nail's outline.
+    The inner surfaces extend beyond the cut, so that their open edges lie outside the finger; the
+    wall makes facets end at the nail's outline.
     """
     skin = shells[0]
     inner = [

@@ -1,4 +1,4 @@
-"""Measured figures of a finger mesh and the gate that refuses a bad one."""
+"""Quality figures of a finger mesh, and the check that rejects a bad mesh."""
 
 from typing import Any
 
@@ -18,16 +18,16 @@ MIN_DIHEDRAL = 8.0
 """Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""
 
 VOLUME_ERROR = 0.02
-"""Largest relative error of a region's volume: facets cut corners, this says how much."""
+"""Largest relative error of a region's volume, from the facets that replace the surface."""
 
 RADIUS_ERROR = 0.05
 """Largest relative error of the pad's curvature radii at P30."""
 
 SURFACE_GAP = 1e-5
-"""mm; pad vertices are on the smooth skin, from which the contact gap is taken."""
+"""Largest distance in mm of a pad vertex from the smooth skin, which defines the contact gap."""
 
 FIRST_TOUCH = 1e-6
-"""mm; how far a vertex may stand out before the origin against the 30-degree plate."""
+"""Largest distance in mm of a vertex before the origin, toward the 30-degree plate."""
 
 
 def dihedral_angles(points: Array, cells: NDArray[np.int64]) -> Array:
@@ -55,12 +55,12 @@ def measured_radii(mesh: FingerMesh) -> tuple[float, float]:
 
 
 def measure(
-    mesh: FingerMesh, *, radii: tuple[float, float], own_volumes: dict[str, float], gap: float
+    mesh: FingerMesh, *, radii: tuple[float, float], surface_volumes: dict[str, float], gap: float
 ) -> dict[str, Any]:
     """Return the quality figures of a mesh; angles in degrees, lengths mm, volumes mm^3.
 
-    `radii` are the wanted ones, `own_volumes` those of the smooth surfaces by region name, `gap`
-    the largest distance of a pad vertex from the smooth skin.
+    `radii` are the wanted ones, `surface_volumes` those inside the smooth surfaces by region name,
+    `gap` the largest distance of a pad vertex from the smooth skin.
     """
     points, cells = mesh.points, mesh.cells
     angles = dihedral_angles(points, cells)
@@ -72,7 +72,7 @@ def measure(
     pad = np.unique(mesh.facets["pad"])
     patch = _patch_edges(mesh)
     bone = points[np.unique(mesh.facets["bone"])]
-    found = measured_radii(mesh)
+    measured = measured_radii(mesh)
     return {
         "n_points": len(points),
         "n_cells": len(cells),
@@ -85,11 +85,11 @@ def measure(
         "dihedral_1pct_deg": float(np.percentile(smallest, 1.0)),
         "max_dihedral_deg": float(angles.max()),
         "volumes": by_region,
-        "surface_volumes": {name: float(value) for name, value in own_volumes.items()},
-        "volume_errors": {k: by_region[k] / own_volumes[k] - 1.0 for k in own_volumes},
-        "radii": list(found),
+        "surface_volumes": {name: float(value) for name, value in surface_volumes.items()},
+        "volume_errors": {k: by_region[k] / surface_volumes[k] - 1.0 for k in surface_volumes},
+        "radii": list(measured),
         "radii_wanted": [float(value) for value in radii],
-        "radii_errors": [float(f / w - 1.0) for f, w in zip(found, radii, strict=True)],
+        "radii_errors": [float(f / w - 1.0) for f, w in zip(measured, radii, strict=True)],
         "surface_gap": gap,
         "first_touch": float(np.max(points[pad] @ PLATE_NORMAL)),
         "pulp_thickness": float(np.linalg.norm(bone, axis=1).min()),
@@ -100,7 +100,7 @@ def measure(
 
 
 def gate(quality: dict[str, Any]) -> None:
-    """Raise ConvergenceError with a sentence for the first figure that is out of bounds."""
+    """Raise ConvergenceError that lists every figure out of bounds."""
     faults = []
     if quality["min_volume"] <= 0.0:
         faults.append(f"a cell of volume {quality['min_volume']:.2g} mm3 (inverted or flat)")
@@ -125,7 +125,7 @@ def gate(quality: dict[str, Any]) -> None:
     if not abs(quality["first_touch"]) <= FIRST_TOUCH:
         faults.append(f"a first touch {quality['first_touch']:.2g} mm before the origin")
     if faults:
-        message = f"mesh: the quality gate found {'; '.join(faults)}"
+        message = f"mesh: the quality check found {'; '.join(faults)}"
         raise ConvergenceError(message)
 
 

@@ -1,4 +1,4 @@
-"""What a finger mesh is made from: the few numbers that decide shape and resolution."""
+"""Recipe of a finger mesh: the dimensions and the resolution that determine it."""
 
 import hashlib
 import json
@@ -12,14 +12,14 @@ from fefinger.support.checks import InputError, choice, number
 RESOLUTIONS = ("coarse", "standard", "fine")
 
 FORMAT = 1
-"""Raised when the builder changes so that meshes cached from the same recipe must be made again."""
+"""Version of the builder in the cache key; increased when a recipe gives another mesh."""
 
 SURFACE_FORMAT = 2
-"""The same of fingers from a surface file: since 2 it is checked how they lie in it."""
+"""The same for fingers from a surface file; version 2 checks their orientation."""
 
 
 Touch = float | tuple[float, float] | None
-"""Where a mesh is fine, as in `Recipe`."""
+"""Center of the fine mesh, as in `Recipe`."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class Recipe:
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
     parametric shape, whose width, thickness and pad radius then only scale the inside;
     `bone_surface` is one with the bone, in the same place.
-    `touch` is where the facets are fine: the angle in degrees of the plate that touches there, or
-    a place (x, y) in mm on the pad; None is around the touch of the 30 degree plate, which every
-    mesh resolves.
+    `touch` is the center of the fine facets: the angle in degrees of a plate, for its first touch,
+    or a place (x, y) in mm on the pad; None is the touch of the 30 degree plate, which every mesh
+    resolves.
     """
 
     width: float
@@ -79,7 +79,7 @@ class Recipe:
         return values
 
     def key(self) -> str:
-        """Return a hash of all that decides the mesh, the content of a surface file included.
+        """Hash of all inputs of the mesh, the content of surface files included.
 
         Raises InputError where a surface file cannot be read.
         """
@@ -94,13 +94,13 @@ class Recipe:
 
 
 def _hash(name: str, file: str) -> str:
-    """Return the SHA-256 of the surface file of a finger; that of a stored result may be gone."""
+    """SHA-256 of a surface file; raises InputError if it is gone, as for a stored result."""
     try:
         return hashlib.sha256(Path(file).read_bytes()).hexdigest()
     except OSError as error:
         message = (
             f"finger.{name}: expected a file with a surface, received {file!r} "
-            f"({error.strerror or error}); work in the folder that the path is relative to, or "
-            "name the file where it is"
+            f"({error.strerror or error}); give its absolute path, or work in the folder that the "
+            "path is relative to"
         )
         raise InputError(message) from None

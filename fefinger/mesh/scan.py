@@ -1,7 +1,7 @@
-"""A fingertip from a surface file (STL, PLY, OBJ, ...), with skin and bone put inside.
+"""Shape of a fingertip from a surface file (STL, PLY, OBJ, ...); skin and bone are added inside.
 
 The file gives the outer skin in mm in the frame x distal, y radial, z dorsal, wherever its origin.
-Its half y >= middle is meshed, so a scan is made symmetric; how far it is from that is checked.
+Its half y >= middle is meshed, so a scan is made symmetric; a large asymmetry is an error.
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
 
@@ -27,13 +27,13 @@ from fefinger.support.checks import InputError
 
 
 SPACING = 0.35
-"""Largest edge in mm of the refined scan whose vertices stand for the surface."""
+"""Largest edge in mm of the refined scan whose vertices define the surface."""
 
 NEIGHBORS = 16
-"""Vertices that a signed distance is averaged over: two rings, which smooths facets of a scan."""
+"""Vertices that a signed distance is averaged over: two rings, to smooth the facets of a scan."""
 
 SIZE_ERROR = 0.35
-"""Relative difference of a scan's width from the given one that is taken for a wrong unit."""
+"""Relative difference of a scan's width from the given one that indicates a wrong unit."""
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
@@ -74,7 +74,7 @@ class Cloud:
         return moved
 
     def _evaluate(self, points: Array) -> tuple[Array, Array]:
-        """Return signed distances (n,) and unit normals (n, 3)."""
+        """Compute signed distances (n,) mm and unit normals (n, 3)."""
         distance, index = self.tree.query(points, k=NEIGHBORS)
         reach = distance[:, :1] ** 2 + SPACING**2
         weight = np.exp(-(distance**2 - distance[:, :1] ** 2) / reach)
@@ -87,7 +87,7 @@ class Cloud:
 
 
 def scanned(recipe: Recipe) -> Shape:
-    """Return the fingertip whose skin is the surface file of a recipe.
+    """Build the shape of a fingertip from the surface file of a recipe.
 
     Raises InputError for a file that is missing, is no closed surface, has another unit or frame,
     is far from symmetric, or leaves no room for the bone.
@@ -130,7 +130,7 @@ def scanned(recipe: Recipe) -> Shape:
 class Bone:
     """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³."""
 
-    surface: finger_shape.Surface
+    surface: finger_shape.SmoothSurface
     points: Array
     triangles: Callable[[float], Triangles]
     volume: float
@@ -158,9 +158,9 @@ def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) 
 
 
 def _refined(closed: Any, *, open_behind: bool = False) -> Any:
-    """Return the surface with edges of SPACING at most, without what closes it behind if asked.
+    """Refine a surface to edges of at most SPACING; optionally remove its proximal end face.
 
-    What closes a finger behind is no skin: faces of the proximal quarter that look back.
+    The end face, all faces of the proximal quarter with a normal toward -x, is not skin.
     """
     import trimesh
 
@@ -192,7 +192,7 @@ def _cloud(mesh: Any, inset: float) -> Cloud:
 
 
 def _first_touch(skin: Cloud) -> Array:
-    """Return the point of the ridge, halfway between the sides, that a 30-degree plate touches."""
+    """First touch of a 30-degree plate on the ridge halfway between the sides, (3,) mm."""
     points = skin.points
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
     ridge = points[np.abs(points[:, 1] - middle) < 2.0 * SPACING].copy()
@@ -200,7 +200,7 @@ def _first_touch(skin: Cloud) -> Array:
     free = np.tile([True, False, True], (len(ridge), 1))
     ridge = skin.project(ridge, free=free)
     best = ridge[np.argmax(ridge @ PLATE_NORMAL)]
-    # Along the ridge in steps of a micrometer: a neighbor then stands out by less than 1e-7 mm.
+    # Steps of 1 µm along the ridge: a point between them protrudes by less than 1e-7 mm.
     line = best + np.linspace(-0.4, 0.4, 801)[:, None] * ALONG
     line = skin.project(line, free=np.tile([True, False, True], (len(line), 1)))
     return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
@@ -211,8 +211,8 @@ def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
     away = float(np.mean(np.abs(skin.level(mirror.image(skin.points[::7])))))
     if away > ASYMMETRY * recipe.width / 2.0:
         message = (
-            f"surface: expected a finger about symmetric in y, received one that is {away:.2f} mm "
-            "from its mirror image in the mean; turn it about x until the pad faces down (-z)"
+            f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
+            f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
         )
         raise InputError(message)
 
@@ -232,7 +232,7 @@ def _side(skin: Cloud, x: Array) -> Array:
 
 
 def _halved(mesh: Any, cloud: Cloud, cut: float) -> Triangles:
-    """Return the part y >= 0, x >= cut of the surface, open where it was sliced."""
+    """Slice the surface to y >= 0, x >= cut; it is open at these planes."""
     from trimesh.intersections import slice_faces_plane
 
     points, faces = cloud.points - cloud.inset * cloud.point_normals, mesh.faces

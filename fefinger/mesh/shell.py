@@ -1,4 +1,4 @@
-"""A smooth closed surface made of half ellipses along the finger, known analytically.
+"""Analytic smooth closed surface of a finger, made of half ellipses across it.
 
 Every plane x = const cuts it in two half ellipses that share the widest level z = middle, a palmar
 one below and a dorsal one above. Three profiles along x (half width, palmar depth, dorsal height)
@@ -46,7 +46,7 @@ class Shell:
     def of(cls, middle: float, *, cut: float, palmar: Table, dorsal: Table, side: Table) -> "Shell":
         """Return the shell with three profiles that end at the same tip.
 
-        A table that begins short of the cut is continued; the shell goes on behind the cut.
+        A table that begins distal of the cut is extrapolated; the shell extends behind the cut.
         """
         tip = float(palmar[0][-1])
         x = tip - (tip - cut) * np.linspace(1.0, 0.0, NODES) ** 2
@@ -76,7 +76,7 @@ class Shell:
     def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
         """Return points (n, 3) moved onto the surface along its gradient.
 
-        `free` (n, 3) says which coordinates may move: a point of the medial plane keeps its y,
+        `free` (n, 3): the coordinates that may change: a point of the medial plane keeps its y,
         one of the cut keeps its x.
         """
         moved = np.array(points, dtype=float)
@@ -110,7 +110,7 @@ class Shell:
 def offset(table: Table, distance: float) -> Table:
     """Return the parallel curve of a profile, `distance` mm inward along its normals."""
     x, r = table
-    # The slope of r is infinite at the tip; that of r^2 is not, and (-r r', r) is normal as well.
+    # The slope of r is infinite at the tip, that of r^2 is finite, and (-r r', r) is a normal too.
     slope = np.gradient(r**2, x, edge_order=2) / 2.0
     size = np.hypot(slope, r)
     moved_x, moved_r = x + distance * slope / size, r - distance * r / size

@@ -1,4 +1,4 @@
-"""Vertices put exactly on their smooth surfaces, then moved until the worst tetrahedra are good."""
+"""Projection of vertices onto their smooth surfaces, and optimization of the worst tetrahedra."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Project = Callable[[Array, NDArray[np.bool_]], Array]
-"""Moves points (k, 3) onto a surface, changing only the coordinates that are free (k, 3)."""
+"""Function that projects points (k, 3) onto a surface and changes only free coordinates (k, 3)."""
 
 TRIALS = 24
-"""Places tried for a vertex in one sweep: enough that one in four moves helps."""
+"""Random positions tried for a vertex in one sweep; about one in four moves then helps."""
 
 
 @dataclass(frozen=True)
 class Supports:
-    """What each vertex must stay on.
+    """Geometric constraints of the vertices: surfaces and fixed coordinates.
 
     Attributes
     ----------
-    surface : (n,) index of the projector it stays on, -1 for none.
+    surface : (n,) index of the projector of the surface that it lies on, -1 for none.
     free : (n, 3) coordinates that may change (not y on the medial plane, not x at the cut).
     projectors : one per surface.
 
@@ -33,7 +33,7 @@ class Supports:
     projectors: tuple[Project, ...]
 
     def place(self, points: Array, which: Index) -> Array:
-        """Return `points` (k, 3), meant for the vertices `which` (k,), put on their surfaces."""
+        """Project `points` (k, 3) onto the surfaces of the vertices `which` (k,)."""
         placed = points.copy()
         for number, project in enumerate(self.projectors):
             on = self.surface[which] == number
@@ -63,10 +63,10 @@ def sines(corners: Array) -> Array:
 
 
 def fit(points: Array, cells: Index, supports: Supports, *, wanted: float, pinned: Index) -> Array:
-    """Return points on their surfaces with the sines of the dihedral angles above `wanted`.
+    """Move vertices onto their surfaces and the sines of dihedral angles above `wanted`.
 
-    Vertices whose surface is out of reach for now wait inside the mesher's envelope, until the
-    others have made room; `pinned` vertices do not move.
+    Vertices that cannot reach their surface yet stay inside the mesher's envelope until others
+    have moved; `pinned` vertices do not move.
     """
     for share in (0.15, 0.3, 0.45, 0.6):
         points = settle(points, cells, supports, least=share * wanted, pinned=pinned)
@@ -77,7 +77,7 @@ def fit(points: Array, cells: Index, supports: Supports, *, wanted: float, pinne
 def settle(
     points: Array, cells: Index, supports: Supports, *, least: float, pinned: Index
 ) -> Array:
-    """Return the vertices on their surfaces, but where that would leave a sine below `least`."""
+    """Move vertices onto their surfaces, except where that would cause a sine below `least`."""
     everyone = np.arange(len(points))
     target = supports.place(points, everyone)
     held = np.isin(everyone, pinned)
@@ -101,10 +101,11 @@ def improve(
     pinned: Index,
     sweeps: int = 8,
 ) -> Array:
-    """Return points moved so that no dihedral angle's sine stays below `wanted`, if it can be.
+    """Move vertices to raise the sines of dihedral angles above `wanted`, where possible.
 
-    The vertices of bad tetrahedra try seeded random places on their own supports and keep the one
-    whose worst angle around them is best (Freitag and Ollivier-Gooch 1997 with random search).
+    The vertices of bad tetrahedra try seeded random positions on their supports; the one with the
+    best worst angle around it is taken (Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng.
+    40:3979, 1997, with random search).
     """
     random = np.random.default_rng(0)
     points = points.copy()
@@ -127,7 +128,7 @@ def _move(
     random: np.random.Generator,
     reach: float,
 ) -> None:
-    """Put one vertex where the worst angle of its star (k, 4) is best, in place."""
+    """Move one vertex, in place, to the trial with the best worst angle in its star (k, 4)."""
     here = points[vertex]
     size = np.sqrt(np.mean(np.sum((points[star] - here) ** 2, axis=2)))
     steps = random.normal(size=(TRIALS, 3)) * size * reach * random.random((TRIALS, 1))

@@ -1,4 +1,4 @@
-"""The mesh for a finger: shipped with the package, else from the user's cache, else built now."""
+"""Mesh of a finger: shipped with the package, else from the user's cache, else built and cached."""
 
 import json
 import os
@@ -27,12 +27,12 @@ def ready(
     touch: Touch = None,
     progress: Callable[[str], None] | None = None,
 ) -> FingerMesh:
-    """Return the mesh for a scene's finger (or a Recipe), half or whole; `touch` as in `Recipe`.
+    """Load or build the mesh of a scene's finger (or a Recipe), half or whole.
 
-    Looks among the shipped meshes, then in the user's cache; builds and caches it (about half a
-    minute for the standard resolution) if neither has it. The mesher draws at random, so that
-    whoever asks for it at the same time waits, and is given the same. `progress` receives short
-    sentences.
+    `touch` as in `Recipe`. Looks among the shipped meshes, then in the user's cache; builds and
+    caches it (about half a minute for the standard resolution) if neither has it. The mesher is
+    random, so that a second process that needs the mesh at the same time waits and gets the same
+    one. `progress` receives short sentences.
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
@@ -41,18 +41,18 @@ def ready(
 
 
 def at_hand(finger: "Finger", touch: Touch = None) -> bool:
-    """Return whether the mesh for a scene's finger is shipped or cached, and need not be built."""
+    """Whether the mesh of a scene's finger is shipped or cached, so that it need not be built."""
     recipe = Recipe.of(finger, touch)
     return shipped_path(recipe) is not None or os.path.isfile(cached_path(recipe))
 
 
 def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:
-    """Return what keeps a scene's finger from having a mesh, in a sentence; empty if nothing known.
+    """Reason why a finger cannot be meshed, as a sentence; empty if none is known.
 
-    Nor is there one of a finger without a pad at the place `at` (x, y) in mm. A shape is tried as
-    far as it takes no mesher, some 50 ms.
+    The parametric shape is built, which takes some 50 ms, but not meshed. A place `at` (x, y) mm
+    off the pad is a reason too.
     """
-    from fefinger.mesh.build import touched
+    from fefinger.mesh.build import touch_point
     from fefinger.mesh.parametric import parametric
 
     try:
@@ -60,35 +60,35 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
             return ""
         shape = parametric(Recipe.of(finger, touch))
         if at is not None:
-            touched(shape, at)
+            touch_point(shape, at)
     except InputError as error:
-        said = str(error)
-        return said if said.startswith(("finger.", "indenter.")) else f"finger.{said}"
+        reason = str(error)
+        return reason if reason.startswith(("finger.", "indenter.")) else f"finger.{reason}"
     return ""
 
 
 def sha256(finger: "Finger") -> str | None:
-    """Return the hash of the file of a scene's finger's mesh; None if that is not at hand."""
+    """SHA-256 of the mesh file of a scene's finger; None if it is neither shipped nor cached."""
     recipe = Recipe.of(finger)
     sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
     try:
         return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
-    except (OSError, ValueError, KeyError, TypeError):  # none, or a damaged one
+    except (OSError, ValueError, KeyError, TypeError):  # no sidecar, or a damaged one
         return None
 
 
 def shipped_path(recipe: Recipe) -> Path | None:
     """Return the file of the shipped mesh of a recipe, or None."""
     wanted = recipe.to_dict()
-    return next((path for known, path in _shipped(data_folder()) if known == wanted), None)
+    return next((path for shipped, path in _shipped(data_folder()) if shipped == wanted), None)
 
 
 @lru_cache(maxsize=1)
 def _shipped(folder: Path) -> tuple[tuple[dict[str, Any], Path], ...]:
     """Return the recipes of the meshes in a folder, with their files."""
     texts = {path: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.json"))}
-    found = ((json.loads(text).get("recipe"), path) for path, text in texts.items())
-    return tuple((recipe, path.with_suffix(".vtu")) for recipe, path in found)
+    recipes = ((json.loads(text).get("recipe"), path) for path, text in texts.items())
+    return tuple((recipe, path.with_suffix(".vtu")) for recipe, path in recipes)
 
 
 def data_folder() -> Path:
@@ -100,25 +100,25 @@ def data_folder() -> Path:
 
 
 def cached_path(recipe: Recipe) -> Path:
-    """Return where the user's cache keeps the mesh of a recipe."""
+    """Path of the mesh of a recipe in the user's cache."""
     return cache.root() / "meshes" / f"{recipe.key()[:16]}.vtu"
 
 
-_unkept: dict[Path, FingerMesh] = {}
-"""Meshes that the cache did not take, by their place in it: built again they would be others."""
+_in_memory: dict[Path, FingerMesh] = {}
+"""Meshes that could not be cached, by cache path: built again, the random mesher would differ."""
 
 
 def _cached(recipe: Recipe) -> FingerMesh | None:
-    """Return the mesh of a recipe from the cache; one that is damaged counts as none."""
+    """Read the mesh of a recipe from the cache; None if it is missing or damaged."""
     place = cached_path(recipe)
     try:
         return vtu.read(place)
     except (InputError, OSError):
-        return _unkept.get(place)
+        return _in_memory.get(place)
 
 
 def _made(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
-    """Return the mesh of a recipe, built here and put in the cache, or by whom it waited for."""
+    """Build and cache the mesh of a recipe, or wait for the process that is building it."""
     say = progress or (lambda _: None)
     wait = "another process builds this mesh; waiting for it"
     with cache.alone(cached_path(recipe), lambda: say(wait)):
@@ -126,17 +126,18 @@ def _made(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
 
 
 def _built(recipe: Recipe, say: Callable[[str], None]) -> FingerMesh:
-    """Return the mesh of a recipe as the cache has it, once it is built."""
+    """Build and cache the mesh of a recipe; return it as read back from the cache."""
     from fefinger.mesh.build import build
 
     name = f"{recipe.width:g}x{recipe.thickness:g}x{recipe.pad_radius:g}-{recipe.resolution}"
     mesh = build(recipe, name=name, progress=say)
-    found = _cached(recipe)  # without locks, another may have been faster: then that is the one
-    if found is not None:
-        return found
+    # Where file locks do not work, another process may have been faster: its mesh counts.
+    cached = _cached(recipe)
+    if cached is not None:
+        return cached
     place = cached_path(recipe)
     try:
         return vtu.read(vtu.write(mesh, place))
     except (InputError, OSError) as error:
-        say(f"the mesh could not be kept for the next time: {error}")
-        return _unkept.setdefault(place, mesh)
+        say(f"the mesh could not be cached: {error}")
+        return _in_memory.setdefault(place, mesh)

@@ -1,4 +1,4 @@
-"""A whole finger from its half, mirrored in the medial plane and welded there."""
+"""Mesh of a whole finger from its half, mirrored in the medial plane."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,14 +11,14 @@ from fefinger.support.checks import InputError
 
 
 DOUBLED = ("n_cells", "nail_area")
-"""Figures of the quality record that double exactly; counts of points are made again."""
+"""Quality figures that double exactly; the number of points is counted again."""
 
 
 def whole(half: FingerMesh) -> FingerMesh:
     """Return the whole finger: the half and its mirror image, sharing the vertices of y = 0.
 
-    The mirror image of vertex i stands behind the n vertices of the half; a whole mesh has no
-    "medial" facets. Raises InputError for a mesh that is whole already.
+    The mirror images follow the n vertices of the half; a whole mesh has no "medial" facets.
+    Raises InputError for a mesh that is whole already.
     """
     if not half.half:
         message = f"mesh: expected a half finger, received the whole finger {half.name!r}"
@@ -40,7 +40,7 @@ def whole(half: FingerMesh) -> FingerMesh:
 
 
 def _quality(half: FingerMesh, n_points: int) -> dict[str, Any]:
-    """Return the half's figures with those doubled that mirroring doubles."""
+    """Quality figures of the whole mesh from those of the half."""
     quality = dict(half.quality)
     for key in DOUBLED:
         if key in quality:

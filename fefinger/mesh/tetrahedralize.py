@@ -1,4 +1,4 @@
-"""pytetwild with a sizing field: conforming tetrahedra around the surfaces of a finger."""
+"""Tetrahedral meshing with pytetwild and a sizing field, in a separate process."""
 
 import itertools
 import subprocess
@@ -21,15 +21,15 @@ Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Settings:
-    """Edge lengths in mm and how closely the mesher follows the surfaces.
+class MesherSettings:
+    """Settings of the mesher: edge lengths in mm, and the tolerance of the surfaces.
 
     Attributes
     ----------
     pad : edge length on the contact patch and in the skin below it.
     deep, far : growth of the edge length per mm below the skin and beyond the patch.
     largest : largest edge length.
-    envelope : how far a vertex may leave its surface, over the diagonal of the finger.
+    envelope : largest distance of a vertex from its surface, over the diagonal of the finger.
     facet : edge length of the input surfaces' triangles.
 
     """
@@ -45,17 +45,17 @@ class Settings:
 def tetrahedra(
     surfaces: list[Triangles],
     size: Callable[[Array], Array],
-    settings: Settings,
+    settings: MesherSettings,
 ) -> tuple[Array, Index]:
-    """Return vertices (n, 3) mm and positive cells (m, 4) that fill a box around the surfaces.
+    """Mesh a box around the surfaces: vertices (n, 3) mm and positively oriented cells (m, 4).
 
-    The surfaces, open or closed, appear as faces within the envelope; nothing is removed outside.
-    Raises ConvergenceError where the mesher fails.
+    The surfaces, open or closed, appear as faces within the envelope; cells outside them are kept.
+    Raises ConvergenceError if the mesher fails.
     """
     points, triangles = _joined(surfaces)
     box = np.array([points.min(axis=0) - 1.0, points.max(axis=0) + 1.0])
     nodes, cells = _grid(box, max(settings.pad, 0.6))
-    vertices, found = _apart(
+    vertices, tetrahedra_of_box = _in_process(
         vertices=points,
         faces=triangles.astype(np.int32),
         edge_length_abs=settings.largest,
@@ -64,14 +64,14 @@ def tetrahedra(
         bg_tets=cells.astype(np.int32),
         bg_values=size(nodes),
     )
-    # fTetWild lists the corners of a cell the other way round.
-    return np.asarray(vertices, dtype=float), found.astype(np.int64)[:, [0, 2, 1, 3]]
+    # fTetWild orients cells negatively.
+    return np.asarray(vertices, dtype=float), tetrahedra_of_box.astype(np.int64)[:, [0, 2, 1, 3]]
 
 
-def _apart(**given: Any) -> tuple[Array, Index]:
-    """Return the vertices and cells of what is `given` to `tetwild`, run beside this process."""
+def _in_process(**arguments: Any) -> tuple[Array, Index]:
+    """Run the mesher with `arguments` in a process of its own; return its vertices and cells."""
     with temporary_folder() as folder:
-        np.savez(folder / tetwild_process.GIVEN, **given)
+        np.savez(folder / tetwild_process.ARGUMENTS, **arguments)
         with processes.running(
             processes.command("-m", tetwild_process.__name__, str(folder)),
             cwd=folder,  # fTetWild writes __tracked_surface.stl into its working folder
@@ -84,11 +84,11 @@ def _apart(**given: Any) -> tuple[Array, Index]:
         ) as mesher:
             _, text = mesher.communicate()
         if mesher.returncode:
-            said = (text.strip().splitlines() or ["nothing"])[-1]
-            message = f"mesher: it ended with status {mesher.returncode} and said: {said}"
+            last = (text.strip().splitlines() or ["none"])[-1]
+            message = f"mesher: it ended with status {mesher.returncode}; its last message: {last}"
             raise ConvergenceError(message)
-        with np.load(folder / tetwild_process.FOUND) as found:
-            return found["vertices"], found["cells"]
+        with np.load(folder / tetwild_process.MESH) as mesh:
+            return mesh["vertices"], mesh["cells"]
 
 
 def _joined(surfaces: list[Triangles]) -> Triangles:
@@ -99,7 +99,7 @@ def _joined(surfaces: list[Triangles]) -> Triangles:
 
 
 def _grid(box: Array, step: float) -> tuple[Array, Index]:
-    """Return a grid of cubes cut in six tetrahedra each, which carries the sizes."""
+    """Build the background grid of the sizing field: cubes of six tetrahedra each."""
     axes = [np.linspace(a, b, int(np.ceil((b - a) / step)) + 1) for a, b in box.T]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     index = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])

@@ -1,6 +1,7 @@
 """pytetwild in a process of its own: `python -m fefinger.mesh.tetwild_process FOLDER`.
 
-In ours it would hold the interpreter, take Ctrl-C for itself, print, and end us where it fails.
+In the caller's process it would hold the interpreter lock, catch Ctrl-C, print, and on failure end
+the process.
 """
 
 import sys
@@ -11,20 +12,20 @@ import numpy as np
 from fefinger.support.interrupt import unblock
 
 
-GIVEN, FOUND = "given.npz", "found.npz"
-"""Files of the folder: the arguments of `pytetwild.tetrahedralize`, and what it returns."""
+ARGUMENTS, MESH = "arguments.npz", "mesh.npz"
+"""Files of the folder: the arguments of `pytetwild.tetrahedralize`, and its result."""
 
 
 def main(folder: Path) -> None:
-    """Mesh what a folder holds."""
+    """Mesh the surfaces in a folder; write the mesh there."""
     import pytetwild
 
-    with np.load(folder / GIVEN) as given:
-        arguments = {key: given[key] if given[key].ndim else given[key].item() for key in given}
+    with np.load(folder / ARGUMENTS) as arrays:
+        arguments = {key: arrays[key] if arrays[key].ndim else arrays[key].item() for key in arrays}
     vertices, cells = pytetwild.tetrahedralize(
         **arguments, coarsen=True, disable_filtering=True, num_threads=1
     )
-    np.savez(folder / FOUND, vertices=vertices, cells=cells)
+    np.savez(folder / MESH, vertices=vertices, cells=cells)
 
 
 if __name__ == "__main__":

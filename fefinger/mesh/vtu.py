@@ -24,10 +24,10 @@ LAYOUT = 1
 """Version of the file layout; a reader refuses another."""
 
 NEEDED = ("name", "half", "facet_tags", "sha256", "recipe", "quality")
-"""What a sidecar has to say so that a mesh can be read."""
+"""Fields that a sidecar must have."""
 
 TOOLS = ("pytetwild", "numpy", "scipy")
-"""Libraries whose version decides a mesh, beside fefinger's own."""
+"""Libraries whose version affects the mesh, besides fefinger's own."""
 
 
 def write(mesh: FingerMesh, path: str | Path) -> Path:
@@ -69,7 +69,7 @@ def write(mesh: FingerMesh, path: str | Path) -> Path:
 
 
 def read(path: str | Path) -> FingerMesh:
-    """Return the mesh of a .vtu file and its sidecar.
+    """Read a mesh from a .vtu file and its sidecar.
 
     Raises InputError if either is missing or the .vtu is not the one the sidecar was written for.
     """
@@ -81,11 +81,11 @@ def read(path: str | Path) -> FingerMesh:
             message = f"mesh: expected the file {part}, which does not exist; build the mesh again"
             raise InputError(message)
     sidecar = _sidecar(sidecar_path(path))
-    found = _hash(path)
-    if found != sidecar["sha256"]:
+    sha256 = _hash(path)
+    if sha256 != sidecar["sha256"]:
         message = (
             f"mesh: expected {path} to have the hash {sidecar['sha256'][:12]}... of its sidecar, "
-            f"received {found[:12]}...; one of the two was changed, build the mesh again"
+            f"received {sha256[:12]}...; one of the two was changed, build the mesh again"
         )
         raise InputError(message)
     content = meshio.read(path, file_format="vtu")
@@ -98,7 +98,7 @@ def sidecar_path(path: Path) -> Path:
 
 
 def _sidecar(path: Path) -> dict[str, Any]:
-    """Return what a sidecar says, or raise InputError if it is none of this layout."""
+    """Read a sidecar; raise InputError if it has another layout or lacks a field."""
     try:
         sidecar = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
@@ -118,7 +118,7 @@ def _sidecar(path: Path) -> dict[str, Any]:
 
 
 def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:
-    """Return the record made of a meshio mesh and its sidecar."""
+    """Make the mesh record from a meshio mesh and its sidecar."""
     cells = np.asarray(content.cells_dict["tetra"], dtype=np.int64)
     triangles = np.asarray(content.cells_dict["triangle"], dtype=np.int64)
     tags = content.cell_data_dict["facet"]["triangle"]
@@ -143,7 +143,7 @@ def _named() -> list[tuple[int, str]]:
 
 
 def _checked(path: str | Path) -> Path:
-    """Return the path if it ends in .vtu."""
+    """Check that a path ends in .vtu."""
     path = Path(path)
     if path.suffix != ".vtu":
         message = f"mesh: expected a file name that ends in .vtu, received {path.name!r}"
@@ -163,5 +163,5 @@ def _hash(path: Path) -> str:
 
 
 def _versions() -> dict[str, str]:
-    """Return the versions of the programs that decide a mesh."""
+    """Versions of the programs that affect the mesh."""
     return {"fefinger": VERSION, **{tool: version(tool) for tool in TOOLS}}

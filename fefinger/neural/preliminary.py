@@ -1,7 +1,4 @@
-"""Preliminary end organs of thesis 4.2.2 (spring, damper, second derivative) and input features.
-
-The features are position, velocity and acceleration of an input.
-"""
+"""Preliminary end organs of thesis 4.2.2: spring, damper, second derivative."""
 
 import math
 from dataclasses import dataclass
@@ -75,21 +72,3 @@ class Derivative:
         wanted = time if at is None else np.asarray(at, float)
         out = np.column_stack([np.interp(wanted, spans, column) for column in columns.T])
         return out.reshape(wanted.shape + x_in.shape[1:])
-
-
-@dataclass(frozen=True)
-class Features:
-    """Position mm, velocity mm/s and acceleration mm/s² of (n_t,) or (n_t, n_units) mm."""
-
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-
-
-def features(time: ArrayLike, x_in: ArrayLike) -> Features:
-    """Return position, velocity and acceleration of an input; InputError where it jumps."""
-    return Features(
-        np.asarray(x_in, float),
-        Derivative(1).respond(time, x_in),
-        Derivative(2).respond(time, x_in),
-    )

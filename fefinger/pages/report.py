@@ -17,7 +17,7 @@ from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
-from fefinger.view import figures, frames, quantities, unit_figures
+from fefinger.view import figures, frames, quantities, renderer, section_figure, unit_figures
 
 
 STANDING = (
@@ -223,15 +223,14 @@ def _section(result: ResultRecord) -> dict[str, Any]:
         "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
     pictures = []
-    drawn, missing = view.section_figure(result)
-    if missing:
+    if missing := renderer.renderer_lacking():
         text = f"{text} {missing}"
     else:
         for field in ("pressure", quantities.DEFAULT):
             source = page.png(_screenshot(result, field))
             pictures.append({"source": source, "caption": _caption(result, field)})
     title = "A section through the finger"
-    return _part("section", title, text, drawn) | {"pictures": pictures}
+    return _part("section", title, text, section_figure.draw(result)) | {"pictures": pictures}
 
 
 def _screenshot(result: ResultRecord, field: str) -> bytes:

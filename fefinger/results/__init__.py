@@ -1,1 +1,1 @@
-"""Records of an answer, their files, and what is computed from them."""
+"""Records of a result, their file formats, and quantities computed from them."""

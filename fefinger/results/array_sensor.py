@@ -1,4 +1,4 @@
-"""The tactile array of the thesis under a plate: what it would read of any response."""
+"""Simulated readings of the thesis's tactile array on the plate, from any response."""
 
 from typing import TYPE_CHECKING
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 def read(
     result: "ResultRecord", sensor: "ArraySensor | None" = None, *, seed: int | None = None
 ) -> "Reading":
-    """Return the readings of an array on the plate, with its middle under the center of pressure.
+    """Simulate the readings of an array on the plate, centered at the center of pressure.
 
-    The array is aligned when the force is largest, as in section 3.2.1 of the thesis; its x points
-    distally along the plate, its y sideways. `seed` starts the noise; None leaves it out.
+    The array is aligned at the largest force, as in section 3.2.1 of the thesis; its x axis points
+    distally along the plate, y sideways. `seed` is that of the noise; None simulates no noise.
 
     Raises
     ------
@@ -31,25 +31,25 @@ def read(
 
     pad, pressure = result.pad, result.pressure
     if pad is None or pressure is None:
-        msg = "ask.pressure: expected true, because the array reads the pressure on the pad"
+        msg = "ask.pressure: expected true for the array, which reads the pressure, received false"
         raise InputError(msg)
     points = on_plate(result)
     heaviest = pressure[int(np.argmax(pressure @ pad.areas))] * pad.areas
     if heaviest.sum() <= 0:
-        msg = "motion: expected contact, but there is no pressure to align the array by"
+        msg = "motion: expected contact, by which the array is aligned, received none at any time"
         raise InputError(msg)
     points = points - heaviest @ points / heaviest.sum()
     sensor = sensor or ArraySensor()
     try:
-        felt = pressure @ response(sensor, pad, points).T
-        return sensor.scan(result.time, felt, seed=seed)
+        element_pressure = pressure @ response(sensor, pad, points).T
+        return sensor.scan(result.time, element_pressure, seed=seed)
     except ValueError as error:
         msg = f"sensor: {error}"
         raise InputError(msg) from None
 
 
 def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
-    """Return the matrix (n_elements, n_pad) from pressures on the pad to what the elements feel.
+    """Matrix (n_elements, n_pad) from pressures on the pad to pressures on the array's elements.
 
     places (n_pad, 2) mm are the points of the pad in the plane of the array. The pressure is taken
     as linear between them.
@@ -61,19 +61,19 @@ def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
     """
     fine = net(pad, cuts(pad, sensor.sigma))
     areas = np.asarray(fine.loads.sum(axis=1)).ravel()
-    kept = areas > 0
-    weights = sensor.weights((fine.between @ places)[kept], areas[kept]) / areas[kept]
-    return np.asarray(weights @ fine.loads[kept])
+    loaded = areas > 0
+    weights = sensor.weights((fine.between @ places)[loaded], areas[loaded]) / areas[loaded]
+    return np.asarray(weights @ fine.loads[loaded])
 
 
 def on_plate(result: "ResultRecord") -> "Array":
-    """Return the points of the pad (n, 2) mm as the plate sees them: distal, sideways."""
+    """Coordinates (n, 2) mm of the pad's points in the plane of the plate: distal, sideways."""
     assert result.pad is not None
     return plane(result.scene.indenter, result.pad.points)
 
 
 def plane(indenter: Indenter, points: "Array") -> "Array":
-    """Return points (n, 3) mm as the plate sees them, (n, 2) mm: distal, sideways.
+    """Project points (n, 3) mm onto the plane of the plate: (n, 2) mm, distal and sideways.
 
     Raises
     ------

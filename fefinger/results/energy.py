@@ -1,8 +1,8 @@
-"""Strain-energy density of soft tissue from its strain alone, for pictures.
+"""Strain-energy density of soft tissue from its strain, for pictures.
 
-Two states are told apart. Relaxed: with the moduli of long times, what the tissue stores after a
-long hold. Elastic: with the instantaneous moduli, before any of it relaxes. What is stored in
-between lies between the two. Relaxation lowers neither: both are functions of the present strain.
+There are two limits. Relaxed: with the long-time moduli, as after a long hold. Elastic: with the
+instantaneous moduli, before any relaxation. The stored energy lies between the two. Both are
+functions of the present strain, so that relaxation at constant strain changes neither.
 """
 
 import numpy as np
@@ -29,9 +29,9 @@ def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite
     for tissue, part in ((finger.skin, of_skin), (finger.subcutaneous, soft - of_skin)):
         distortion, volume = split(fields.strain[frame], tissue, finite=finite)
         if elastic:
-            kept = (tissue.prony or finger.prony).long_time
-            distortion = distortion / kept
-            volume = volume / kept if finger.relaxation == "whole" else volume
+            long_time = (tissue.prony or finger.prony).long_time
+            distortion = distortion / long_time
+            volume = volume / long_time if finger.relaxation == "whole" else volume
         total += part * (distortion + volume)
     return total
 
@@ -44,8 +44,8 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
     K / 2 (J - 1)².
     """
     shear = tissue.modulus / (2 * (1 + tissue.poisson))
-    squeezed = 3 * (1 - 2 * tissue.poisson)
-    bulk = tissue.modulus / squeezed if squeezed > 0 else 0.0
+    factor = 3 * (1 - 2 * tissue.poisson)
+    bulk = tissue.modulus / factor if factor > 0 else 0.0
     trace = strain[:, :3].sum(axis=1)
     deviator = strain - np.where(np.arange(6) < 3, trace[:, None] / 3, 0.0)
     if not finite:
@@ -61,7 +61,7 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
 
 
 def shares(fields: Fields) -> tuple[Array, Array]:
-    """Return, per point, how much of its soft cells' volume is skin, and 1 where any is soft."""
+    """Share of skin in the volume of each point's soft cells, and 1 where it has soft cells."""
     a, b, c, d = fields.points[fields.cells].transpose(1, 0, 2)
     volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
     sums = [

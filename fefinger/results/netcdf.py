@@ -23,7 +23,7 @@ FORMAT = "fefinger result 1"
 
 
 class Variable(NamedTuple):
-    """How an array of a record is labeled in `result.nc`."""
+    """Label of an array of a record in `result.nc`: name, dimensions, units and long name."""
 
     name: str
     dims: tuple[str, ...]
@@ -160,8 +160,8 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
                 return _result(opened)
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
         message = (
-            f"result: {str(file)!r} is damaged or is no result of fefinger ({error}); "
-            "run the scene again to write it anew"
+            f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
+            f"foreign file ({error}); run the scene again"
         )
         raise InputError(message) from None
     message = f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}"
@@ -169,15 +169,15 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
 
 
 def _result(opened: "xr.Dataset") -> records.ResultRecord:
-    found = _decode(json.loads(opened["record"].item()), opened.load())
-    if not isinstance(found, records.ResultRecord):
-        message = f"its record is a {type(found).__name__}, not a Result"
+    result = _decode(json.loads(opened["record"].item()), opened.load())
+    if not isinstance(result, records.ResultRecord):
+        message = f"expected the record of a Result, received a {type(result).__name__}"
         raise TypeError(message)
-    return found
+    return result
 
 
 def dataset(result: records.ResultRecord) -> "xr.Dataset":
-    """Return everything in `result` as arrays with names, dimensions and units."""
+    """Convert a result to a Dataset: arrays with names, dimensions and units."""
     import xarray as xr
 
     variables: dict[str, Any] = {}
@@ -201,7 +201,7 @@ def dataset(result: records.ResultRecord) -> "xr.Dataset":
 
 
 def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
-    """Return `value` as JSON, with its arrays moved into `variables`.
+    """Encode `value` as JSON values, with its arrays moved into `variables`.
 
     Tuples become JSON lists, lists {"list": [...]}, arrays {"array": name}, records
     {"record": class, field: ...}; a tuple of arrays becomes one array and {"ragged": name}.
@@ -251,7 +251,7 @@ def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -
 
 
 def _decode(value: Any, arrays: "xr.Dataset") -> Any:
-    """Return what `_encode` was given."""
+    """Decode the JSON values of `_encode`."""
     if isinstance(value, list):
         return tuple(_decode(v, arrays) for v in value)
     if not isinstance(value, dict):

@@ -1,7 +1,6 @@
-"""Pressure between the points of the pad: it is linear on each triangle, and its force spread so.
+"""Pressure between the points of the pad, linear on each triangle, and its mean over 1 mm².
 
-A force that stands at the points of the pad alone makes what is felt on a square millimeter depend
-on where the points happen to lie.
+With forces at the mesh points only, a mean over 1 mm² would depend on the positions of the points.
 """
 
 from dataclasses import dataclass, replace
@@ -17,18 +16,18 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 MOST = 8
-"""Parts that an edge is cut into at most."""
+"""Largest number of parts of an edge."""
 
 FAR = 4.0
-"""Standard deviations at which a Gaussian ends, with 3e-4 of its weight left out."""
+"""Cutoff of a Gaussian in standard deviations; it neglects 3e-4 of the weight."""
 
 SPREAD = 1 / np.sqrt(2 * np.pi)
-"""Standard deviation in mm of a Gaussian that weighs 1 mm² as much as its middle."""
+"""Standard deviation in mm of a Gaussian whose integral is 1 mm² times its peak."""
 
 
 @dataclass(frozen=True)
 class Net:
-    """Points between those of the pad.
+    """Refined points on the pad, as matrices from the values at its points.
 
     between (m, n_pad): values at the pad's points to values at these; loads (m, n_pad) mm²:
     pressures in kPa at the pad's points to forces in mN at these.
@@ -39,10 +38,10 @@ class Net:
 
 
 def net(pad: Pad, parts: int) -> Net:
-    """Return points so dense that forces on them are the linear pressure of the pad.
+    """Refine the pad's triangles to points whose forces represent the linear pressure.
 
-    Every edge is cut into parts, every triangle into parts² with their forces at their middles; a
-    point of the pad keeps its force, pressure times area, and shares it out.
+    Every edge is divided into `parts`, every triangle into parts² with their forces at their
+    centers. The force of a point of the pad, pressure times area, is preserved and distributed.
     """
     from scipy import sparse
 
@@ -61,15 +60,16 @@ def net(pad: Pad, parts: int) -> Net:
 
 
 def highest(pad: Pad, pressure: Array) -> float:
-    """Return the largest mean pressure in kPa over 1 mm² at any time, see `peaks`."""
+    """Largest mean pressure in kPa over 1 mm² at any time, see `peaks`."""
     return float(peaks(pad, pressure).max())
 
 
 def peaks(pad: Pad, pressure: Array) -> Array:
-    """Return the largest mean pressure (n_t,) in kPa over 1 mm², of pressures (n_t, n_pad).
+    """Largest mean pressure (n_t,) in kPa over 1 mm², of pressures (n_t, n_pad).
 
-    The mean is weighted by a Gaussian about each point of the pad. What one point bears depends on
-    the mesh (a quarter at the rim of a plate, on the standard mesh); this does not.
+    The mean is weighted by a Gaussian about each point of the pad. Unlike the pressure of a single
+    point, which varies by a quarter at the rim of a plate on the standard mesh, it does not depend
+    on the mesh.
     """
     from scipy.spatial import KDTree
 
@@ -83,24 +83,24 @@ def peaks(pad: Pad, pressure: Array) -> Array:
         tree, FAR * SPREAD, output_type="coo_matrix"
     )
     near.data = np.exp(-(near.data**2) / (2 * SPREAD**2)) / (2 * np.pi * SPREAD**2)
-    felt = (near @ fine.loads)[:, used] @ pressure[:, used].T
-    return np.asarray(felt.max(axis=0))
+    means = (near @ fine.loads)[:, used] @ pressure[:, used].T
+    return np.asarray(means.max(axis=0))
 
 
 def pressed(pad: Pad, used: NDArray[np.bool_]) -> Pad:
-    """Return the pad with those triangles alone that have one of some points (n_pad,)."""
+    """Restrict the pad's triangles to those with at least one of the points `used` (n_pad,)."""
     return replace(pad, triangles=pad.triangles[used[pad.triangles].any(axis=1)])
 
 
 def cuts(pad: Pad, length: float) -> int:
-    """Return into how many parts the longest edge has to be cut for parts of a length in mm."""
+    """Count the parts of the longest edge that are at most `length` mm long."""
     ends = pad.points[pad.triangles]
     longest = np.linalg.norm(ends - np.roll(ends, 1, axis=1), axis=2).max()
     return min(int(np.ceil(longest / length)), MOST)
 
 
 def _corners(parts: int) -> Array:
-    """Return barycentric coordinates (parts², 3) of the middles of equal parts of a triangle."""
+    """Barycentric coordinates (parts², 3) of the centers of equal parts of a triangle."""
     first, second = np.meshgrid(np.arange(parts), np.arange(parts), indexing="ij")
     upright = np.column_stack([first.ravel(), second.ravel()])
     upright, turned = (upright[upright.sum(axis=1) < most] for most in (parts, parts - 1))

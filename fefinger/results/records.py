@@ -1,6 +1,6 @@
-"""The records that answers travel in: Plan, Refusal, Response, Result.
+"""Records of a plan and a result: Plan, Rung, Refusal, Response, Pad, Sites, Fields, ResultRecord.
 
-All are frozen: a stage that has not run has no field to read. `files.py` saves and loads a Result.
+All are frozen. `netcdf` saves and loads a ResultRecord.
 """
 
 from collections.abc import Mapping
@@ -76,11 +76,11 @@ class Rung:
 
 @dataclass(frozen=True)
 class Settings:
-    """What of a scene is built and solved, and nothing else.
+    """Settings of a run: mesh, time steps, computed quantities and simulated afferents.
 
-    resolution of the mesh, and whether half a finger stands for the whole: None without a mesh;
-    times of the answer; computed: "force", "pressure", "strain", "fields"; afferents: the types
-    that are simulated.
+    resolution of the mesh, and whether half a finger is meshed: None without a mesh; times: the
+    number of output times; computed: of "force", "pressure", "strain", "fields"; afferents: the
+    simulated types.
     """
 
     resolution: str | None
@@ -92,7 +92,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Plan:
-    """The chosen mechanics and its settings, and the ladder they were chosen from.
+    """The chosen mechanics, its settings, and all candidates that were compared.
 
     `overridden` are the refusals in spite of which it was named; `machine` says what the times of
     the rungs stand for, `trust` how far from the truth each thing that was asked may be.
@@ -110,13 +110,13 @@ class Plan:
     def chosen(self) -> Rung:
         """The rung of the chosen mechanics, on its mesh."""
         wanted = Candidate(self.mechanics, self.settings.resolution if self.settings else None)
-        own = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
-        return next((rung for rung in own if rung.candidate == wanted), own[0])
+        rungs = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
+        return next((rung for rung in rungs if rung.candidate == wanted), rungs[0])
 
 
 @dataclass(frozen=True)
 class Pad:
-    """The places on the pad where pressure is reported: points (n_pad, 3) mm, areas (n_pad,) mm².
+    """Points of the pad where pressure is reported: points (n_pad, 3) mm, areas (n_pad,) mm².
 
     `triangles` (n_tri, 3) connect the points for pictures; `normals` (n_pad, 3) point outward.
     """
@@ -134,8 +134,7 @@ class Sites:
     points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
     depths (n_sites,) mm below the skin, types: the afferent type that each one serves, unit
     (n_sites,): the afferent unit that each belongs to; None: one each. number (n_sites,): of that
-    unit among all that were asked, some of which may lie beside the skin; None: not of a
-    population.
+    unit among all requested ones, some of which may lie off the skin; None: not of a population.
     """
 
     points: Array
@@ -148,7 +147,7 @@ class Sites:
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields on the mesh at some of the times.
+    """Displacement, strain and pressure on the mesh at some of the times.
 
     points (n_points, 3) mm, cells (n_cells, 4), region (n_cells,) 1 skin, 2 subcutaneous tissue,
     3 bone, times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames,
@@ -167,19 +166,18 @@ class Fields:
 
 @dataclass(frozen=True)
 class Response:
-    """What a mechanics answers; what the scene did not ask for is None.
+    """Response of a mechanics to a scene; quantities that the scene does not request are None.
 
     time (n_t,) s; depth (n_t,) mm; force (n_t,) N on the whole finger along the indenter's
-    normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan out of contact; pressure
+    normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan without contact; pressure
     (n_t, n_pad) kPa; gap (n_t, n_pad) mm, the distance of the pad from the indenter along the
     indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; strain
-    (n_t, n_sites, 3, 3), positive in tension; reference, where spikes are asked, the small press
-    that scales their strain.
-    `seconds` gives the wall time of each stage; `notes` are the simplifications that a reader of
-    the result has to know; `status` is one sentence on how the solution was reached; `numbers` the
-    sizes of the problem and, on a mesh, how far a vertex lies inside the indenter at most at the
-    solved times (`penetration_mm`); `sources` what it was computed from, such as the mesh and its
-    hash.
+    (n_t, n_sites, 3, 3), positive in tension; reference: where spikes are requested, the reference
+    press that scales their strain.
+    `seconds`: wall time of each stage; `notes`: simplifications that a reader of the result must
+    know; `status`: one sentence on the convergence of the solution; `numbers`: sizes of the
+    problem and, on a mesh, the largest penetration of a vertex at the solved times
+    (`penetration_mm`); `sources`: inputs such as the mesh and its hash.
     """
 
     mechanics: str
@@ -204,13 +202,13 @@ class Response:
 
     @property
     def finite(self) -> bool:
-        """Whether its strain is finite, that is logarithmic, and not small strain."""
+        """Whether the strain is finite (logarithmic) instead of small strain."""
         return MECHANICS[self.mechanics].finite
 
 
 @dataclass(frozen=True)
 class ResultRecord:
-    """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
+    """Result of a scene: response of the mechanics, spikes, plan and provenance."""
 
     scene: Scene
     plan: Plan
@@ -247,7 +245,7 @@ class ResultRecord:
 
     @property
     def pad(self) -> Pad | None:
-        """Where the pressure is reported."""
+        """Points of the pad where the pressure is reported."""
         return self.response.pad
 
     @property
@@ -264,17 +262,17 @@ class ResultRecord:
     def strain(self) -> Array | None:
         """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension.
 
-        Small strain, or of `solid` the logarithmic one.
+        Small strain; with the mechanics `solid` logarithmic strain.
         """
         return self.response.strain
 
     @property
     def green_lagrange(self) -> Array | None:
-        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, dimensionless, of `solid` alone.
+        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, of the mechanics `solid` only.
 
         E = (F'F - I) / 2 = (exp(2 H) - I) / 2 of the logarithmic strain H = ln(F'F) / 2 that
         `strain` then holds, both in the directions of the undeformed finger. None where `strain`
-        is small strain, in which the measures are one.
+        is small strain, for which the two measures agree.
         """
         if self.strain is None or not self.response.finite:
             return None
@@ -282,10 +280,10 @@ class ResultRecord:
 
     @property
     def fields(self) -> Fields | None:
-        """Fields on the mesh, where they were asked for."""
+        """Fields on the mesh; None unless requested."""
         return self.response.fields
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Simplifications and recorded choices that the reader has to know."""
+        """Simplifications and choices that a reader of the result must know."""
         return self.response.notes + (self.spikes.notes if self.spikes is not None else ())

@@ -60,7 +60,7 @@ def _write_mesh(root: Any, fields: Fields) -> None:
 
 
 def _write_steps(root: Any, fields: Fields, names: tuple[str, ...], steps: int) -> None:
-    """Point every step to the one mesh, and to its own rows of the point data."""
+    """Refer every step to the one mesh, and to its own rows of the point data."""
     group = root.create_group("Steps")
     group.attrs["NSteps"] = steps
     same: NDArray[np.int64] = np.zeros(steps, dtype=np.int64)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mesh.first_touch import Touch
+from fefinger.mesh.first_touch import FirstTouch
 from fefinger.result import Result
 from fefinger.results.pressure import SPREAD
 from fefinger.results.records import Array
@@ -19,7 +19,7 @@ NODES = 64, 32
 half axes of up to 50 mm."""
 
 
-def hertz(result: Result, touch: Touch, where: float) -> dict[str, Any]:
+def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
     """Return the columns of elliptic Hertz on the curvatures at first touch, at the same depths.
 
     The half-space has the mean compliance of skin and pulp and relaxes as the finger does: its

@@ -25,7 +25,7 @@ from fefinger.theory.contact.pressure_moments import moments as shape_of
 
 
 if TYPE_CHECKING:
-    from fefinger.mesh.first_touch import Touch
+    from fefinger.mesh.first_touch import FirstTouch
 
 FELT = 4.0
 """Standard deviations of its noise above which an element of the array counts as touched."""
@@ -129,7 +129,7 @@ class View:
     result: Result
     places: Array
     areas: Array
-    touch: "Touch | None"
+    touch: "FirstTouch | None"
 
 
 def _view(result: Result) -> View | None:
@@ -145,7 +145,7 @@ def _view(result: Result) -> View | None:
     return View(result, (pad.points - origin) @ directions(axis).T, areas, touch)
 
 
-def _first_touch(result: Result) -> "tuple[Array, Array, Touch | None] | None":
+def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | None":
     """Return the place (3,) mm of first touch, the travel (3,), and the skin there.
 
     On the finger's mesh it is that on its smooth skin; else the place above the end organs.

@@ -68,3 +68,9 @@ def whole(fields: Fields) -> Fields:
         strain=halves.six(fields.strain),
         pressure=halves.values(fields.pressure, axis=1),
     )
+
+
+def whole_result(result: ResultRecord) -> ResultRecord:
+    """Return the result with its fields on the whole finger."""
+    fields = whole(quantities.fields_of(result))
+    return replace(result, response=replace(result.response, fields=fields))

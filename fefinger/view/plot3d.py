@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.neural.train_record import FEW
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
-from fefinger.view.drawing import SOFT, Subject
+from fefinger.view.drawing import Drawing
 from fefinger.view.markers import Marks
 
 
@@ -56,7 +56,7 @@ class Stage:
     `keys`: what its colors stand for, by the title of the bar, the field first.
     """
 
-    def __init__(self, plotter: Any, shown: Subject, field: str, scales: Scales) -> None:
+    def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
         self.plotter, self.shown, self.field, self.scales = plotter, shown, field, scales
         self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
         self.props: list[Prop] = []
@@ -171,7 +171,7 @@ class Stage:
 
         move(0)
         self.moves.append(move)
-        if piece.name not in SOFT:
+        if piece.name not in surfaces.SOFT:
             how = {"lighting": False} if piece.flat else LIT
             actor = self.plotter.add_mesh(mesh, color=figures.BONE, **how)
             self.props.append(Prop(actor, (piece.name,)))

@@ -68,7 +68,7 @@ def test_gaps_beyond_the_palmar_part_are_those_of_the_whole_mesh(both: tuple) ->
     exact, operator = both
     touch = placement.obstacle(ff.Flat(45), exact)
     on_pad = patch(exact.space, exact.pad, exact.normals, touch, 1.25)
-    assert not np.isin(on_pad.seen.vertices, condensation.palmar(exact)).all()
+    assert not np.isin(on_pad.neighborhood.vertices, condensation.palmar(exact)).all()
     probe = strain_at(exact.space, touch.origin[None] + touch.axis, exact.planes)
     expected, found = reduce(exact, on_pad, probe), condensation.reduce(operator, on_pad, probe)
     for name in ("strain", "approach"):

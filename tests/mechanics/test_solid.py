@@ -11,14 +11,14 @@ from fefinger.validation.problems.cube import cube
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.hyperelastic.newton import Equilibrium
-from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.failure import most_pressed
+from fefinger.mechanics.press.failure import most_compressed
 from fefinger.neural.afferents import displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -67,11 +67,11 @@ def test_the_answer_does_not_depend_on_which_vertices_may_touch(
     """
     reaches = []
 
-    def seen(*parts: Any) -> Sliding:
+    def seen(*parts: Any) -> ContactSurface:
         reaches.append(parts[-1])
-        return sliding(*parts)
+        return contact_surface(*parts)
 
-    monkeypatch.setattr(finite_strain, "sliding", seen)
+    monkeypatch.setattr(finite_strain, "contact_surface", seen)
     monkeypatch.setattr(finite_strain, "SPREAD", spread)
     other = solid.respond(DEEP)
     assert (len(reaches) == 1) == (spread > 1)
@@ -231,11 +231,11 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
 ):
     find = Equilibrium.find
 
-    def limited(self: Equilibrium, start: State, asked: Asked) -> State:
-        if asked.target > 0.155:  # between two steps, so that rounding does not decide
+    def limited(self: Equilibrium, start: State, target: Target) -> State:
+        if target.value > 0.155:  # between two steps, so that rounding does not decide
             message = "take shorter steps"
             raise ConvergenceError(message)
-        return find(self, start, asked)
+        return find(self, start, target)
 
     monkeypatch.setattr(Equilibrium, "find", limited)
     folder = tmp_path / "out"
@@ -243,7 +243,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     small = ["--set", "ask.fields=false", "--set", "motion.corner=0.001"]
     assert main(["run", *scene, *small, "--mechanics", "solid", "-o", str(folder)]) == 1
     said = capsys.readouterr().err
-    assert "kept:" in said
+    assert "saved up to there:" in said
     assert "failed: at" in said
     assert "At the last equilibrium the subcutaneous tissue at x = " in said
     kept = ff.load(str(folder))
@@ -257,9 +257,9 @@ def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
     block = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
     state = State(np.zeros(block.body.space.n_unknowns), np.zeros(4), 0.0)
     for depth in (0.1, 0.2):
-        asked = Asked("depth", depth, block.body.at_rest)
-        state = block.equilibrium.find(state, asked)
-    stretch, place, tissue = most_pressed(block.body, state.values)
+        target = Target("depth", depth, block.body.at_rest)
+        state = block.equilibrium.find(state, target)
+    stretch, place, tissue = most_compressed(block.body, state.values)
     assert stretch == pytest.approx(0.8, rel=1e-6)
     assert tissue == "skin"
     assert ((place > 0) & (place < 1)).all()

@@ -8,15 +8,15 @@ import pytest
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import smooth
-from fefinger.mesh.build import SETTINGS, build, sizes, touched
+from fefinger.mesh.build import SETTINGS, build, sizes, touch_point
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.tetrahedralize import Settings, tetrahedra
+from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-ROUGH = Settings(pad=1.0, deep=0.8, far=1.0, largest=4.0, envelope=6e-3, facet=1.2)
+ROUGH = MesherSettings(pad=1.0, deep=0.8, far=1.0, largest=4.0, envelope=6e-3, facet=1.2)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,9 @@ SIDES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 
 
 def meshed(sides):
-    return tetrahedra([(CORNERS, sides)], lambda p: np.full(len(p), 1.0), Settings(1.0, largest=1))
+    return tetrahedra(
+        [(CORNERS, sides)], lambda p: np.full(len(p), 1.0), MesherSettings(1.0, largest=1)
+    )
 
 
 def test_mesher_is_silent_and_leaves_ctrl_c_to_python(capfd: pytest.CaptureFixture[str]) -> None:
@@ -103,7 +105,7 @@ def test_gate_refuses_a_bad_mesh(rough: FingerMesh, fault: str, message: str) ->
     quality = measure(
         faulty(rough, fault),
         radii=tuple(rough.quality["radii_wanted"]),
-        own_volumes=rough.quality["surface_volumes"],
+        surface_volumes=rough.quality["surface_volumes"],
         gap=0.0,
     )
     with pytest.raises(ConvergenceError, match=message):
@@ -147,7 +149,7 @@ def test_improving_lifts_the_worst_angle_and_leaves_planes_alone() -> None:
 def test_the_facets_are_fine_where_the_indenter_touches() -> None:
     shape = parametric(Recipe(14, 10, 14))
     settings = SETTINGS["coarse"]
-    standard, below = touched(shape, 30.0), touched(shape, 0.0)
+    standard, below = touch_point(shape, 30.0), touch_point(shape, 0.0)
     assert standard == pytest.approx(np.zeros(3), abs=0.05)
     assert shape.skin.level(below[None]) == pytest.approx(0.0, abs=1e-6)
     assert below[2] == pytest.approx(-2.7, abs=0.5)
@@ -157,17 +159,17 @@ def test_the_facets_are_fine_where_the_indenter_touches() -> None:
     assert moved[0] == pytest.approx(settings.pad)  # the reference press stays resolved
     assert moved[1] == pytest.approx(settings.pad)
     assert plain[1] > 1.5 * settings.pad
-    aside = touched(shape, (-2.0, -4.0))
+    aside = touch_point(shape, (-2.0, -4.0))
     assert aside[:2] == pytest.approx([-2.0, 4.0])
     with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
-        touched(shape, (30.0, 0.0))
+        touch_point(shape, (30.0, 0.0))
 
 
 def test_a_rounded_place_beside_the_pad_stands_for_the_nearest_one_on_it() -> None:
     shape, settings = parametric(Recipe(14, 10, 14)), SETTINGS["coarse"]
-    on_pad = touched(shape, (0.0, 5.3))
+    on_pad = touch_point(shape, (0.0, 5.3))
     with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
-        touched(shape, (0.0, 6.0))
+        touch_point(shape, (0.0, 6.0))
     assert sizes(shape, settings, (0.0, 6.0))(on_pad[None]) == pytest.approx(settings.pad)
     with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
         sizes(shape, settings, (30.0, 0.0))

@@ -89,7 +89,7 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
     outside = trimesh.load_mesh(file)
     outside.vertices[:, 2] -= 3.0
     outside.export(tmp_path / "low.stl")
-    with pytest.raises(InputError, match="expected room for the bone"):
+    with pytest.raises(InputError, match="mm of subcutaneous tissue around the bone"):
         scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "low.stl")))
 
 
@@ -109,8 +109,8 @@ def test_text_is_no_surface(tmp_path: Path) -> None:
     [
         ("open", "has a hole"),
         ("meters", "seems to be in m: scale it by 1000"),
-        ("lopsided", "about symmetric in y"),
-        ("flat", "expected room for the bone"),
+        ("lopsided", "nearly symmetric in y"),
+        ("flat", "mm of subcutaneous tissue around the bone"),
     ],
 )
 def test_unusable_surfaces_get_a_sentence(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import vtu
-from fefinger.mesh.build import touched
+from fefinger.mesh.build import touch_point
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.parametric import parametric, radii
@@ -182,7 +182,7 @@ def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh, shape: Shape) ->
         assert mesh.quality["pad_edge_mean"] < limit
         return
     corners = mesh.points[mesh.facets["pad"]]
-    near = np.linalg.norm(corners.mean(axis=1) - touched(shape, touch), axis=1) < PATCH_RADIUS
+    near = np.linalg.norm(corners.mean(axis=1) - touch_point(shape, touch), axis=1) < PATCH_RADIUS
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     assert edges[near].mean() < limit
     assert edges[near].mean() < 0.7 * edges[~near].mean()

@@ -169,7 +169,7 @@ def test_mesh_is_given_even_if_it_cannot_be_cached(
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
     said: list[str] = []
     assert store.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
-    assert "could not be kept" in said[-1]
+    assert "could not be cached" in said[-1]
 
 
 def test_mesh_that_cannot_be_cached_is_not_drawn_again(

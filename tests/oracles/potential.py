@@ -1,13 +1,13 @@
-"""Potential of a body at finite strain, written apart from its derivatives, which it checks."""
+"""Potential energy of a body at finite strain, independent of the derivatives that it checks."""
 
 import numpy as np
 
 from fefinger.fem.elements.spaces import Array
-from fefinger.fem.hyperelastic.continuum import Continuum, Memory
+from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
 from fefinger.fem.hyperelastic.stress_kernels import PAIRS
 
 
-def energy(body: Continuum, values: Array, memory: Memory) -> float:
+def energy(body: Continuum, values: Array, history: HistoryStress) -> float:
     """Return the potential in mN mm at the unknowns `values`: elastic, volumetric, of the past."""
     members = values[body.space.unknowns]
     moved, pressures = members[:, :30].reshape(-1, 10, 3), members[:, 30:]
@@ -22,9 +22,9 @@ def energy(body: Continuum, values: Array, memory: Memory) -> float:
     mu, compressibility, share, exponent = (column[:, None] for column in body.laws.T)
     steep = np.where(exponent > 0, exponent, 1.0)
     rising = np.where(exponent > 0, np.expm1(steep * one) / steep, one)
-    work = memory.gains[:, :1] * mu / 2 * (share * rising + (1 - share) * two)
-    work += memory.gains[:, 1:] * (p * (volume - 1) - p * p * compressibility / 2)
+    work = history.gains[:, :1] * mu / 2 * (share * rising + (1 - share) * two)
+    work += history.gains[:, 1:] * (p * (volume - 1) - p * p * compressibility / 2)
     for row, (i, j) in enumerate(PAIRS):
         twice = 1.0 if i == j else 2.0
-        work += twice * memory.past[:, :, row] * (c[..., i, j] - float(i == j)) / 2
+        work += twice * history.past[:, :, row] * (c[..., i, j] - float(i == j)) / 2
     return float((body.weights * work).sum())

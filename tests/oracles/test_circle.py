@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from oracles import loads
 from oracles.circle import NEAR, circle_stress
+from oracles.differences import derivative
 
 from fefinger.theory.contact import elastic
 
@@ -18,12 +19,6 @@ def stress(r, z, poisson=0.3):
 def random_points(seed=1):
     rng = np.random.default_rng(seed)
     return rng.uniform(0.02, 4.0, 200), rng.uniform(0.1, 4.0, 200)
-
-
-def derivative(function, x, step=1e-3):
-    near = function(x + step) - function(x - step)
-    far = function(x + 2 * step) - function(x - 2 * step)
-    return (8 * near - far) / (12 * step)
 
 
 @POISSON

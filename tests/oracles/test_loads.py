@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from oracles import loads
+from oracles.differences import derivative
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.loads import point_displacement
@@ -10,12 +11,6 @@ from fefinger.theory.contact.loads import point_displacement
 
 POISSON = pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
-
-
-def derivative(function, x, step=1e-3):
-    near = function(x + step) - function(x - step)
-    far = function(x + 2 * step) - function(x - 2 * step)
-    return (8 * near - far) / (12 * step)
 
 
 def cloud(seed):

@@ -136,7 +136,7 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     monkeypatch.setattr(_operator.reduction, "reduce", lambda *parts: made)
     nothing = sparse.eye(2, format="csr")
     patch = SimpleNamespace(loads=nothing, places=nothing, vertices=np.arange(2))
-    solid, points = SimpleNamespace(half=True, known=({},)), np.zeros((1, 3))
+    solid, points = SimpleNamespace(half=True, identities=({},)), np.zeros((1, 3))
     assert _operator.reduced(finger, solid, patch, points, lambda: None) is made
 
 
@@ -212,7 +212,7 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     found = _operator.operator(finger, half=True)
     assert old != store.sha256(finger)
     assert not operator_cache.at_hand(finger, half=True)
-    assert [known["mesh_file_sha256"] for known in found.known] == [old]
+    assert [known["mesh_file_sha256"] for known in found.identities] == [old]
 
 
 def _made_up() -> Compliance:

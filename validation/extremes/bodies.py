@@ -15,7 +15,7 @@ from fefinger.fem.contact.step_compiled import check
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.hyperelastic.continuum import Memory, continuum
+from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import (
     Law,
     demiray,
@@ -24,7 +24,7 @@ from fefinger.fem.hyperelastic.laws import (
     veronda_westmann,
 )
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
-from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
 from fefinger.mesh.store import ready
 from fefinger.scene.finger import Finger
@@ -173,11 +173,11 @@ def _cube(law: Law, squeeze: float) -> Findings:
     """Return the pressure of a cube under a plate against its closed form."""
     made = cube.cube(law, cells=1)
     rest = made.body.at_rest
-    memory = Memory(rest.gains, rest.past)
+    memory = HistoryStress(rest.gains, rest.past)
     places = len(made.equilibrium.contact)
     state = State(np.zeros(made.body.space.n_unknowns), np.zeros(places), 0.0)
     for part in np.linspace(0, 1, 9)[1:] if squeeze > 0.1 else (1.0,):
-        state = made.equilibrium.find(state, Asked("depth", float(part * squeeze), memory))
+        state = made.equilibrium.find(state, Target("depth", float(part * squeeze), memory))
     force = float(made.equilibrium.contact.travel @ state.pressure)
     small = 3 * law.shear if law.compressibility == 0 else 2 * law.shear  # nu 0.5 and 0
     exact = small * squeeze if squeeze < 1e-6 else cube.nominal(law, 1 - squeeze)
@@ -209,7 +209,7 @@ def _complementarity(spread: float, tie: bool) -> Findings:
     if tie:
         gap[::3] = 0.0
     one = Complementarity(flexibility).solve(gap)
-    state = lcp_compiled.active(flexibility)
+    state = lcp_compiled.lcp_state(flexibility)
     check(lcp_compiled.solve(state, gap, 1e-10))
     found = {}
     for name, x in (("Cholesky", one), ("bordering", state.x)):

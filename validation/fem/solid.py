@@ -24,7 +24,7 @@ from fefinger.fem.hyperelastic.laws import (
     veronda_westmann,
 )
 from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
-from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -60,7 +60,7 @@ def squeezed(name: str, poisson: float) -> tuple[Array, Array]:
     state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
     found = []
     for depth in SQUEEZES:
-        state = solver.find(state, Asked("depth", float(depth), pressed.body.at_rest))
+        state = solver.find(state, Target("depth", float(depth), pressed.body.at_rest))
         force = float(solver.contact.travel @ state.pressure)
         found.append((force, stretches(state.values, pressed.body)[0]))
     forces, wide = np.array(found).T

@@ -10,11 +10,11 @@ from fefinger.validation.problems.chain import Array, scene
 
 from fefinger.fem.body import Body, body
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
-from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import finite_strain, placement
 from fefinger.mechanics.press.constitutive import laws, tissues
@@ -47,7 +47,7 @@ class Pressed:
     finger: Body
     elements: Continuum
     touch: Obstacle
-    contact: Sliding
+    contact: ContactSurface
 
     def at(self, depths: Array) -> list[State]:
         """Return the states of finite strain at growing depths in mm."""
@@ -55,8 +55,8 @@ class Pressed:
         equilibrium = Equilibrium(self.elements, self.contact, self.finger.system)
         states = []
         for depth in depths:
-            asked = Asked("depth", float(depth), self.elements.at_rest)
-            state = equilibrium.find(state, asked)
+            target = Target("depth", float(depth), self.elements.at_rest)
+            state = equilibrium.find(state, target)
             states.append(state)
         return states
 
@@ -67,7 +67,7 @@ def plate() -> Pressed:
     finger = scene("a.h.", "flat-30", "coarse").finger
     rigid = body(ready(finger, half=True), tissues(finger), held(finger))
     touch = placement.obstacle(Flat(30), rigid)
-    contact = sliding(rigid.space, rigid.pad, rigid.normals, touch, REACH)
+    contact = contact_surface(rigid.space, rigid.pad, rigid.normals, touch, REACH)
     return Pressed(rigid, continuum(rigid.space, laws(finger)), touch, contact)
 
 

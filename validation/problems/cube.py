@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from fefinger.fem.contact.deformed_gap import sliding
+from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.grids import box
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
@@ -35,7 +35,7 @@ def cube(law: Law, cells: int = 2) -> Cube:
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     plate = Obstacle(np.array([0.0, 0.0, -1.0]), np.array([0.5, 0.5, 1.0]))
-    contact = sliding(space, top, np.zeros_like(space.points), plate, reach=1.0)
+    contact = contact_surface(space, top, np.zeros_like(space.points), plate, reach=1.0)
     return Cube(law, body, Equilibrium(body, contact, system))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from fefinger.validation.problems.quarter import outer
 from numpy.typing import NDArray
 
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.grids import quarter
 from fefinger.fem.elements.spaces import Space
@@ -72,7 +72,7 @@ class Hemisphere:
         return factor(self.space, matrix, np.flatnonzero(held.ravel()))
 
     @cached_property
-    def contact(self) -> Sliding:
+    def contact(self) -> ContactSurface:
         """The plate against the round surface."""
         mesh = self.space.scalar.mesh
         facets = np.asarray(mesh.facets[:, mesh.boundary_facets()].T, dtype=np.int64)
@@ -83,7 +83,7 @@ class Hemisphere:
         round_ = facets[(on & upper)[facets].all(axis=1)]
         normals = np.where(on[:, None], arms / np.where(on, length, 1.0)[:, None], 0.0)
         plate = Obstacle(np.array([0.0, 0.0, 1.0]), np.zeros(3))
-        return sliding(self.space, round_, normals, plate, 1.6 * DEPTH)
+        return contact_surface(self.space, round_, normals, plate, 1.6 * DEPTH)
 
     @property
     def n_nodes(self) -> int:

@@ -100,8 +100,7 @@ def _fronts_caption() -> str:
 
 def _fronts(data: dict[str, Any]) -> Any:
     rows = data["scenes"]
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    drawn, axes = _per_scene(len(rows), "error of the force")
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
             key: (each["expected_s"], each["force"]) for key, each in row["candidates"].items()
@@ -109,15 +108,22 @@ def _fronts(data: dict[str, Any]) -> Any:
         _scatter(axis, points)
         axis.axhline(max(row["bars"]["force"], LEAST), color=INK, linewidth=0.8, linestyle="--")
         axis.set_title(name)
-    for axis in axes[len(rows) :]:
+    return drawn
+
+
+def _per_scene(count: int, quantity: str) -> tuple[Any, Any]:
+    """Return a figure with a legend, and its axes of a quantity over time for each base scene."""
+    drawn = figure(WIDE, 5.2)
+    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    for axis in axes[count:]:
         axis.set_axis_off()
     for axis in axes[4:]:
         axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
-        axis.set_ylabel("error of the force")
+        axis.set_ylabel(quantity)
     axes[3].xaxis.set_tick_params(labelbottom=True)
     _legend(drawn)
-    return drawn
+    return drawn, axes
 
 
 def _others_caption() -> str:
@@ -159,8 +165,7 @@ def _spikes_caption() -> str:
 
 def _spikes(data: dict[str, Any]) -> Any:
     rows = data["scenes"]
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    drawn, axes = _per_scene(len(rows), "distance per spike")
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
             key: (each["expected_s"], max(each["spikes"]["distance"], 1e-3))
@@ -169,14 +174,6 @@ def _spikes(data: dict[str, Any]) -> Any:
         }
         _scatter(axis, points)
         axis.set_title(f"{name}: {sum(row['spikes'].values())} spikes", fontsize=8)
-    for axis in axes[len(rows) :]:
-        axis.set_axis_off()
-    for axis in axes[4:]:
-        axis.set_xlabel("expected time / s")
-    for axis in (axes[0], axes[4]):
-        axis.set_ylabel("distance per spike")
-    axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn)
     return drawn
 
 

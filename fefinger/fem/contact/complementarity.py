@@ -11,18 +11,16 @@ from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
 
-PATIENCE = 12  # block exchanges without progress before single ones take over
-
-
-EXCHANGES = 500
+PATIENCE = 12  # block exchanges without fewer violations before single ones take over
+EXCHANGES = 500  # limit; block exchanges may cycle, single ones of the last index (Murty) cannot
 
 
 class Complementarity:
     """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
 
     Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994): finite for every
-    positive definite F. It starts from the last active set, whose factor is kept. With `any_sign`,
-    F may be indefinite, as that of a body which would buckle under its load without the obstacle.
+    positive definite F. It starts from the last active set, whose factor is reused. With
+    `any_sign`, F may be indefinite, as for a body that would buckle without the obstacle.
     """
 
     def __init__(self, flexibility: Array, *, any_sign: bool = False) -> None:
@@ -43,9 +41,9 @@ class Complementarity:
         for _ in range(EXCHANGES):
             answer = self.on_active(-offset)
             gaps = self.flexibility @ answer + offset
-            pull = self.active & (answer < 0)
-            pressed = ~self.active & (gaps < -COMPLEMENTARITY * scale)
-            wrong = pull | pressed
+            tension = self.active & (answer < 0)
+            penetration = ~self.active & (gaps < -COMPLEMENTARITY * scale)
+            wrong = tension | penetration
             if not wrong.any():
                 return answer
             count = int(wrong.sum())
@@ -56,7 +54,10 @@ class Complementarity:
             else:
                 wrong[: int(np.flatnonzero(wrong)[-1])] = False
             self.active = self.active ^ wrong
-        message = f"contact: no consistent contact set after {EXCHANGES} exchanges; refine the step"
+        message = (
+            f"contact: expected a consistent contact set, found none in {EXCHANGES} exchanges; "
+            "take shorter steps"
+        )
         raise ConvergenceError(message)
 
     def on_active(self, right: Array) -> Array:
@@ -72,11 +73,13 @@ class Complementarity:
         return answer
 
     def _inverse(self, block: Array) -> Callable[[Array], Array]:
-        """Return what solves with a block of F."""
+        """Factor a block of F; return the function that solves with it."""
         try:
             return partial(cho_solve, cho_factor(block, check_finite=False), check_finite=False)
         except LinAlgError as error:
             if not self.any_sign:
-                message = "contact: the flexibility of the pad is not positive definite"
+                message = (
+                    "contact: expected a positive definite flexibility of the pad, received another"
+                )
                 raise ConvergenceError(message) from error
         return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)

@@ -1,13 +1,13 @@
-"""Contact area to a fraction of an element, from the gap outside the contact.
+"""Contact area with sub-element accuracy, from the gap outside the contact.
 
 Outside the rim of a smooth contact the gap grows as the distance to the power 3/2, so that
 phi = gap^(2/3) is linear in the distance (Johnson, Contact Mechanics, 1985, section 5.1). Around
-each vertex by the rim phi is fitted to what lies outside, as c0 + c1 s + c2 t + c3 t² along and
-across its gradient, and its zero level is the rim. Pressures are no help there: those of the
+each vertex near the rim phi is fitted to the gaps outside, as c0 + c1 s + c2 t + c3 t² along and
+across its gradient, and its zero level is the rim. Pressures are not used, because those of the
 vertices next to the rim alternate about the exact ones.
 
-Where an obstacle turns away within half an element, as at the edge of a bar, contact ends at that
-edge: where, between a vertex in contact and one that is free, the obstacle stands out most.
+At a sharp edge of the obstacle, as of a bar, contact ends at that edge: at the point between a
+vertex in contact and a free one where the obstacle protrudes most.
 """
 
 from dataclasses import dataclass
@@ -21,23 +21,22 @@ from fefinger.fem.elements.spaces import Array, Flags, Integers
 
 
 SIDES = np.array([[0, 1], [1, 2], [2, 0]])
-PLACES = np.linspace(0.0, 1.0, 33)  # along a side, where an edge is looked for
+PLACES = np.linspace(0.0, 1.0, 33)  # positions along a side at which an edge is sought
 
-NEIGHBORS = 40  # nearest vertices that a fit chooses from
-PLAUSIBLE = (
-    1.5  # factor between the area and that of whole vertices beyond which the latter is taken
-)
-SHARP = 0.05  # least rise of an edge over the chord of a side
-TURNED = 0.9  # part of the turning along a side that an edge has in half of it; an arc has half
-ROWS = 4096  # fits at a time, as far as memory is near
-SAME = 1e-9  # relative change of the gap up to which the area is that of the last time
+NEIGHBORS = 40  # nearest vertices from which a fit takes its points
+PLAUSIBLE = 1.5  # largest ratio of the fitted area to the sum over vertices, or its inverse
+SHARP = 0.05  # least protrusion of an edge over the length of a side
+TURNED = 0.9  # share of the change of slope within half a side: 1 at an edge, 1/2 on an arc
+ROWS = 4096  # fits in one batch, so that the work arrays stay in cache
+SAME = 1e-9  # relative change of the gap below which the last area is reused
 
 
 @dataclass(frozen=True)
-class Surface:
-    """The triangles (n_tri, 3) that may touch, on points (n, 3), seen along `axis` (3,).
+class CandidateSurface:
+    """Contact candidates as a triangle mesh, projected along `axis`; measures the contact area.
 
-    `obstacle`, where it may have edges.
+    points (n, 3) mm; triangles (n_tri, 3); axis (3,): direction of travel; obstacle: given where
+    it may have sharp edges.
     """
 
     points: Array
@@ -46,34 +45,34 @@ class Surface:
     obstacle: Rigid | None = None
 
     def area(self, pressed: Flags, gap: Array) -> Array:
-        """Return the contact area (n_t,) mm² through time.
+        """Contact area (n_t,) mm² over time.
 
         pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
-        vertex from the obstacle, along its normal; FAR where that is not ahead.
+        vertex from the obstacle, along its normal; FAR where the obstacle is not ahead.
         """
-        rims, areas = _Rims.of(self), np.zeros(len(gap))
-        closed = pressed | (gap <= 0)  # pressures alternate towards an edge
+        rims, areas = _RimFits.of(self), np.zeros(len(gap))
+        closed = pressed | (gap <= 0)  # pressures oscillate toward an edge, some are zero there
         source = _sources(pressed, gap)
-        ended: dict[bytes, float | None] = {}
-        alike: dict[bytes, list[int]] = {}
+        edge_areas: dict[bytes, float | None] = {}
+        times_of: dict[bytes, list[int]] = {}
         for k in np.unique(source[source >= 0]).tolist():
             key = closed[k].tobytes()
-            if key not in ended:
-                ended[key] = self._ended(closed[k], rims.areas)
-            known = ended[key]
-            if known is None:
-                alike.setdefault(pressed[k].tobytes(), []).append(k)
+            if key not in edge_areas:
+                edge_areas[key] = self._edge_area(closed[k], rims.areas)
+            edge_area = edge_areas[key]
+            if edge_area is None:
+                times_of.setdefault(pressed[k].tobytes(), []).append(k)
             else:
-                areas[k] = known
-        for times in alike.values():
+                areas[k] = edge_area
+        for times in times_of.values():
             areas[times] = rims.area(pressed[times[0]], gap[times])
         return np.asarray(np.where(source >= 0, areas[source], 0.0))
 
-    def _ended(self, closed: Flags, areas: Array) -> float | None:
-        """Return the area of a contact (n,) that ends at edges; None of one that ends elsewhere.
+    def _edge_area(self, closed: Flags, areas: Array) -> float | None:
+        """Area in mm² of a contact (n,) that ends at sharp edges; None where it ends elsewhere.
 
-        Between a vertex in contact and one that is free, it ends where the obstacle stands out
-        most over the line between them; without an edge, half way.
+        Between a vertex in contact and a free one it ends where the obstacle protrudes most over
+        the chord between them; on a side without an edge, half way.
         """
         if self.obstacle is None:
             return None
@@ -81,7 +80,7 @@ class Surface:
         mixed = np.flatnonzero((count > 0) & (count < 3))
         sides = self.triangles[mixed][:, SIDES]
         length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
-        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows at one of these
+        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows on this coarse grid
         if not (few > SHARP * length / 2).any():
             return None
         at, sharp = _corners(*self._rises(sides, PLACES), length)
@@ -98,7 +97,7 @@ class Surface:
         return float(share @ areas)
 
     def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
-        """Return how far (..., n) mm the obstacle is behind and over its chord, along sides."""
+        """Distance (..., n) mm of the obstacle along sides, and its protrusion over the chord."""
         assert self.obstacle is not None
         first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
         distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
@@ -108,9 +107,9 @@ class Surface:
 
 
 def _sources(pressed: Flags, gap: Array) -> Integers:
-    """Return at which time (n_t,) each area is found: an earlier one at rest, -1 without contact.
+    """Index (n_t,) of the time whose area holds at each time; -1 without contact.
 
-    As the gaps hardly change there, that is the last one that was found.
+    While the gaps do not change (a hold), it is the index of the last computed area.
     """
     sources, last = np.full(len(gap), -1), -1
     for k in np.flatnonzero(pressed.any(axis=1)).tolist():
@@ -122,7 +121,7 @@ def _sources(pressed: Flags, gap: Array) -> Integers:
 
 
 def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
-    """Return where (...,) along sides the obstacle stands out most, and whether it turns there.
+    """Position (...,) along sides of the largest protrusion, and whether it is a sharp edge.
 
     distance and rise (..., n) mm at PLACES; length (...,) mm of the sides.
     """
@@ -135,8 +134,12 @@ def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]
 
 
 @dataclass(frozen=True)
-class _Rims:
-    """What the fits need at every time; `near` are the neighbors of a point, nearest first."""
+class _RimFits:
+    """Time-independent data of the rim fits; `near`: the neighbors of a point, nearest first.
+
+    across (n, 2): the points projected along the axis; edge (n,): mean length of the sides around
+    each of them.
+    """
 
     triangles: Integers
     areas: Array
@@ -146,7 +149,7 @@ class _Rims:
     edge: Array
 
     @classmethod
-    def of(cls, surface: Surface) -> "_Rims":
+    def of(cls, surface: CandidateSurface) -> "_RimFits":
         corners = surface.points[surface.triangles]
         sides = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
@@ -160,7 +163,7 @@ class _Rims:
         return cls(surface.triangles, areas, surface.points, across, near, edge)
 
     def area(self, pressed: Flags, gap: Array) -> Array:
-        """Return the areas (n_t,) at times with gaps (n_t, n) that have one contact (n,)."""
+        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,)."""
         count = pressed[self.triangles].sum(axis=1)
         edge = np.zeros(len(pressed), dtype=bool)
         edge[self.triangles[(count > 0) & (count < 3)]] = True
@@ -173,16 +176,16 @@ class _Rims:
         few = range(max(1, ROWS // len(rim)), len(gap), max(1, ROWS // len(rim)))
         parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
         whole = count[crossed] / 3 * self.areas[crossed]
-        found = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
+        fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
         vertices = float((count * self.areas).sum()) / 3
-        # Under an edge the gap does not grow smoothly, and its power means nothing.
-        plausible = (vertices < PLAUSIBLE * found) & (PLAUSIBLE * found < PLAUSIBLE**2 * vertices)
-        return np.asarray(np.where(plausible, found, vertices))
+        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit.
+        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
+        return np.asarray(np.where(plausible, fitted, vertices))
 
     def _cut(
         self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
     ) -> tuple[Array, Flags]:
-        """Return the areas (n_t, n_crossed) of the triangles by the rim, and if they are known."""
+        """Areas in contact (n_t, n_crossed) mm² of triangles near the rim, and if all fits hold."""
         phi, bend, fitted = self._fits(rim, pressed, gap)
         place = np.zeros(len(pressed), dtype=np.int64)
         place[rim] = np.arange(len(rim))
@@ -191,36 +194,37 @@ class _Rims:
         share, chord = (
             x.reshape(shape) for x in _below_zero(phi[:, corner].reshape(-1, 3), corners)
         )
+        # Segment between the curved rim and its chord of length c: curvature c³ / 12.
         curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
-        known = np.asarray(fitted[:, corner].all(axis=2))
-        return share * self.areas[crossed] + curved, known
+        reliable = np.asarray(fitted[:, corner].all(axis=2))
+        return share * self.areas[crossed] + curved, reliable
 
     def _offsets(self, rim: Integers) -> Array:
-        """Return where (n, k, 2) mm the neighbors of `rim` are, as far as they are in space.
+        """Offsets (n, k, 2) mm of the neighbors of `rim` across the axis, of their length in space.
 
-        Seen along the axis, points up the sides of a body would lie among those by the rim.
+        Only projected, points far up the sides of a body would appear next to the rim.
         """
         near = self.near[rim]
-        seen = self.across[near] - self.across[rim][:, None]
+        projected = self.across[near] - self.across[rim][:, None]
         apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
-        short = np.linalg.norm(seen, axis=2)
+        short = np.linalg.norm(projected, axis=2)
         stretch = apart / np.where(short > 0, short, 1.0)
-        return np.asarray(seen * np.where(short > 0, stretch, 1.0)[..., None])
+        return np.asarray(projected * np.where(short > 0, stretch, 1.0)[..., None])
 
     def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
-        """Return phi, the curvature of its zero level, and whether they are known, at `rim`.
+        """Fitted phi, curvature of its zero level in 1/mm, and validity of the fit, at `rim`.
 
         All (n_t, n_rim), of gaps (n_t, n).
         """
         edge, shape = self.edge[rim], (len(gap), len(rim))
-        found, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
+        fits, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
         offset = self._offsets(rim) / edge[:, None, None]
-        fit_rims(self.near[rim], offset, pressed, np.ascontiguousarray(gap), found, fitted)
-        return found[..., 0], found[..., 1] / edge, fitted
+        fit_rims(self.near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
+        return fits[..., 0], fits[..., 1] / edge, fitted
 
 
 def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:
-    """Return the share of triangles where phi (n, 3) < 0, and the length (n,) of its zero line."""
+    """Share of the area of triangles with phi (n, 3) < 0, and length (n,) of the zero line."""
     order = np.argsort(phi, axis=1)
     low, middle, high = np.take_along_axis(phi, order, axis=1).T
     a, b, c = np.moveaxis(np.take_along_axis(corners, order[:, :, None], axis=1), 1, 0)

@@ -2,18 +2,18 @@
 
 With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
 of a hat psi_i on the undeformed pad is w_i = integral of psi_i phi(g(x(X))) dA: finite sliding,
-because g is taken where the point is now. lambda_i >= 0 times its derivative B_i is the load, so
+because g is evaluated at the deformed point. lambda_i >= 0 times its derivative B_i is the load, so
 that phi'(g) times the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the axis,
 and the force along the axis is the sum of t_i lambda_i, t_i being the integral of psi_i phi'(g), or
 of m_i p_i, m_i that of psi_i and p_i = lambda_i t_i / m_i. Gaps w_i m_i / t_i with the loads
-B_i m_i / t_i of these p_i stand for w_i and lambda_i.
+B_i m_i / t_i of these p_i replace w_i and lambda_i in the solver.
 
     phi(g) = g - c² h / b ln cosh(b g / (c h)),    phi'(g) = 1 - c tanh(b g / (c h)),
 
-on a facet of size h, is g where the facet lies flat on the obstacle. Weighted means of g itself do
-not see a facet fold, half of its six nodes behind the obstacle and half before it, as it would
-under 40 % of compression along the skin. phi is concave: a fold closes its weighted gaps, and
-pressure resists it in proportion. What that changes is of second order in g / h.
+on a facet of size h, equals g where the facet lies flat on the obstacle. Weighted means of g itself
+do not detect a facet that folds, with half of its six nodes behind the obstacle and half before
+it, as happens under 40 % of compression along the skin. phi is concave: a fold closes its weighted
+gaps, and pressure resists it in proportion. The error of phi is of second order in g / h.
 """
 
 from dataclasses import dataclass
@@ -24,26 +24,28 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle
-from fefinger.fem.contact.patch import RINGS, Candidates, Seen, candidates, seen
+from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
 from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.hyperelastic.state import State
 
 
 Flags = NDArray[np.bool_]
 
-# With a b of 2, or a c of 0.5, pads of stiffening tissue still fold; with more, steps take longer.
-BEND = 4.0  # b: how fast the pressure changes with g, per size of a facet
-MOST = 0.9  # c: how much it rises at most behind the obstacle, and falls before it
+# Tuned: with b = 2 or c = 0.5 pads of stiffening tissue still fold; larger values need more
+# iterations.
+BEND = 4.0  # b: change of the pressure with g, per size of a facet
+MOST = 0.9  # c: largest relative change of the pressure, behind and before the obstacle
 
 
 @dataclass(frozen=True)
-class Facing:
-    """A pad as it stands before an obstacle, under a pressure p (n,) kPa.
+class DeformedGap:
+    """Weighted gaps, contact loads and their derivatives of a deformed pad under a pressure.
 
-    distance g (n_tri, n_q) mm, gradient (n_tri, n_q, 3): of the points of integration.
+    pressure p (n,) kPa; at the integration points: distance g (n_tri, n_q) mm and its gradient
+    (n_tri, n_q, 3).
     """
 
-    contact: "Sliding"
+    contact: "ContactSurface"
     pressure: Array
     distance: Array
     gradient: Array
@@ -53,17 +55,17 @@ class Facing:
         """The weighted gaps w (n,) mm³."""
         t = self.distance / self._scale
         bent = self.distance - MOST * self._scale * (np.logaddexp(t, -t) - np.log(2.0))
-        return self.contact.gathered(self.contact.hats * bent[:, None])
+        return self.contact.integrated(self.contact.hats * bent[:, None])
 
     @property
     def gaps(self) -> Array:
-        """The gaps w m / t (n,) mm³, which close as the undeformed pad's."""
+        """The gaps w m / t (n,) mm³, which decrease by m per mm of travel, as on the flat pad."""
         return self.weighted / self.steepness
 
     @cached_property
     def steepness(self) -> Array:
         """The mean t / m (n,) of phi'."""
-        slopes = self.contact.gathered(self.contact.hats * self._slope[:, None])
+        slopes = self.contact.integrated(self.contact.hats * self._slope[:, None])
         return np.asarray(slopes / self.contact.travel)
 
     @cached_property
@@ -75,31 +77,31 @@ class Facing:
         block /= self.steepness[on.owner][:, None, None, :]
         rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
         columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
-        kept = columns >= 0
-        entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+        owned = columns >= 0
+        entries = (block.ravel()[owned], (rows[owned], columns[owned]))
         shape = (self.contact.n_unknowns, len(self.contact))
         return sparse.coo_matrix(entries, shape=shape).tocsc()
 
     @cached_property
-    def rise(self) -> Array:
-        """How fast the pressure (n,) kPa/mm changes with g, which is what resists folds."""
-        mean = self.contact.gathered(self.contact.hats * self._fall[:, None])
+    def fold_stiffness(self) -> Array:
+        """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
+        mean = self.contact.integrated(self.contact.hats * self._fall[:, None])
         return np.asarray(self._multipliers * mean / self.contact.travel)
 
     def stiffness(self) -> sparse.csr_matrix:
-        """Return what phi'' adds to the tangent: the integral of -phi'' psi lambda (grad g . v)².
+        """Contribution of phi'' to the tangent: the integral of -phi'' psi lambda (grad g . v)².
 
         It is positive semidefinite.
         """
         return self._normal(self._multipliers, self._fall)
 
-    def bed(self, chosen: Flags) -> sparse.csr_matrix:
+    def support(self, chosen: Flags) -> sparse.csr_matrix:
         """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
         return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
 
     @cached_property
     def _multipliers(self) -> Array:
-        """Lambda (n,) kPa without pulls, which an iterate may have."""
+        """Lambda (n,) kPa, with the tension that an iterate may have set to zero."""
         return np.asarray(np.maximum(self.pressure, 0.0) / self.steepness)
 
     @cached_property
@@ -136,15 +138,16 @@ class Facing:
 
 
 @dataclass(frozen=True)
-class Sliding:
-    """The candidates on the pad and what is seen around them, and an obstacle.
+class ContactSurface:
+    """Contact candidates of a pad at finite deformation, and the obstacle.
 
-    at_rest (n_seen, 3) mm: where the vertices seen are undeformed.
+    on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
+    at_rest (n_near, 3) mm: the undeformed positions of the neighborhood.
     """
 
     obstacle: Obstacle
     on: Candidates
-    seen: Seen
+    neighborhood: Neighborhood
     at_rest: Array
     n_unknowns: int
 
@@ -154,8 +157,8 @@ class Sliding:
 
     @cached_property
     def travel(self) -> Array:
-        """The integrals m (n,) mm² of the hats: how fast the gaps close as the obstacle travels."""
-        return self.gathered(self.hats)
+        """The integrals m (n,) mm² of the hats: closure of the gaps per mm of travel."""
+        return self.integrated(self.hats)
 
     @cached_property
     def hats(self) -> Array:
@@ -164,49 +167,50 @@ class Sliding:
 
     @cached_property
     def sizes(self) -> Array:
-        """Sizes h (n_tri, 1) mm of the facets: the short sides of right ones as large."""
+        """Sizes h (n_tri, 1) mm of the facets: legs of a right isosceles triangle of that area."""
         return np.asarray(np.sqrt(2 * self.on.part.weights.sum(axis=1, keepdims=True)))
 
     @cached_property
     def rows(self) -> Integers:
-        """The unknowns (n_tri, 6, 3) of the facets."""
+        """Unknowns (n_tri, 6, 3) of the facets."""
         return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
 
-    def at(self, state: State) -> Facing:
-        """Return the pad in a state before the obstacle."""
-        distance, gradient, _ = self.obstacle.implicit(self.now(state.values), state.depth)
+    def at(self, state: State) -> DeformedGap:
+        """Evaluate the gaps and loads of the pad in a state."""
+        distance, gradient, _ = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
-        return Facing(self, state.pressure, distance, gradient)
+        return DeformedGap(self, state.pressure, distance, gradient)
 
-    def now(self, values: Array) -> Array:
-        """Return where the quadrature points (n_tri, n_q, 3) mm are."""
+    def deformed(self, values: Array) -> Array:
+        """Deformed positions (n_tri, n_q, 3) mm of the quadrature points."""
         nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
-        """Return gaps (n_seen,) mm along the normal, displacements (n_seen, 3) mm, where seen.
+        """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.
 
         The gap is FAR where the obstacle is not ahead.
         """
-        moved = values[3 * self.seen.vertices[:, None] + np.arange(3)]
+        moved = values[3 * self.neighborhood.vertices[:, None] + np.arange(3)]
         distance, gradient, _ = self.obstacle.implicit(self.at_rest + moved, depth)
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
 
-    def gathered(self, density: Array) -> Array:
-        """Return sums (n,) over the facets of the candidates of densities (n_tri, 3, n_q)."""
-        sums, kept = density.sum(axis=2), self.on.owner >= 0
-        found = np.bincount(self.on.owner[kept], sums[kept], minlength=len(self))
-        return np.asarray(found, dtype=np.float64)
+    def integrated(self, density: Array) -> Array:
+        """Assemble integrals (n,) of the candidates from densities (n_tri, 3, n_q)."""
+        sums, owned = density.sum(axis=2), self.on.owner >= 0
+        integrals = np.bincount(self.on.owner[owned], sums[owned], minlength=len(self))
+        return np.asarray(integrals, dtype=np.float64)
 
 
-def sliding(
+def contact_surface(
     space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
-) -> Sliding:
-    """Return the patch of the pad `contact.candidates` within `reach` mm, and a ring around it.
+) -> ContactSurface:
+    """Build the contact surface: the candidates within `reach` mm, and one ring around them.
 
-    Beside an edge the gap grows within a facet to any reach, and skin folds around it.
+    The ring is for sharp edges: the gap beside one grows beyond any reach within a facet, while
+    the skin folds around it.
     """
     on = candidates(space, triangles, normals, obstacle, reach, rings=1)
-    around = seen(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
-    return Sliding(obstacle, on, around, space.points[around.vertices], space.n_unknowns)
+    around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
+    return ContactSurface(obstacle, on, around, space.points[around.vertices], space.n_unknowns)

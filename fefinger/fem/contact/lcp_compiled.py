@@ -1,10 +1,10 @@
-"""Exact contact of a condensed body, compiled: no array is made in a step.
+"""Compiled complementarity solver of a condensed body; a solution allocates no array.
 
-The inverse H of the active block of F is kept, and follows the active set by bordering: a vertex
-that joins or leaves costs two products with H, where a new Cholesky factor costs k / 6 of them.
-Every solution starts from the last one and is refined by its own residual, so that H need not be
-exact: rounding does not add up, and F may change a little from step to step. H is made anew where
-the residual no longer falls fast.
+The inverse H of the active block of F is updated by bordering: a vertex that is added or removed
+costs two products with H, a new Cholesky factor of k vertices k / 6 of them. Every solution starts
+from the last one and is refined by its residual, so that H need not be exact: rounding errors do
+not accumulate, and F may change slightly from step to step. H is rebuilt where the residual no
+longer falls fast.
 """
 
 from typing import NamedTuple
@@ -18,27 +18,27 @@ from fefinger.fem.elements.spaces import Array, Integers
 
 Floats = NDArray[np.floating]
 
-EXCHANGES = 500  # as in `contact`: PATIENCE block exchanges without progress, then single ones
+EXCHANGES = 500  # as in `complementarity`: PATIENCE block exchanges without progress, then single
 PATIENCE = 12
 CORRECTIONS = 60
-RESIDUAL = 1e-13  # of the largest offset, above which a solution is refined
-FALLING = 0.05  # what has to be left of a residual, or H is made anew
-REFINED = 1e-10  # of the largest offset: a residual that no longer falls from there is a failure
+RESIDUAL = 1e-13  # over the largest offset: a solution with a larger residual is refined
+FALLING = 0.05  # a refinement that leaves a larger share of the residual rebuilds H
+REFINED = 1e-10  # over the largest offset: accepted where a new H does not reduce the residual
 
 DONE, ENDLESS, SINGULAR, MISSED, BEYOND, TURNED = 0, 1, 2, 3, 4, 5
 
 K, SOLVED, ROUNDS, EXCHANGED, REBUILT = 0, 1, 2, 3, 4
-"""Places in `Active.counts`: active vertices; solutions, rounds of exchange in them and vertices
-exchanged; inverses made anew."""
+"""Indices of `LcpState.counts`: active vertices; solutions, rounds of exchange and vertices
+exchanged in them; inverses rebuilt."""
 
 
-class Active(NamedTuple):
+class LcpState(NamedTuple):
     """The state of the complementarity problem: F x + b >= 0, x >= 0, x . (F x + b) = 0.
 
-    flexibility (n, n); inverse (n, n), the leading block of which is H; where (n,) the active
-    vertices in the order of H, place (n,) where in it a vertex stands or -1; x and moved = F x
-    (n,); wrong (n,) marks; work (2, n); counts (5,); held and stood (2, n), x and moved, where and
-    place as `hold` found them.
+    flexibility F (n, n); inverse (n, n), the leading block of which is H; where (n,): the active
+    vertices in the order of H; place (n,): the position of a vertex in that order, or -1; x and
+    moved = F x (n,); wrong (n,): vertices to exchange; work (2, n); counts (5,); saved and
+    saved_indices (2, n): x and moved, where and place at the last `save`.
     """
 
     flexibility: Array
@@ -50,15 +50,16 @@ class Active(NamedTuple):
     wrong: Integers
     work: Array
     counts: Integers
-    held: Array
-    stood: Integers
+    saved: Array
+    saved_indices: Integers
 
 
-def active(flexibility: Array) -> Active:
-    """Return the state without contact."""
+def lcp_state(flexibility: Array) -> LcpState:
+    """Allocate the solver state of a flexibility (n, n), without contact."""
     n = len(flexibility)
-    return Active(
-        flexibility=np.array(flexibility, order="C"),  # one that is read-only compiles anew
+    return LcpState(
+        # A copy: numba compiles read-only arrays as another type, which takes seconds.
+        flexibility=np.array(flexibility, order="C"),
         inverse=np.zeros((n, n)),
         where=np.zeros(n, dtype=np.int64),
         place=np.full(n, -1, dtype=np.int64),
@@ -67,14 +68,14 @@ def active(flexibility: Array) -> Active:
         wrong=np.zeros(n, dtype=np.int64),
         work=np.zeros((2, n)),
         counts=np.zeros(5, dtype=np.int64),
-        held=np.zeros((2, n)),
-        stood=np.zeros((2, n), dtype=np.int64),
+        saved=np.zeros((2, n)),
+        saved_indices=np.zeros((2, n), dtype=np.int64),
     )
 
 
 @njit(cache=True)
-def release(s: Active) -> None:
-    """Return to the state without contact."""
+def release(s: LcpState) -> None:
+    """Reset to the state without contact."""
     s.place[:] = -1
     s.x[:] = 0.0
     s.moved[:] = 0.0
@@ -99,8 +100,8 @@ def accumulate(out: Floats, rows: Floats, chosen: Integers, factor: Floats, k: i
 
 
 @njit(cache=True, fastmath={"contract"})
-def _times_inverse(s: Active, right: Array, out: Array) -> None:
-    """Put H right into `out`, both in the order of H."""
+def _times_inverse(s: LcpState, right: Array, out: Array) -> None:
+    """Compute out = H right, both in the order of H."""
     k = s.counts[K]
     h = s.inverse
     for j in range(k):
@@ -116,18 +117,18 @@ def _times_inverse(s: Active, right: Array, out: Array) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _join(s: Active, vertex: int) -> bool:
+def _add_vertex(s: LcpState, vertex: int) -> bool:
     """Add a vertex to the active set; False if F is not positive definite."""
     k, h = s.counts[K], s.inverse
     column, image = s.work[0], s.work[1]
     for i in range(k):
         column[i] = s.flexibility[vertex, s.where[i]]
     _times_inverse(s, column, image)
-    own = s.flexibility[vertex, vertex]
-    pivot = own
+    diagonal = s.flexibility[vertex, vertex]
+    pivot = diagonal
     for i in range(k):
         pivot -= column[i] * image[i]
-    if not pivot > 1e-14 * own:
+    if not pivot > 1e-14 * diagonal:  # rounding of the sum above; "not >" also catches nan
         return False
     for i in range(k):
         share = image[i] / pivot
@@ -143,7 +144,7 @@ def _join(s: Active, vertex: int) -> bool:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _leave(s: Active, vertex: int) -> None:
+def _remove_vertex(s: LcpState, vertex: int) -> None:
     """Remove a vertex from the active set."""
     h, last, at = s.inverse, s.counts[K] - 1, s.place[vertex]
     if at != last:
@@ -163,37 +164,37 @@ def _leave(s: Active, vertex: int) -> None:
 
 
 @njit(cache=True)
-def _rebuild(s: Active) -> bool:
-    """Make H anew; False if F is not positive definite."""
+def _rebuild(s: LcpState) -> bool:
+    """Rebuild H vertex by vertex; False if F is not positive definite."""
     k = s.counts[K]
     s.counts[K] = 0
     s.counts[REBUILT] += 1
     for i in range(k):
-        if not _join(s, s.where[i]):
+        if not _add_vertex(s, s.where[i]):
             return False
     return True
 
 
 @njit(cache=True)
-def hold(s: Active) -> int:
-    """Note the present solution, and return how many vertices are active in it."""
-    s.held[0], s.held[1] = s.x, s.moved
-    s.stood[0], s.stood[1] = s.where, s.place
+def save(s: LcpState) -> int:
+    """Save the present solution; return the number of active vertices."""
+    s.saved[0], s.saved[1] = s.x, s.moved
+    s.saved_indices[0], s.saved_indices[1] = s.where, s.place
     return s.counts[K]
 
 
 @njit(cache=True)
-def restore(s: Active, active: int) -> None:
-    """Return to the solution that `hold` noted; H is made anew, as it may have lost vertices."""
-    s.where[:], s.place[:] = s.stood[0], s.stood[1]
+def restore(s: LcpState, active: int) -> None:
+    """Restore the saved solution; H is rebuilt, because its vertices may have changed."""
+    s.where[:], s.place[:] = s.saved_indices[0], s.saved_indices[1]
     s.counts[K] = active
     _rebuild(s)
-    s.x[:], s.moved[:] = s.held[0], s.held[1]
+    s.x[:], s.moved[:] = s.saved[0], s.saved[1]
 
 
 @njit(cache=True)
-def product(s: Active) -> None:
-    """Put F x into `moved`."""
+def product(s: LcpState) -> None:
+    """Compute moved = F x."""
     k = s.counts[K]
     for i in range(k):
         s.work[0, i] = s.x[s.where[i]]
@@ -202,8 +203,8 @@ def product(s: Active) -> None:
 
 
 @njit(cache=True)
-def _residual(s: Active, offset: Array) -> float:
-    """Put -(F x + b) of the active set into `work`; return its largest entry."""
+def _residual(s: LcpState, offset: Array) -> float:
+    """Compute the residual -(F x + b) of the active set into `work`; return its largest entry."""
     largest = 0.0
     for i in range(s.counts[K]):
         j = s.where[i]
@@ -213,8 +214,8 @@ def _residual(s: Active, offset: Array) -> float:
 
 
 @njit(cache=True)
-def _balance(s: Active, offset: Array, scale: float) -> bool:
-    """Make F x + b zero on the active set, from the present x; False if F is not definite."""
+def _solve_active(s: LcpState, offset: Array, scale: float) -> bool:
+    """Solve F x + b = 0 on the active set by iterative refinement; False if F is not definite."""
     last, fresh = np.inf, False
     largest = _residual(s, offset)
     while True:
@@ -224,7 +225,7 @@ def _balance(s: Active, offset: Array, scale: float) -> bool:
             if not _rebuild(s):
                 return False
             fresh = True
-            _residual(s, offset)  # H was made in the same work space
+            _residual(s, offset)  # `_rebuild` has overwritten `work`
         _times_inverse(s, s.work[0], s.work[1])
         for i in range(s.counts[K]):
             s.x[s.where[i]] += s.work[1, i]
@@ -235,8 +236,8 @@ def _balance(s: Active, offset: Array, scale: float) -> bool:
 
 
 @njit(cache=True)
-def _mark(s: Active, offset: Array, least: float) -> int:
-    """Mark the vertices that pull or are pressed into the obstacle; return their number."""
+def _mark_violations(s: LcpState, offset: Array, least: float) -> int:
+    """List the vertices with tension or penetration in `wrong`; return their number."""
     count = 0
     for j in range(len(offset)):
         if s.place[j] >= 0:
@@ -250,10 +251,11 @@ def _mark(s: Active, offset: Array, least: float) -> int:
 
 
 @njit(cache=True)
-def solve(s: Active, offset: Array, tolerance: float) -> int:
-    """Find x for b = `offset`, from the last x and active set; return DONE or what failed.
+def solve(s: LcpState, offset: Array, tolerance: float) -> int:
+    """Solve for x with b = `offset`, from the last x and active set; return DONE or a failure.
 
-    Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994), as `contact`.
+    Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994), as in
+    `complementarity`.
     """
     scale = 0.0
     for j in range(len(offset)):
@@ -261,9 +263,9 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
     fewest, patience = len(offset) + 1, PATIENCE
     s.counts[SOLVED] += 1
     for _ in range(EXCHANGES):
-        if not _balance(s, offset, scale):
+        if not _solve_active(s, offset, scale):
             return SINGULAR
-        count = _mark(s, offset, tolerance * scale)
+        count = _mark_violations(s, offset, tolerance * scale)
         if count == 0:
             return DONE
         first = 0
@@ -278,10 +280,10 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
         for i in range(first, count):
             j = s.wrong[i]
             if s.place[j] < 0:
-                if not _join(s, j) and not (_rebuild(s) and _join(s, j)):
+                if not _add_vertex(s, j) and not (_rebuild(s) and _add_vertex(s, j)):
                     return SINGULAR
             else:
-                _leave(s, j)
+                _remove_vertex(s, j)
                 for k in range(len(s.moved)):
                     s.moved[k] -= s.x[j] * s.flexibility[j, k]
                 s.x[j] = 0.0
@@ -289,8 +291,8 @@ def solve(s: Active, offset: Array, tolerance: float) -> int:
 
 
 @njit(cache=True)
-def slope(s: Active, right: Array) -> float:
-    """Return right . z, with F z = `right` on the active set and z = 0 off it."""
+def slope(s: LcpState, right: Array) -> float:
+    """Compute right . z, with F z = `right` on the active set and z = 0 off it."""
     k = s.counts[K]
     for i in range(k):
         s.work[0, i] = right[s.where[i]]

@@ -21,7 +21,7 @@ FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it 
 
 @runtime_checkable
 class Rigid(Protocol):
-    """What contact needs of an obstacle."""
+    """Interface of a rigid obstacle: its direction of travel and its distance from points."""
 
     @property
     def axis(self) -> Array:

@@ -17,18 +17,18 @@ from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.elements.spaces import Array, Integers, Space, Trace, trace
 
 
-RINGS = 2  # of vertices around the candidates, as far as a fit of the contact area reaches
-EDGES = (0, 1), (1, 2), (0, 2)  # of a facet, as the middles of quadratic ones are numbered
-SIDES = 24  # parts of a side of the facets in which the first touch of a plate is sought
-NEAR = 0.25  # of an edge, farther than which behind the first vertex none of them begins
+RINGS = 2  # rings of vertices around the candidates: the reach of a fit of the contact area
+EDGES = (0, 1), (1, 2), (0, 2)  # of a facet, in the order of the midside nodes of `Trace`
+SIDES = 24  # subdivisions of a facet in the search for the first touch of a plate
+NEAR = 0.25  # edge lengths behind the foremost vertex within which facets are searched
 
 
 @dataclass(frozen=True)
-class Seen:
-    """The candidates and rings of vertices around them, where nothing presses but gaps are read.
+class Neighborhood:
+    """The candidates and rings of vertices around them, for gaps outside the contact.
 
-    vertices (n_seen,) of the mesh, the candidates first; triangles (n_tri, 3) around them; areas
-    (n_seen,) mm² of their hats.
+    vertices (n_near,) of the mesh, the candidates first; triangles (n_tri, 3) around them; areas
+    (n_near,) mm² of their hats.
     """
 
     vertices: Integers
@@ -38,14 +38,14 @@ class Seen:
 
 @dataclass(frozen=True)
 class Patch:
-    """The candidate vertices of the pad and what the obstacle means to them.
+    """Discrete contact of a pad: candidate vertices, unit loads and initial weighted gaps.
 
     vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
     unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
     (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge and rim
     (n,) as those of the `candidates`.
-    At the vertices `seen`: distance (n_seen,) mm along the axis, cosine (n_seen,) of n and axis,
-    and places (n_unknowns, n_seen) that take n . u from the unknowns.
+    At the vertices of `neighborhood`: distance (n_near,) mm along the axis, cosine (n_near,) of n
+    and axis, and places (n_unknowns, n_near), whose transpose maps the unknowns to n . u.
     """
 
     vertices: Integers
@@ -57,15 +57,15 @@ class Patch:
     areas: Array
     edge: NDArray[np.bool_]
     rim: NDArray[np.bool_]
-    seen: Seen
+    neighborhood: Neighborhood
     distance: Array
     cosine: Array
     places: sparse.csc_matrix
 
     def clearance(self, depth: Array, approach: Array) -> Array:
-        """Return the gap (n_t, n) mm at the vertices, along the obstacle's normal.
+        """Gap (n_t, n_near) mm at the vertices of the neighborhood, along the obstacle's normal.
 
-        depth (n_t,) mm, approach (n_t, n_seen) mm their displacement along that normal.
+        depth (n_t,) mm; approach (n_t, n_near) mm: their displacement along that normal.
         """
         return self.cosine * (self.distance - depth[:, None]) + approach
 
@@ -81,9 +81,10 @@ def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
 
 
 def foremost(points: Array, normals: Array, triangles: Integers, axis: Array) -> Array:
-    """Return the point (3,) of the smooth surface that a plate moving along `axis` meets first.
+    """First point of contact (3,) mm of the smooth surface with a plate moving along `axis`.
 
-    To a SIDES-th of a facet; sought in those around the foremost vertices, by NEAR of an edge.
+    The resolution is 1 / SIDES of a facet; facets within NEAR edge lengths of the foremost vertex
+    are searched.
     """
     ahead = points[triangles] @ axis
     edge = np.linalg.norm(np.diff(points[triangles], axis=1), axis=2).mean()
@@ -99,7 +100,7 @@ def foremost(points: Array, normals: Array, triangles: Integers, axis: Array) ->
 
 
 def _lifts(points: Array, normals: Array, triangles: Integers) -> Array:
-    """Return by how much (n_tri, 3, 3) mm the middles of the edges lie off the facets."""
+    """Offsets (n_tri, 3, 3) mm of the midpoints of the edges from the flat facets."""
     corners, directions = points[triangles], normals[triangles]
     lifts = np.zeros((len(corners), 3, 3))
     for place, (a, b) in enumerate(EDGES):
@@ -113,7 +114,7 @@ def _lifts(points: Array, normals: Array, triangles: Integers) -> Array:
 
 @dataclass(frozen=True)
 class Candidates:
-    """The part of the pad that the obstacle may touch.
+    """Vertices and facets of the pad that may come into contact.
 
     vertices (n,) of the mesh; part: the trace of the triangles that carry their hats; places
     (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
@@ -138,11 +139,11 @@ def candidates(
     rings: int = 0,
     within: NDArray[np.bool_] | None = None,
 ) -> Candidates:
-    """Return the pad vertices whose gap at first touch is at most `reach` mm, and rings around.
+    """Select the pad vertices whose initial gap is at most `reach` mm, and rings around them.
 
     `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
     for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles. Rings
-    grow `within` (n_points,) flags alone, where given.
+    include only vertices `within` (n_points,), where given.
     """
     surface = trace(space, triangles)
     distance, _ = obstacle.gap(smooth_places(space.points, normals, surface))
@@ -179,39 +180,39 @@ def patch(
     rings: int = 0,
     within: NDArray[np.bool_] | None = None,
 ) -> Patch:
-    """Return the patch of the `candidates`, their unit loads, and what is seen around them."""
+    """Build the patch: the `candidates`, their unit loads and gaps, and their neighborhood."""
     chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)
     part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
     distance, direction = obstacle.gap(chosen.places)
     cosine = direction @ obstacle.axis
     hats = part.linear[None] * part.weights[:, None, :]
 
-    def gathered(density: Array) -> Array:
+    def integrated(density: Array) -> Array:
         values = np.einsum("tjq,tq->tj", hats, density)
         sums = np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
         return np.asarray(sums, dtype=np.float64)
 
     arm = np.cross(part.places, direction)
-    around = seen(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
+    around = neighborhood(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
     apart, normal = obstacle.gap(space.points[around.vertices])
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
         loads=_loads(space, part, hats, direction, owner, len(vertices)),
-        gap=gathered(cosine * distance),
-        travel=gathered(cosine),
-        moment=np.stack([gathered(arm[..., k]) for k in range(3)], axis=1),
-        areas=gathered(np.ones_like(cosine)),
+        gap=integrated(cosine * distance),
+        travel=integrated(cosine),
+        moment=np.stack([integrated(arm[..., k]) for k in range(3)], axis=1),
+        areas=integrated(np.ones_like(cosine)),
         edge=chosen.edge,
         rim=chosen.rim,
-        seen=around,
+        neighborhood=around,
         distance=apart,
         cosine=normal @ obstacle.axis,
         places=_places(space, around.vertices, normal),
     )
 
 
-def seen(
+def neighborhood(
     space: Space,
     triangles: Integers,
     normals: Array,
@@ -219,17 +220,17 @@ def seen(
     reach: float,
     vertices: Integers,
     rings: int,
-) -> Seen:
-    """Return the candidates `vertices` and what else is among those with `rings` around them."""
+) -> Neighborhood:
+    """Return the candidates `vertices` and the vertices of the `rings` around them."""
     around = candidates(space, triangles, normals, obstacle, reach, rings)
     every = np.concatenate([vertices, np.setdiff1d(around.vertices, vertices)])
     area = np.repeat(around.part.weights.sum(axis=1) / 3, 3)
     areas = np.bincount(around.part.triangles.ravel(), area, minlength=len(space.points))
-    return Seen(every, around.part.triangles, areas[every])
+    return Neighborhood(every, around.part.triangles, areas[every])
 
 
 def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:
-    """Return what takes the displacement along `normal` (n, 3) at `vertices` from the unknowns."""
+    """Matrix (n_unknowns, n) whose transpose maps unknowns to displacements along `normal`."""
     rows = (3 * vertices[:, None] + np.arange(3)).ravel()
     columns = np.repeat(np.arange(len(vertices)), 3)
     shape = (space.n_unknowns, len(vertices))
@@ -245,6 +246,6 @@ def _loads(
         (3 * part.nodes[:, :, None] + np.arange(3))[:, :, :, None], block.shape
     ).ravel()
     columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
-    kept = columns >= 0
-    entries = (block.ravel()[kept], (rows[kept], columns[kept]))
+    owned = columns >= 0
+    entries = (block.ravel()[owned], (rows[owned], columns[owned]))
     return sparse.coo_matrix(entries, shape=(space.n_unknowns, count)).tocsc()

@@ -1,4 +1,4 @@
-"""Compiled fits of the gap around the vertices by the rim of a contact: see `area`."""
+"""Compiled least-squares fits of the gap near the rim of a contact: see `contact_area`."""
 
 from math import hypot, sqrt
 
@@ -10,20 +10,19 @@ from fefinger.fem.elements.spaces import Array, Flags, Integers
 
 
 REACH = 2.0  # radius of a fit in edges
-LEAST, FIRST = 5, 8  # points of a fit; with fewer in reach, it takes the nearest eight
-RIDGE = 1e-9  # of the trace, where the points of a fit leave something open
+LEAST, FIRST = 5, 8  # fewest points of a fit; with fewer within REACH, it takes the nearest 8
+RIDGE = 1e-9  # ridge regularization over the trace, for points that do not determine the fit
 
 
 @njit(cache=True)
 def fit_rims(
-    near: Integers, offset: Array, pressed: Flags, gap: Array, found: Array, fitted: Flags
+    near: Integers, offset: Array, pressed: Flags, gap: Array, fits: Array, fitted: Flags
 ) -> None:
-    """Fit phi = gap^(2/3) around the vertices by the rim, as c0 + c1 s + c2 t + c3 t².
+    """Fit phi = gap^(2/3) around the vertices near the rim, as c0 + c1 s + c2 t + c3 t².
 
-    near (n_rim, k) are the neighbors of each, nearest first, offset (n_rim, k, 2) where they are,
-    in edges; pressed (n,) and gap (n_t, n) mm are those of all vertices. found (n_t, n_rim, 2) is
-    filled with c0 and the curvature 2 c3 / c1 of the zero level in 1/edge, fitted (n_t, n_rim) with
-    whether they are known.
+    near (n_rim, k): the neighbors of each, nearest first; offset (n_rim, k, 2): their offsets in
+    edge lengths; pressed (n,) and gap (n_t, n) mm of all vertices. Output: fits (n_t, n_rim, 2), c0
+    and the curvature 2 c3 / c1 of the zero level in 1/edge; fitted (n_t, n_rim), whether they hold.
     """
     count = near.shape[1]
     used, values, weights = np.empty(count, np.bool_), np.empty(count), np.empty(count)
@@ -34,14 +33,14 @@ def fit_rims(
             _weigh(near[r], gap[t], used, values, weights)
             c0, c1, c3 = _fit(offset[r], used, values, weights, basis)
             fitted[t, r] = points >= LEAST and c1 > 0
-            found[t, r, 0] = c0
-            found[t, r, 1] = 2 * c3 / c1 if fitted[t, r] else 0.0
+            fits[t, r, 0] = c0
+            fits[t, r, 1] = 2 * c3 / c1 if fitted[t, r] else 0.0
 
 
 @njit(cache=True)
 def _choose(near: Integers, offset: Array, pressed: Flags, gap: Array, used: Flags) -> int:
-    """Mark the neighbors (k,) that are used, those outside the contact; return how many."""
-    left = 0.0  # a gap counts if it is wider than what is left of it inside the contact nearby
+    """Mark the neighbors (k,) outside the contact that the fit uses; return their number."""
+    left = 0.0  # residual gap of pressed vertices: smaller gaps are numerical noise
     for i in range(len(near)):
         if pressed[near[i]] and hypot(offset[i, 0], offset[i, 1]) < REACH:
             left = max(left, abs(gap[near[i]]))
@@ -61,7 +60,7 @@ def _choose(near: Integers, offset: Array, pressed: Flags, gap: Array, used: Fla
 
 @njit(cache=True)
 def _weigh(near: Integers, gap: Array, used: Flags, values: Array, weights: Array) -> None:
-    """Fill phi and the weights (k,) of the points that are used: phi², over the largest."""
+    """Fill phi and the weights (k,) of the points used: phi², divided by the largest."""
     most = 1e-300
     for i in range(len(near)):
         values[i] = max(gap[near[i]], 0.0) ** (2 / 3) if used[i] else 0.0
@@ -75,7 +74,7 @@ def _weigh(near: Integers, gap: Array, used: Flags, values: Array, weights: Arra
 def _fit(
     offset: Array, used: Flags, values: Array, weights: Array, basis: Array
 ) -> tuple[float, float, float]:
-    """Return c0, c1 and c3: the direction of s is that of the gradient of a plane."""
+    """Return c0, c1 and c3; the direction of s is the gradient of a plane fitted first."""
     for i in range(len(offset)):
         basis[i, 0], basis[i, 1], basis[i, 2] = 1.0, offset[i, 0], offset[i, 1]
     plane = _least_squares(basis, used, values, weights, 3)

@@ -1,9 +1,9 @@
-"""Contact of a condensed body under a plate that turns, one step after the other.
+"""Compiled contact step of a condensed body under a rolling plate.
 
-As `loop`, but what the tissue remembers is a traction in the plane of turning, because the normal
-of today is not that of the past: history and its displacement are vectors of both components. The
-flexibility along the normal is a quadratic form in it, made anew when the plate has turned; the
-inverse that `active` keeps is then a little out of date, which its refinement makes good.
+As `step_compiled`, but the history is a traction in the plane of rolling, because the normal
+changes from step to step: history and its displacement have two components per vertex. The
+flexibility along the normal is a quadratic form in the normal, evaluated again when the plate has
+turned; the inverse in `lcp_compiled` is then slightly out of date, which its refinement corrects.
 """
 
 from typing import NamedTuple
@@ -12,18 +12,18 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem.contact import lcp_compiled as contact
-from fefinger.fem.contact.lcp_compiled import BEYOND, DONE, Active
-from fefinger.fem.contact.step_compiled import Memory, recall, remember
+from fefinger.fem.contact.lcp_compiled import BEYOND, DONE, LcpState
+from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
 from fefinger.fem.elements.spaces import Array, Integers
 
 
 class Plate(NamedTuple):
-    """The plate and what the pad does under tractions in the plane, both components in turn.
+    """The plate, and the flexibility of the pad under tractions in the plane of rolling.
 
-    forms (3, n, n): F_xx, F_xz + F_zx and F_zz; columns (2n, 2n): F of both components; moments (2,
-    n) mm³ and weights (n,) mm² of the pad's vertices; rim (k,) those where contact is more than
-    they can answer; normal (2,); traction and moved (2n,), the last traction and F times it; chosen
-    and factor (2n,) work.
+    Vectors of 2n have the x components first. forms (3, n, n): F_xx, F_xz + F_zx and F_zz; columns
+    (2n, 2n): F of both components; moments (2, n) mm³ and weights (n,) mm² of the pad's vertices;
+    rim (k,): vertices where contact is a failure; normal (2,); traction and moved (2n,): the last
+    traction and F times it; chosen and factor (2n,): work.
     """
 
     forms: Array
@@ -39,7 +39,7 @@ class Plate(NamedTuple):
 
 
 def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> Plate:
-    """Return a plate that has not touched; `flexibility` is (2, n, 2, n)."""
+    """Allocate a plate without contact; `flexibility` is (2, n, 2, n)."""
     n = len(weights)
     (xx, xz), (zx, zz) = flexibility.transpose(0, 2, 1, 3)
     return Plate(
@@ -57,15 +57,15 @@ def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> 
 
 
 @njit(cache=True)
-def step(s: Active, m: Memory, p: Plate, dt: float, x: float, z: float, travel: float) -> int:
-    """Move on by `dt` s to a plate with the normal (x, z), `travel` mm along it.
+def step(s: LcpState, m: PadState, p: Plate, dt: float, x: float, z: float, travel: float) -> int:
+    """Advance by `dt` s to a plate with the normal (x, z), displaced `travel` mm along it.
 
-    Return DONE: the contact pressure is then in s.x, the elastic traction in m.elastic. Or what
-    failed, BEYOND for contact on the rim, with all as it was before the step.
+    Return DONE, with the contact pressure in s.x and the elastic traction in m.elastic; or a
+    failure, BEYOND for contact on the rim, with the state unchanged.
     """
-    n, active, before = len(s.x), contact.hold(s), (p.normal[0], p.normal[1])
-    _turn(s, p, x, z)
-    g = recall(m, dt)
+    n, active, before = len(s.x), contact.save(s), (p.normal[0], p.normal[1])
+    _set_normal(s, p, x, z)
+    g = load_history(m, dt)
     offset = m.offset[:n]
     for j in range(n):
         gap = x * p.moments[0, j] + z * p.moments[1, j] - travel * p.weights[j]
@@ -75,17 +75,17 @@ def step(s: Active, m: Memory, p: Plate, dt: float, x: float, z: float, travel: 
         if failed == DONE and s.x[j] > 0.0:
             failed = BEYOND
     if failed != DONE:
-        _turn(s, p, before[0], before[1])
+        _set_normal(s, p, before[0], before[1])
         contact.restore(s, active)
         return failed
-    _press(s, p, x, z)
-    remember(m, p.traction, p.moved, dt, g)
+    _set_traction(s, p, x, z)
+    store_history(m, p.traction, p.moved, dt, g)
     return DONE
 
 
 @njit(cache=True)
-def strains(m: Memory, p: Plate, rows: Array, strain: Array) -> None:
-    """Put the strain under the elastic traction into `strain`; `rows` (2n, n_strains)."""
+def strains(m: PadState, p: Plate, rows: Array, strain: Array) -> None:
+    """Compute the strain under the elastic traction; `rows` (2n, n_strains)."""
     k = 0
     for j in range(len(m.elastic)):
         if m.elastic[j] != 0.0:
@@ -96,8 +96,8 @@ def strains(m: Memory, p: Plate, rows: Array, strain: Array) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _turn(s: Active, p: Plate, x: float, z: float) -> None:
-    """Make the flexibility along the normal (x, z), and what it makes of the last pressure."""
+def _set_normal(s: LcpState, p: Plate, x: float, z: float) -> None:
+    """Set the normal (x, z): project the flexibility on it, and update F x of the last pressure."""
     if x == p.normal[0] and z == p.normal[1]:
         return
     p.normal[0], p.normal[1] = x, z
@@ -111,8 +111,8 @@ def _turn(s: Active, p: Plate, x: float, z: float) -> None:
 
 
 @njit(cache=True)
-def _press(s: Active, p: Plate, x: float, z: float) -> None:
-    """Make the traction of the pressure, and what it does."""
+def _set_traction(s: LcpState, p: Plate, x: float, z: float) -> None:
+    """Set the traction of the pressure along the normal, and F times it."""
     n, k = len(s.x), 0
     for j in range(n):
         p.traction[j], p.traction[n + j] = x * s.x[j], z * s.x[j]

@@ -1,7 +1,7 @@
-"""Contact of a condensed viscoelastic body, one step after the other, in real time.
+"""Compiled contact step of a condensed viscoelastic body, for real time.
 
-The same mathematics as `march`, which is the oracle: p = g y + h with y the elastic pressure, and h
-and F h from one recursion per Prony term, so that no product with F is spent on the past. A factor
+The same mathematics as `viscoelastic.march`: p = g y + h with y the elastic pressure, and h
+and F h from one recursion per Prony term, so that the history needs no product with F. A factor
 t on the elastic pressure (the thesis's modulus t(u) over a constant one) enters as y = t q.
 """
 
@@ -19,8 +19,8 @@ from fefinger.fem.contact.lcp_compiled import (
     ENDLESS,
     MISSED,
     SINGULAR,
-    Active,
     Floats,
+    LcpState,
 )
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.spaces import Array, Integers
@@ -28,14 +28,14 @@ from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
 
 
-class Memory(NamedTuple):
-    """The past of the pad and what the obstacle means to it.
+class PadState(NamedTuple):
+    """Viscoelastic state of the pad (Prony internal variables), initial gaps and load vector.
 
     gap (n,) mm³ and travel (n,) mm² of the patch; weights and rates (m,) of the Prony terms; terms
-    and moved_terms (m, n) their recursions for the pressure and for F times it; elastic and
-    moved_elastic (n,) y and F y; past, moved_past and offset (n,) work; depth (1,) mm; tolerance
-    (1,) of the penetration, over the largest offset; peak (1,) mN the largest force of the path, as
-    far as it is known, which decides what is small.
+    and moved_terms (m, n): the internal variables of the pressure and F times them; elastic and
+    moved_elastic (n,): y and F y; past, moved_past and offset (n,): work; depth (1,) mm; tolerance
+    (1,) of the penetration, over the largest offset; peak (1,) mN: the largest force so far, which
+    scales the tolerance of small forces.
     """
 
     gap: Array
@@ -54,16 +54,16 @@ class Memory(NamedTuple):
     peak: Array
 
 
-def memory(
+def pad_state(
     gap: Array,
     travel: Array,
     weights: Array,
     rates: Array,
     tolerance: float = COMPLEMENTARITY,
-) -> Memory:
-    """Return a pad at rest; `weights` (m,) are those of the terms over the long-time one."""
+) -> PadState:
+    """Allocate the state of a pad at rest; `weights` (m,): Prony weights over the long-time one."""
     n, m = len(gap), len(rates)
-    return Memory(
+    return PadState(
         gap=np.array(gap),
         travel=np.array(travel),
         weights=np.array(weights, dtype=np.float64),
@@ -82,17 +82,17 @@ def memory(
 
 
 FORCE, AREA, X, Y = 0, 1, 2, 3
-"""Places in `Output.summary`: mN, mm² of pressed vertices, center of pressure in mm."""
+"""Indices of `Output.summary`: mN, mm² of pressed vertices, center of pressure in mm."""
 
 
 class Output(NamedTuple):
-    """What is read off the pad after a step.
+    """Output of a step: strains at the sites, force, area and center of pressure.
 
-    areas (n,) mm² and moments (2, n) mm³ of the pad that each vertex stands for, limits (n,) what
-    contact there comes to: DONE, or BEYOND or TURNED on the rim of the patch or of the indenter;
-    elastic (n,) kPa the pressure q of the linear body; rows (n, n_strains) the strains under unit
-    pressures, of either precision, chosen (n,) and factor (n,) those that count; strain
-    (n_strains,); summary (4,).
+    areas (n,) mm² and moments (2, n) mm³: integrals of the hat of each vertex; limits (n,): outcome
+    of a step with contact at the vertex: DONE, or BEYOND or TURNED on the rim of the patch or of
+    the indenter; elastic (n,) kPa: the pressure q of the linear body; rows (n, n_strains): strains
+    under unit pressures, in single or double precision; chosen and factor (n,): work, the loaded
+    vertices and their pressures; strain (n_strains,); summary (4,).
     """
 
     areas: Array
@@ -107,8 +107,8 @@ class Output(NamedTuple):
 
 
 @njit(cache=True)
-def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
-    """Bring the output up to date."""
+def read(s: LcpState, m: PadState, out: Output, stiffening: float) -> None:
+    """Update strains, force, area and center of pressure after a step."""
     force = area = weight = x = y = 0.0
     k = 0
     for j in range(len(s.x)):
@@ -134,12 +134,18 @@ def read(s: Active, m: Memory, out: Output, stiffening: float) -> None:
 
 @njit(cache=True)
 def advance(
-    s: Active, m: Memory, out: Output, dt: float, target: float, by_force: bool, stiffening: float
+    s: LcpState,
+    m: PadState,
+    out: Output,
+    dt: float,
+    target: float,
+    by_force: bool,
+    stiffening: float,
 ) -> int:
-    """Step, and read; return DONE or what failed, with all as it was before the step."""
-    active, depth, peak = contact.hold(s), m.depth[0], m.peak[0]
-    g = recall(m, dt)
-    failed = _find(s, m, g, target, by_force, stiffening)
+    """Make a step and update the output; return DONE, or a failure with the state unchanged."""
+    active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
+    g = load_history(m, dt)
+    failed = _solve_target(s, m, g, target, by_force, stiffening)
     for j in range(len(s.x)):
         if failed == DONE and s.x[j] > 0.0:
             failed = out.limits[j]
@@ -147,14 +153,14 @@ def advance(
         contact.restore(s, active)
         m.depth[0], m.peak[0] = depth, peak
         return failed
-    remember(m, s.x, s.moved, dt, g)
+    store_history(m, s.x, s.moved, dt, g)
     read(s, m, out, stiffening)
     return DONE
 
 
 @njit(cache=True)
-def reset(s: Active, m: Memory) -> None:
-    """Let go of the body, and wait until it has forgotten."""
+def reset(s: LcpState, m: PadState) -> None:
+    """Reset the pad to rest: no contact and no history."""
     contact.release(s)
     for array in (m.terms, m.moved_terms):
         array[:] = 0.0
@@ -163,36 +169,40 @@ def reset(s: Active, m: Memory) -> None:
 
 
 @njit(cache=True)
-def step(s: Active, m: Memory, dt: float, target: float, by_force: bool, stiffening: float) -> int:
-    """Move on by `dt` s to a depth in mm or a force in mN; return DONE or what failed.
+def step(
+    s: LcpState, m: PadState, dt: float, target: float, by_force: bool, stiffening: float
+) -> int:
+    """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
 
     `stiffening` is t at the end of the step; the contact pressure is then in s.x, t q in m.elastic.
     """
-    g = recall(m, dt)
-    failed = _find(s, m, g, target, by_force, stiffening)
+    g = load_history(m, dt)
+    failed = _solve_target(s, m, g, target, by_force, stiffening)
     if failed == DONE:
-        remember(m, s.x, s.moved, dt, g)
+        store_history(m, s.x, s.moved, dt, g)
     return failed
 
 
 @njit(cache=True)
-def _find(s: Active, m: Memory, g: float, target: float, by_force: bool, stiffening: float) -> int:
-    """Find the pressure at a depth or a force, once the past is recalled."""
+def _solve_target(
+    s: LcpState, m: PadState, g: float, target: float, by_force: bool, stiffening: float
+) -> int:
+    """Solve for the pressure at a depth or a force; `load_history` must have been called."""
     if by_force:
-        return _reach(s, m, g, target)
+        return _pressure_at_force(s, m, g, target)
     m.depth[0] = target
-    return _press(s, m, g * stiffening, target)
+    return _pressure_at_depth(s, m, g * stiffening, target)
 
 
 @njit(cache=True)
-def _gain(m: Memory, k: int, dt: float) -> float:
+def _gain(m: PadState, k: int, dt: float) -> float:
     exponent = m.rates[k] * dt
     return m.weights[k] * (-np.expm1(-exponent) / exponent if exponent > 0.0 else 1.0)
 
 
 @njit(cache=True)
-def recall(m: Memory, dt: float) -> float:
-    """Put h and F h into `past` and `moved_past`; return g."""
+def load_history(m: PadState, dt: float) -> float:
+    """Compute the history terms h and F h of a step into `past` and `moved_past`; return g."""
     total = 0.0
     m.past[:] = 0.0
     m.moved_past[:] = 0.0
@@ -209,8 +219,8 @@ def recall(m: Memory, dt: float) -> float:
 
 
 @njit(cache=True)
-def remember(m: Memory, pressure: Array, moved: Array, dt: float, g: float) -> None:
-    """Accept p and F p at the end of the step."""
+def store_history(m: PadState, pressure: Array, moved: Array, dt: float, g: float) -> None:
+    """Update the internal variables with p and F p at the end of a step."""
     for k in range(len(m.rates)):
         gain, decay = _gain(m, k, dt), np.exp(-m.rates[k] * dt)
         for j in range(len(m.past)):
@@ -223,30 +233,30 @@ def remember(m: Memory, pressure: Array, moved: Array, dt: float, g: float) -> N
 
 
 @njit(cache=True)
-def _press(s: Active, m: Memory, stiffness: float, depth: float) -> int:
-    """Find the pressure at a depth; `stiffness` is g t."""
+def _pressure_at_depth(s: LcpState, m: PadState, stiffness: float, depth: float) -> int:
+    """Solve for the pressure at a depth; `stiffness` is g t."""
     for j in range(len(m.gap)):
         m.offset[j] = (m.gap[j] - depth * m.travel[j]) * stiffness - m.moved_past[j]
     return contact.solve(s, m.offset, m.tolerance[0])
 
 
 @njit(cache=True)
-def _reach(s: Active, m: Memory, g: float, force: float) -> int:
-    """Find pressure and depth for a force in mN, as `march` does."""
-    touch = np.inf
+def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
+    """Solve for pressure and depth at a force in mN, as `viscoelastic.depth_at`."""
+    first_touch = np.inf
     for j in range(len(m.gap)):
-        touch = min(touch, (m.gap[j] - m.moved_past[j] / g) / m.travel[j])
+        first_touch = min(first_touch, (m.gap[j] - m.moved_past[j] / g) / m.travel[j])
     if force <= 0.0:
-        m.depth[0] = touch
+        m.depth[0] = first_touch
         s.x[:] = 0.0
         s.moved[:] = 0.0
         return DONE
     m.peak[0] = max(m.peak[0], force)
     close = FORCE_MATCH * max(force, SMALL_FORCE * m.peak[0])
-    low, high = touch, np.inf
-    depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
+    low, high = first_touch, np.inf
+    depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for _ in range(CORRECTIONS):
-        failed = _press(s, m, g, depth)
+        failed = _pressure_at_depth(s, m, g, depth)
         if failed != DONE:
             return failed
         excess = -force
@@ -260,26 +270,26 @@ def _reach(s: Active, m: Memory, g: float, force: float) -> int:
         else:
             high = depth
         rise = g * contact.slope(s, m.travel)
-        depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - touch
+        depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
         if not (low < depth and depth < high):
-            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - touch)
+            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
     return MISSED
 
 
 def check(outcome: int, deepest: float = np.inf) -> None:
-    """Raise the error for what failed in a step of a pad that answers `deepest` mm."""
+    """Raise the error of a failed step; `deepest`: the largest depth in mm of the finger."""
     messages = {
-        ENDLESS: f"contact: no consistent contact set after {contact.EXCHANGES} exchanges; refine "
-        "the step",
-        SINGULAR: "contact: the flexibility of the pad is not positive definite",
-        MISSED: f"force control: asked for a force that was not reached after {CORRECTIONS} "
-        "corrections; take shorter steps",
+        ENDLESS: "contact: expected a consistent contact set, found none in "
+        f"{contact.EXCHANGES} exchanges; take shorter steps",
+        SINGULAR: "contact: expected a positive definite flexibility of the pad, received another",
+        MISSED: f"force control: expected to reach the force within {CORRECTIONS} corrections, "
+        "did not; take shorter steps",
     }
     if outcome == BEYOND:
         message = (
-            f"step: expected contact inside the candidates for a depth of {deepest:g} mm, but it "
-            "reaches their rim; make the finger with a larger `deepest`, or press less where the "
-            "pad ends"
+            f"step: expected contact inside the candidates for a depth of {deepest:g} mm, received "
+            "contact at their rim; make the finger with a larger `deepest`, or press less where "
+            "the pad ends"
         )
         raise InputError(message)
     if outcome != DONE:
@@ -294,15 +304,15 @@ def march(
     prescribed: Prescribed,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:
-    """Return the contact history of a body at rest, as `march.march` does.
+    """Compute the contact history of a body at rest, as `viscoelastic.march`, compiled.
 
     Raises
     ------
     ConvergenceError
-        If the contact or the depth under force control is not found.
+        If the contact or the depth under force control does not converge.
     """
-    s = contact.active(flexibility)
-    m = memory(gap, travel, relaxation.weights, relaxation.rates)
+    s = contact.lcp_state(flexibility)
+    m = pad_state(gap, travel, relaxation.weights, relaxation.rates)
     time, by_force = prescribed.time, prescribed.control == "force"
     m.peak[0] = prescribed.value.max(initial=0.0)
     shape = (len(time), len(gap))

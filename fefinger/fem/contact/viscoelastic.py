@@ -18,7 +18,7 @@ from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
 
-CORRECTIONS = 60
+CORRECTIONS = 60  # Newton or bisection steps on the depth under force control
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class History:
 
 
 class Relaxation:
-    """The stress history of a Prony series whose long-time value is 1: G(0) = 1 / c0.
+    """Internal variables of a Prony series whose long-time value is 1: G(0) = 1 / c0.
 
     weights (1 + n,) add up to 1, rates (n,) in 1/s. Before the first step the body is at rest.
     """
@@ -60,7 +60,7 @@ class Relaxation:
         return g, decay @ self.terms - gain.sum() * self.elastic
 
     def advance(self, step: float, elastic: Array) -> None:
-        """Accept the elastic pressure at the end of a step."""
+        """Update the internal variables with the elastic pressure at the end of a step."""
         _, decay, gain = self.factors(step)
         increment = elastic - self.elastic
         self.terms = decay[:, None] * self.terms + gain[:, None] * increment
@@ -69,7 +69,7 @@ class Relaxation:
 
 @dataclass(frozen=True)
 class Prescribed:
-    """What the indenter is made to do at each time: a depth in mm or a force in mN."""
+    """Prescribed depth in mm or force in mN of the indenter at each time in s."""
 
     control: str
     time: Array
@@ -85,7 +85,7 @@ def march(
     prescribed: Prescribed,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:
-    """Return the contact history of a body at rest before `prescribed.time[0]`.
+    """Compute the contact history of a body at rest before `prescribed.time[0]`.
 
     flexibility (n, n) mm per kPa mm², gap (n,) mm³ and travel (n,) mm² are those of the patch, for
     the relaxed body; the first value of `prescribed` is reached by a jump.
@@ -93,7 +93,7 @@ def march(
     Raises
     ------
     ConvergenceError
-        If the contact or the depth under force control is not found.
+        If the contact or the depth under force control does not converge.
     """
     solver = Complementarity(flexibility)
     time, value = prescribed.time, prescribed.value
@@ -128,18 +128,18 @@ def depth_at(
     guess: float,
     peak: float,
 ) -> tuple[float, Array, int]:
-    """Return depth, pressure and the number of contact solutions for a force in mN.
+    """Solve for depth and pressure at a force in mN; also return the number of contact solutions.
 
     The force is a rising, piecewise linear function of the depth: Newton's method, kept inside a
     bracket that starts at the last depth without contact. `peak` in mN is the largest force of the
-    path, which decides what is small.
+    path, which scales the tolerance of small forces.
     """
-    touch = float(np.min(free / travel))
+    first_touch = float(np.min(free / travel))
     if force <= 0:
-        return touch, np.zeros(len(free)), 0
+        return first_touch, np.zeros(len(free)), 0
     close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
-    low, high = touch, np.inf
-    depth = max(guess, touch + 1e-6 * (1.0 + abs(touch)))
+    low, high = first_touch, np.inf
+    depth = max(guess, first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for count in range(1, CORRECTIONS + 1):
         pressure = g * solver.solve(free - depth * travel)
         excess = float(travel @ pressure) - force
@@ -147,11 +147,11 @@ def depth_at(
             return depth, pressure, count
         low, high = (depth, high) if excess < 0 else (low, depth)
         slope = g * float(travel @ solver.on_active(travel))
-        depth = depth - excess / slope if slope > 0 else 2 * depth - touch
+        depth = depth - excess / slope if slope > 0 else 2 * depth - first_touch
         if not low < depth < high:
-            depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - touch)
+            depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - first_touch)
     message = (
-        f"force control: asked for {force:.6g} mN, reached {excess + force:.6g} mN after "
+        f"force control: expected {force:.6g} mN, reached {excess + force:.6g} mN after "
         f"{CORRECTIONS} corrections; take shorter steps"
     )
     raise ConvergenceError(message)

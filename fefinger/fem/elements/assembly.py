@@ -1,6 +1,6 @@
 """Compiled element loop of small-strain mixed elasticity into a fixed sparsity pattern.
 
-The pattern is made from the numbering alone, so that the whole needs no memory beyond the matrix.
+The pattern follows from the numbering alone, so that assembly needs no memory beyond the matrix.
 """
 
 import numpy as np
@@ -38,25 +38,25 @@ def pattern(unknowns: Integers, count: int) -> tuple[Places, Places]:
             row = unknowns[e, k]
             cells[filled[row]] = e
             filled[row] += 1
-    seen = np.full(count, -1, np.int64)
+    last_mark = np.full(count, -1, np.int64)
     starts = np.zeros(count + 1, np.int32)
     columns = np.empty(0, np.int32)
     for fill in (False, True):
         for row in range(count):
-            found = 0
+            width = 0
             mark = row if not fill else count + row
             for at in range(first[row], first[row + 1]):
                 for k in range(n_local):
                     column = unknowns[cells[at], k]
-                    if seen[column] != mark:
-                        seen[column] = mark
+                    if last_mark[column] != mark:
+                        last_mark[column] = mark
                         if fill:
-                            columns[starts[row] + found] = column
-                        found += 1
+                            columns[starts[row] + width] = column
+                        width += 1
             if fill:
                 columns[starts[row] : starts[row + 1]].sort()
             else:
-                starts[row + 1] = starts[row] + found
+                starts[row + 1] = starts[row] + width
         if not fill:
             columns = np.empty(starts[-1], np.int32)
     return starts, columns
@@ -75,7 +75,7 @@ def small_strain(
     """Add the element matrices [[A, B'], [B, -M / K]] of all cells into `data`.
 
     corners (n_cells, 4, 3) mm; unknowns (n_cells, 34), displacements first, three to a node;
-    shear (n_cells,) kPa, which pressures are in units of; compressibility (n_cells,) 1/kPa.
+    shear (n_cells,) kPa, the unit of the pressures of a cell; compressibility (n_cells,) 1/kPa.
     """
     slopes, derivative = np.empty((4, 3)), np.empty((10, 3))
     block = np.empty((34, 34))
@@ -158,10 +158,10 @@ def _scatter(block: Array, members: Integers, starts: Places, columns: Places, d
         rows = 3 if k < 30 else 1
         start = starts[members[k]]
         width = starts[members[k] + 1] - start
-        own = columns[start : start + width]
+        row_columns = columns[start : start + width]
         for j in range(14):
             first = 3 * j if j < 10 else 20 + j
-            at = start + np.searchsorted(own, members[first])
+            at = start + np.searchsorted(row_columns, members[first])
             for r in range(rows):
                 for c in range(3 if j < 10 else 1):
                     data[at + r * width + c] += block[k + r, first + c]

@@ -1,4 +1,4 @@
-"""Small-strain isotropic elasticity in displacement and mean stress (Herrmann), assembled at once.
+"""Stiffness matrix of small-strain isotropic elasticity in displacement and mean stress (Herrmann).
 
 For every v and q: integral of 2 mu dev eps(u) : dev eps(v) + p div v equals the load on v, and
 integral of q div u - q p / K = 0; the mean stress p = K div u, and 1 / K = 0 at nu = 0.5.

@@ -1,4 +1,4 @@
-"""Tetrahedra for tests and validation, where geometry must not be in the way: boxes and quarters.
+"""Structured tetrahedral meshes for tests and validation: boxes, and quarters of round bodies.
 
 A quarter is a flat body of revolution, graded in its section where the solution is steep and even
 around its axis, where the solution is smooth.

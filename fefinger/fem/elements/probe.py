@@ -1,4 +1,4 @@
-"""Fields at points: strain of a displacement at end-organ sites and at mesh vertices."""
+"""Operators from unknowns to strain and displacement gradient, at sites and at mesh vertices."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -44,17 +44,17 @@ def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> spar
 
 
 def _mirrored(points: Array, planes: Sequence[int]) -> Array:
-    """Return what the mean with its image leaves of a point's gradient (n_points, 3, 3): 1 or 0."""
-    left = np.ones((len(points), 3, 3))
+    """Factors (n_points, 3, 3), 1 or 0, of the mean of a point's gradient with its mirror image."""
+    factors = np.ones((len(points), 3, 3))
     for axis in planes:
         across = np.arange(3) == axis
-        left[np.ix_(points[:, axis] == 0, across, ~across)] = 0.0
-        left[np.ix_(points[:, axis] == 0, ~across, across)] = 0.0
-    return left
+        factors[np.ix_(points[:, axis] == 0, across, ~across)] = 0.0
+        factors[np.ix_(points[:, axis] == 0, ~across, across)] = 0.0
+    return factors
 
 
 def _at_points(space: Space, points: Array, rows_at: Rows, mirrored: Array) -> sparse.csr_matrix:
-    """Return the mean over the cells of each point, times `mirrored` (n_points, ...)."""
+    """Mean of the rows over the cells of each point, times `mirrored` (n_points, ...)."""
     owner, cells, local = locate(space, points)
     width = mirrored[0].size if len(points) else 1
     share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], width)
@@ -74,7 +74,10 @@ def strain_at_vertices(space: Space) -> sparse.csr_matrix:
 
 
 def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
-    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at the vertices, a like mean."""
+    """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at the vertices.
+
+    A vertex gets the same mean over its cells as in `strain_at_vertices`.
+    """
     return _at_vertices(space, _gradient_rows, 9)
 
 
@@ -106,7 +109,7 @@ def tensors(components: Array) -> Array:
 
 
 def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
-    """Return the cells that hold the points: point number, cell and reference coordinates (m, 3).
+    """Locate points in the mesh: point number, cell and reference coordinates (m, 3).
 
     Points are numbered in order; a point on a face, edge or vertex has an entry for each cell.
 
@@ -125,19 +128,19 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
                 "choose a smaller depth or another place on the pad"
             )
             raise InputError(message)
-        found = np.flatnonzero(least >= min(least.max(), -SHARED))
-        owners.append(np.full(len(found), k))
-        cells.append(near[found])
-        local.append(weights[found, 1:])
+        holding = np.flatnonzero(least >= min(least.max(), -SHARED))
+        owners.append(np.full(len(holding), k))
+        cells.append(near[holding])
+        local.append(weights[holding, 1:])
     if not cells:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
     return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
 
 
 def inside(space: Space, points: Array) -> NDArray[np.bool_]:
-    """Return which points (n, 3) mm lie in the body, by the measure of `locate`."""
-    holds = [(weights.min(axis=1) >= -INSIDE).any() for _, weights in _around(space, points)]
-    return np.array(holds, dtype=np.bool_)
+    """Whether points (n, 3) mm lie in the body, with the tolerance of `locate`."""
+    flags = [(weights.min(axis=1) >= -INSIDE).any() for _, weights in _around(space, points)]
+    return np.array(flags, dtype=np.bool_)
 
 
 def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:

@@ -1,10 +1,10 @@
-"""Strain at points by recovery: the derivative of a cubic fitted to the displacements around.
+"""Recovered strain at points: gradient of a cubic fitted to the nodal displacements nearby.
 
 The strain of quadratic elements jumps between cells and is of second order. A cubic polynomial,
 fitted by least squares to the nodal displacements of the cells around a point, has a gradient of
 third order there (Zhang and Naga, SIAM J. Sci. Comput. 26:1192, 2005). Only cells of the tissue
 that the point lies in are used, as strain jumps between tissues; where they are too few for a
-cubic, a point keeps the gradient of its own cells.
+cubic, the gradient of the elements is used.
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ POWERS = np.array([p for p in product(range(4), repeat=3) if sum(p) <= 3])
 """Exponents (20, 3) of the monomials of a cubic."""
 
 SLOPES = [int(np.flatnonzero((unit == POWERS).all(axis=1))[0]) for unit in np.eye(3, dtype=int)]
-"""Which of them are x, y and z."""
+"""Indices of x, y and z among the monomials."""
 
-RINGS = 4  # of cells around the point, at most
-PLENTY = 3  # nodes of a fit for each monomial
-FADE = 1.5  # how the weights fade: exp(-FADE) where there are PLENTY of nodes
-RANK = 1e-6  # smallest singular value of a fit, over the largest
+RINGS = 4  # largest number of rings of cells around the point
+PLENTY = 3  # nodes of a fit per monomial
+FADE = 1.5  # the weight is exp(-FADE (r / R)²), R the radius that encloses PLENTY of nodes
+RANK = 1e-6  # least ratio of the singular values of a fit
 
 
 def recovered_strain_at(
@@ -65,7 +65,7 @@ def recovered_gradient_at(
 
 
 class _Around:
-    """The cells of a body and of its mirror images, and which of them touch.
+    """Adjacency of the cells of a body and of its mirror images.
 
     A cell, vertex or node has one number per image; on a mirror plane the images are one.
     """
@@ -86,38 +86,39 @@ class _Around:
         self._starts = np.concatenate([[0], np.cumsum(sizes)])
 
     def _images(self, members: Integers, points: Array) -> Integers:
-        """Return the members (n_cells, k) of the cells of all images, numbered image by image."""
-        found = []
+        """Assign numbers (n_cells, k) to the members of the cells of all images, image by image."""
+        numbered = []
         for image, signs in enumerate(self.signs):
-            own = np.full(len(points), image)
-            for lower in range(image):  # one and the same, if what the signs differ in is 0
-                same = (points[:, signs != self.signs[lower]] == 0).all(axis=1) & (own == image)
-                own[same] = lower
-            found.append(own[members] * len(points) + members)
-        return np.concatenate(found)
+            images = np.full(len(points), image)
+            # A point whose coordinates are 0 where the signs differ is its own image.
+            for lower in range(image):
+                same = (points[:, signs != self.signs[lower]] == 0).all(axis=1) & (images == image)
+                images[same] = lower
+            numbered.append(images[members] * len(points) + members)
+        return np.concatenate(numbered)
 
     def hosts(self, point: Array, cells: Integers) -> Integers:
-        """Return the cells of one tissue that hold a point; on a mirror plane, their images too."""
-        own = cells[self.tissue[cells] == self.tissue[cells[0]]]
+        """Cells of one tissue that contain a point; on a mirror plane, their images too."""
+        same = cells[self.tissue[cells] == self.tissue[cells[0]]]
         images = np.flatnonzero((point * self.signs == point).all(axis=1))
-        return (images[:, None] * len(self.space.vertices) + own).ravel()
+        return (images[:, None] * len(self.space.vertices) + same).ravel()
 
     def grown(self, cells: Integers) -> Integers:
-        """Return the cells with all of their tissue that touch them."""
+        """Extend cells by one ring: all cells of the same tissue that share a vertex with them."""
         vertices = np.unique(self.vertices[cells])
         runs = [self._cells[self._starts[v] : self._starts[v + 1]] for v in vertices]
-        found = np.unique(np.concatenate(runs))
-        return found[self.tissue[found] == self.tissue[cells[0]]]
+        ring = np.unique(np.concatenate(runs))
+        return ring[self.tissue[ring] == self.tissue[cells[0]]]
 
     def places(self, cells: Integers) -> tuple[Integers, Array, Array]:
-        """Return the nodes (n,) of cells, where they are or their images, and signs (n, 3)."""
+        """Nodes (n,) of cells, positions (n, 3) mm of them or of their images, and signs (n, 3)."""
         images, nodes = np.divmod(np.unique(self.nodes[cells]), len(self.space.node_points))
         signs = self.signs[images]
         return nodes, self.space.node_points[nodes] * signs, signs
 
 
 def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
-    """Return the rows (9, n_unknowns) of one point, with as many rings of cells as it takes."""
+    """Rows (9, n_unknowns) of one point, from the fewest rings of cells that determine the fit."""
     space, cells = around.space, around.hosts(point, host)
     for _ in range(RINGS):
         cells = around.grown(cells)
@@ -132,7 +133,7 @@ def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
 
 
 def _slopes(offsets: Array) -> Array | None:
-    """Return what takes values at the offsets (n, 3) to their gradient (3, n), None if unknown."""
+    """Weights (3, n) of values at the offsets (n, 3) in the gradient; None if undetermined."""
     enough = PLENTY * len(POWERS)
     distance = np.linalg.norm(offsets, axis=1)
     if len(distance) < len(POWERS):

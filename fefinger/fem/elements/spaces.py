@@ -55,9 +55,9 @@ class Space:
         start = 0
         for label in np.unique(self.tissue):
             inside = self.tissue == label
-            own, inverse = np.unique(self.vertices[inside], return_inverse=True)
+            vertices, inverse = np.unique(self.vertices[inside], return_inverse=True)
             numbers[inside] = start + inverse.reshape(-1, 4)
-            start += len(own)
+            start += len(vertices)
         return numbers
 
     @cached_property
@@ -97,26 +97,26 @@ class Space:
         pairs = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
         keys = self._edge_key(*np.moveaxis(pairs, 2, 0))
         edges = np.sort(self.scalar.mesh.edges, axis=0)
-        known = self._edge_key(edges[0], edges[1])
-        order = np.argsort(known)
-        place = np.minimum(np.searchsorted(known, keys, sorter=order), len(known) - 1)
-        found = order[place]
-        if not np.array_equal(known[found], keys):
+        mesh_keys = self._edge_key(edges[0], edges[1])
+        order = np.argsort(mesh_keys)
+        place = np.minimum(np.searchsorted(mesh_keys, keys, sorter=order), len(mesh_keys) - 1)
+        numbers = order[place]
+        if not np.array_equal(mesh_keys[numbers], keys):
             message = "triangles: expected faces of the mesh, received an edge that it lacks"
             raise KeyError(message)
-        return np.asarray(self.scalar.edge_dofs[0][found], dtype=np.int64)
+        return np.asarray(self.scalar.edge_dofs[0][numbers], dtype=np.int64)
 
     def face_nodes(self, triangles: Integers) -> Integers:
         """All nodes that lie on the given vertex triples, sorted."""
         return np.unique(np.concatenate([triangles.ravel(), self.edge_nodes(triangles).ravel()]))
 
     def has_faces(self, triangles: Integers) -> NDArray[np.bool_]:
-        """Return which vertex triples (n_triangles, 3) are faces of the mesh."""
-        known, asked = (self._face_key(f) for f in (self.scalar.mesh.facets.T, triangles))
-        return np.isin(asked, known)
+        """Whether vertex triples (n_triangles, 3) are faces of the mesh."""
+        faces, keys = (self._face_key(f) for f in (self.scalar.mesh.facets.T, triangles))
+        return np.isin(keys, faces)
 
     def _face_key(self, faces: Integers) -> Integers:
-        """Return a number (n,) for each vertex triple; below 2e6 points it fits in 64 bits."""
+        """Compute a unique integer (n,) per vertex triple; 64 bits suffice below 2e6 points."""
         low, middle, high = np.sort(faces, axis=1).astype(np.int64).T
         return self._edge_key(self._edge_key(low, middle), high)
 

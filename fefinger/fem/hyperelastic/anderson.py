@@ -7,7 +7,10 @@ from fefinger.support.checks import ConvergenceError
 
 
 class Anderson:
-    """Acceleration by the last `depth` iterates (Anderson, J. ACM 12:547, 1965); by 1, none."""
+    """Anderson acceleration with the last `depth` iterates; a depth of 1 is the plain iteration.
+
+    Anderson, J. ACM 12:547, 1965.
+    """
 
     def __init__(self, depth: int) -> None:
         self.depth = depth
@@ -29,7 +32,7 @@ class Anderson:
         differences = np.diff(self.changes, axis=0)
         square = differences @ differences.T
         if not np.isfinite(square).all():
-            message = "equilibrium: the iteration ran away; take shorter steps"
+            message = "equilibrium: the iteration diverged; take shorter steps"
             raise ConvergenceError(message)
         weights = np.linalg.lstsq(square, differences @ change, rcond=1e-12)[0]
         moved = np.diff(self.points, axis=0) + differences

@@ -1,4 +1,4 @@
-"""A body of hyperelastic tissues at finite strain: residual, tangent and stress of its elements.
+"""Finite-strain hyperelastic body: residual, tangent, stress and energy of its elements.
 
 The unknowns are those of `spaces.Space`: displacements, then elastic pressures in units of
 `scale`. At rest the tangent is the matrix of `forms.stiffness`.
@@ -19,14 +19,15 @@ from fefinger.fem.hyperelastic.laws import Law
 from fefinger.support.checks import InputError
 
 
-Places = tuple[Array, Integers, Array, Array, Array, Array, Array]
+ElementData = tuple[Array, Integers, Array, Array, Array, Array, Array]
 
 
 @dataclass(frozen=True)
-class Memory:
-    """What relaxation makes of one step: S = g_d S_iso + g_v S_vol + past.
+class HistoryStress:
+    """Relaxation factors and history stress of one step: S = g_d S_iso + g_v S_vol + past.
 
-    gains (n_cells, 2): g_d and g_v; past (n_cells, n_q, 6) kPa.
+    gains (n_cells, 2): g_d and g_v, which the Prony series gives for the length of the step; past
+    (n_cells, n_q, 6) kPa: the second Piola-Kirchhoff stress that remains of earlier steps.
     """
 
     gains: Array
@@ -35,7 +36,7 @@ class Memory:
 
 @dataclass(frozen=True)
 class Continuum:
-    """The elements of a body, ready for the compiled loops.
+    """Element data of a body for the compiled loops.
 
     laws (n_cells, 4): mu, 1 / K, share and exponent; jacobians (n_cells, 3, 3): gradients of the
     reference coordinates; weights (n_cells, n_q) mm³; reference (n_q, 10, 3) and shapes (n_q, 4):
@@ -54,13 +55,13 @@ class Continuum:
     slots: NDArray[np.int32]
 
     @property
-    def at_rest(self) -> Memory:
-        """The memory of a body that has not relaxed and never will."""
+    def at_rest(self) -> HistoryStress:
+        """Factors of 1 and no history stress: a purely elastic step."""
         cells, points = self.weights.shape
-        return Memory(np.ones((cells, 2)), np.zeros((cells, points, 6)))
+        return HistoryStress(np.ones((cells, 2)), np.zeros((cells, points, 6)))
 
-    def _places(self, values: Array) -> Places:
-        """Return what every loop starts from."""
+    def _element_data(self, values: Array) -> ElementData:
+        """First arguments of every compiled loop."""
         return (
             values,
             self.space.unknowns,
@@ -71,28 +72,30 @@ class Continuum:
             self.laws,
         )
 
-    def residual(self, values: Array, memory: Memory) -> tuple[Array, float]:
+    def residual(self, values: Array, history: HistoryStress) -> tuple[Array, float]:
         """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
         out = np.zeros(self.space.n_unknowns)
         least = element_kernels.residual(
-            *self._places(values),
-            memory.gains,
-            memory.past,
+            *self._element_data(values),
+            history.gains,
+            history.past,
             out,
         )
         return out, float(least)
 
-    def tangent(self, values: Array, memory: Memory, *, whole: bool = True) -> sparse.csr_matrix:
+    def tangent(
+        self, values: Array, history: HistoryStress, *, whole: bool = True
+    ) -> sparse.csr_matrix:
         """Return the second derivative of the potential, symmetric.
 
         Unless `whole`, its displacement block is made positive definite, so that it can be factored
-        in every state: good to iterate with, and no derivative (see `kernels.tangent`).
+        in every state: good to iterate with, and no derivative (see `element_kernels.tangent`).
         """
         data = np.zeros_like(self.pattern.data)
         element_kernels.tangent(
-            *self._places(values),
-            memory.gains,
-            memory.past,
+            *self._element_data(values),
+            history.gains,
+            history.past,
             self.slots,
             whole,
             data,
@@ -106,7 +109,7 @@ class Continuum:
         isochoric = np.empty((*self.weights.shape, 6))
         volumetric = np.empty_like(isochoric)
         element_kernels.stress(
-            *self._places(values),
+            *self._element_data(values),
             isochoric,
             volumetric,
         )
@@ -155,7 +158,7 @@ def continuum(
 
 
 def _pattern(space: Space) -> tuple[sparse.csr_matrix, NDArray[np.int32]]:
-    """Return a matrix with every place that cells fill, and the places of each cell's entries."""
+    """Build the sparsity pattern, and the position of each cell's entries in it."""
     n, members = space.n_unknowns, space.unknowns
     starts, columns = assembly.pattern(members, n)
     pattern = sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n))

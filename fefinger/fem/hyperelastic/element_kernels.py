@@ -1,8 +1,8 @@
 """Compiled element loops of finite-strain mixed elasticity, in the reference configuration.
 
 The potential of one step is the integral of g_d W_iso + g_v (p (J - 1) - p² / 2K) + H : E, with E
-the Green-Lagrange strain, g_d and g_v what a step of relaxation makes of the elastic stress, and H
-the stress that the past leaves (second Piola-Kirchhoff).
+the Green-Lagrange strain, g_d and g_v the relaxation factors of the step, and H the history stress
+(second Piola-Kirchhoff).
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from fefinger.fem.hyperelastic.stress_kernels import FAST, PAIRS, brace, convex,
 
 @njit(cache=True, fastmath=FAST)
 def _spread(nodal: Array, strain_rows: Array, deformation: Array, node: int) -> None:
-    """Fill the rows (6, 3) that take a displacement of the node to dE, shears doubled."""
+    """Fill the strain-displacement matrix (6, 3) of a node: dE = B du, shears doubled."""
     for row in range(3):
         for a in range(3):
             strain_rows[row, a] = deformation[a, row] * nodal[node, row]
@@ -288,12 +288,12 @@ def _couple(
 def slots(
     members: Integers, starts: NDArray[np.int32], columns: NDArray[np.int32]
 ) -> NDArray[np.int32]:
-    """Return where the entries (n_cells, 34, 34) of each cell stand in a sorted CSR matrix."""
-    found = np.empty((len(members), members.shape[1], members.shape[1]), dtype=np.int32)
+    """Positions of the entries (n_cells, 34, 34) of each cell in a sorted CSR matrix."""
+    positions = np.empty((len(members), members.shape[1], members.shape[1]), dtype=np.int32)
     for e in range(len(members)):
         for k in range(members.shape[1]):
             row = members[e, k]
             low, high = starts[row], starts[row + 1]
             for m in range(members.shape[1]):
-                found[e, k, m] = low + np.searchsorted(columns[low:high], members[e, m])
-    return found
+                positions[e, k, m] = low + np.searchsorted(columns[low:high], members[e, m])
+    return positions

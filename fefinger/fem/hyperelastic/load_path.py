@@ -1,8 +1,8 @@
 """A hyperelastic body in contact through time, with a relaxing second Piola-Kirchhoff stress.
 
 S(t) = integral of G(t - s) dS_e(s) (Fung's quasi-linear viscoelasticity), by the exponential
-recursion of `march.Relaxation` at every point of integration: exact for stresses that are linear
-over a step. A step that does not converge is quartered, as far as an `Allowance` goes.
+recursion of `viscoelastic.Relaxation` at every integration point: exact for stresses that are
+linear over a step. A step that does not converge is quartered, as far as an `Allowance` goes.
 """
 
 import math
@@ -14,15 +14,18 @@ import numpy as np
 
 from fefinger.fem.contact.viscoelastic import Relaxation
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.hyperelastic.continuum import Continuum, Memory
+from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
 from fefinger.fem.hyperelastic.newton import Equilibrium, Exhausted
-from fefinger.fem.hyperelastic.state import Asked, State
+from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.checks import ConvergenceError
 
 
 SPLITS, PARTS = 3, 4
-"""How often a step is split, and into how many: halves would fail oftener, which takes long."""
+"""Levels of subdivision of a step, and parts per level.
+
+Halves instead of quarters fail more often, and every failed attempt costs a full iteration.
+"""
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Series:
 
 
 class StressHistory:
-    """What the past of a body leaves in its stress; each tissue relaxes with its own series.
+    """Viscoelastic stress history of a body: one Prony series for each tissue.
 
     With `deviatoric` the pressure does not relax.
     """
@@ -49,19 +52,19 @@ class StressHistory:
             size = len(cells) * body.weights.shape[1] * 6
             self._parts.append((cells, Relaxation(prony.weights, prony.rates, size)))
 
-    def memory(self, step: float) -> Memory:
-        """Return the gains and the past of a step of `step` s."""
+    def over(self, step: float) -> HistoryStress:
+        """Return the relaxation factors and the history stress of a step of `step` s."""
         gains = np.ones((len(self.body.weights), 2))
         past = np.zeros((*self.body.weights.shape, 6))
         for cells, relaxation in self._parts:
-            gain, left = relaxation.history(step)
+            gain, history = relaxation.history(step)
             gains[cells, 0] = gain
             gains[cells, 1] = 1.0 if self.deviatoric else gain
-            past[cells] = left.reshape(len(cells), -1, 6)
-        return Memory(gains, past)
+            past[cells] = history.reshape(len(cells), -1, 6)
+        return HistoryStress(gains, past)
 
     def advance(self, step: float, values: Array) -> None:
-        """Accept the state at the end of a step."""
+        """Update the internal variables with the converged unknowns at the end of a step."""
         isochoric, volumetric = self.body.stress(values)
         elastic = isochoric if self.deviatoric else isochoric + volumetric
         for cells, relaxation in self._parts:
@@ -70,7 +73,7 @@ class StressHistory:
 
 @dataclass(frozen=True)
 class Path:
-    """What the indenter is made to do: `value` gives a depth in mm or a force in mN at a time."""
+    """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s."""
 
     control: str
     times: Array
@@ -84,17 +87,18 @@ class Path:
 
 @dataclass(frozen=True)
 class Allowance:
-    """Factors of the tangent that a passage may make.
+    """Limit on tangent factorizations along a load path.
 
-    usual: by every step of the path, with its parts; spare: beyond them, by all steps together.
-    Counted in factors, so that the same passage ends at the same step on every machine.
+    usual: for every step of the path, its parts included; spare: beyond those, for all steps
+    together. Factorizations are counted, not seconds, so that the same load path stops at the
+    same step on every machine.
     """
 
     usual: float = math.inf
     spare: float = 0.0
 
-    def left(self, spent: float) -> "Allowance":
-        """Return what is left after a step that `spent` so many factors."""
+    def after(self, spent: float) -> "Allowance":
+        """Return the remaining allowance after a step with `spent` factorizations."""
         return replace(self, spare=self.spare - max(spent - self.usual, 0.0))
 
 
@@ -107,10 +111,11 @@ def follow(
     progress: Callable[[float], None] = lambda fraction: None,
     allowance: Allowance | None = None,
 ) -> int:
-    """Solve the body at every time of the path, and show `observe` each; return the steps taken.
+    """Solve the load path step by step; return the number of steps taken.
 
-    The body is at rest before the first time, whose value is reached by a jump. Without an
-    `allowance` the steps may take any work.
+    `observe` is called with the index and the state of every time. The body is at rest before
+    the first time, whose value is reached by a jump. Without an `allowance` the number of
+    factorizations has no limit.
 
     Raises
     ------
@@ -120,53 +125,53 @@ def follow(
     """
     body, contact = equilibrium.body, equilibrium.contact
     state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
-    walk = _Walk(equilibrium, history, path, path.peak, state, state)
-    left = allowance or Allowance()
+    solver = _PathSolver(equilibrium, history, path, path.peak, state, state)
+    remaining = allowance or Allowance()
     for k, time in enumerate(path.times):
         before = equilibrium.factors
-        equilibrium.allowed = before + left.usual + left.spare
-        walk.to(float(path.times[k - 1]) if k else float(time), float(time), SPLITS)
-        left = left.left(equilibrium.factors - before)
-        observe(k, walk.state)
+        equilibrium.allowed = before + remaining.usual + remaining.spare
+        solver.advance(float(path.times[k - 1]) if k else float(time), float(time), SPLITS)
+        remaining = remaining.after(equilibrium.factors - before)
+        observe(k, solver.state)
         progress((k + 1) / len(path.times))
-    return walk.steps
+    return solver.steps
 
 
 @dataclass
-class _Walk:
-    """The last two states, and how to reach the next; `peak` is the largest value of the path."""
+class _PathSolver:
+    """Solver of a load path, with the last two states; `peak`: the largest value of the path."""
 
     equilibrium: Equilibrium
-    history: StressHistory
+    stress: StressHistory
     path: Path
     peak: float
     state: State
     previous: State
     steps: int = 0
 
-    def to(self, start: float, stop: float, splits: int) -> None:
-        """Go from the time `start` to `stop`, in parts if need be."""
-        target = float(self.path.value(stop))
-        memory = self.history.memory(stop - start)
-        asked = Asked(self.path.control, target, memory, self.peak)
+    def advance(self, start: float, stop: float, splits: int) -> None:
+        """Solve the step from time `start` to `stop`; subdivide it where it does not converge."""
+        value = float(self.path.value(stop))
+        history = self.stress.over(stop - start)
+        target = Target(self.path.control, value, history, self.peak)
         try:
-            found = self.equilibrium.find(self._guess(target), asked)
+            state = self.equilibrium.find(self._guess(value), target)
         except ConvergenceError as error:
             if splits == 0 or stop == start or isinstance(error, Exhausted):
-                message = f"at {stop:.6g} s ({self.path.control} {target:.6g}): {error}"
+                message = f"at {stop:.6g} s ({self.path.control} {value:.6g}): {error}"
                 raise ConvergenceError(message) from error
             for begin, end in pairwise(np.linspace(start, stop, PARTS + 1).tolist()):
-                self.to(begin, end, splits - 1)
+                self.advance(begin, end, splits - 1)
             return
-        self.history.advance(stop - start, found.values)
-        self.previous, self.state = self.state, found
+        self.stress.advance(stop - start, state.values)
+        self.previous, self.state = self.state, state
         self.steps += 1
 
-    def _guess(self, target: float) -> State:
-        """Extrapolate the last two states to a new depth."""
+    def _guess(self, value: float) -> State:
+        """Extrapolate the last two states linearly to a new depth; keep the last under force."""
         last = self.state.depth - self.previous.depth
         if self.path.control != "depth" or last == 0:
             return self.state
-        ratio = float(np.clip((target - self.state.depth) / last, -1.0, 1.0))
+        ratio = float(np.clip((value - self.state.depth) / last, -1.0, 1.0))
         values = self.state.values + ratio * (self.state.values - self.previous.values)
         return replace(self.state, values=values)

@@ -1,12 +1,13 @@
-"""Equilibrium of a hyperelastic body in contact: Newton's method on a factor that is kept.
+"""Equilibrium of a hyperelastic body in contact: modified Newton's method.
 
-One iteration linearizes the body with a factored tangent K0 and leaves the complementarity of
-the contact exact: with r the residual force, the displacements change by K0^-1 r + Z dlambda, Z =
-K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted gaps that this change
-leaves. Residual and gaps are always those of the true body, so an old factor costs iterations and
-never accuracy; it is replaced when the residual shrinks too slowly. Where that fails, as when a
-facet snaps through and the tangent is indefinite on the way, blends of the tangent with one made
-positive definite lead downhill, without acceleration until the residual shrinks again.
+One iteration linearizes the body with a factored tangent K0, which is reused from earlier
+iterations, and treats the contact exactly: with r the residual force, the displacements change by
+K0^-1 r + Z dlambda, Z = K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted
+gaps after this change. Residual and gaps are always those of the nonlinear body, so an old factor
+costs iterations but no accuracy; it is replaced when the residual falls too slowly. Where that
+fails, as when a facet snaps through and the tangent is indefinite on the way, a blend of the
+consistent and a positive definite tangent is used (`_globalized`), without acceleration until the
+residual falls again.
 """
 
 from contextlib import suppress
@@ -15,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.contact.deformed_gap import Facing, Sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.elements.spaces import Array
 from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.state import Asked, State
-from fefinger.fem.hyperelastic.tangent import Factored
+from fefinger.fem.hyperelastic.state import State, Target
+from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_single import Rough
 from fefinger.fem.linalg.system import System, rough
 from fefinger.support.checks import ConvergenceError, InputError
@@ -30,54 +31,58 @@ from fefinger.support.tolerances import EQUILIBRIUM
 
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
-STUCK = 2 * PATIENCE  # of them without a smaller error, before it is given up
-FEW = 6  # iterations of a step that a good factor takes
-RENEWAL = 200  # squares of the iterations beyond FEW, over steps, that a new factor is worth
-SEARCH = 8  # factors of one step under depth control; more, and the way downhill is shorter
-SOON = 3  # iterations that a factor is given at least
-STIFF = 2.0  # what a factor need not know of what resists folds, in shear moduli over a facet
-NEAR = 0.1  # gap, as part of the depth, below which a vertex is made ready for contact
-BEDS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear moduli over the size of the patch
-MEMORY = 12  # iterates that the acceleration remembers
-RETREATS = 8  # halvings of an iteration that turned a cell inside out
-DESCENT = 100  # iterations downhill
-ASTRAY = 16  # of them after which more than the load may be out of balance only if that falls,
-FALLS = 4.0  # by so much in half of them
-KEPT = 2  # of them with one share of the tangent made positive definite
-STRIDE = 4.0  # by what that is divided
-LEAST = 1 / 256  # of it
-TRUST = 0.1  # of the size of a facet, that a node may move by in one of them
-CALM = 4  # of them with ever smaller errors, before they are accelerated
-SURE = 1e-3  # error below which they may be
-MOST = 1e30  # mN at a node, of any tissue: more, and the iteration has run away
-SURER = 0.1  # by how much smaller the error has to be before that is tried again
+STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
+FEW = 6  # iterations of a step with a good factor
+RENEWAL = 200  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
+SOON = 3  # iterations with a factor before the fold stiffness may renew it
+STIFF = 2.0  # change of the fold stiffness that a factor tolerates, in shear modulus / facet size
+NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
+SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
+MEMORY = 12  # iterates of the Anderson acceleration
+RETREATS = 8  # halvings of an iteration that inverted a cell
+
+# Globalized iteration with blended tangents (`_globalized`):
+DESCENT = 100  # iterations
+ASTRAY = 16  # iterations after which an error above 1 is accepted only while it falls
+FALLS = 4.0  # factor by which it must fall in ASTRAY / 2 iterations
+HOLD = 2  # iterations with one share of the definite tangent
+STRIDE = 4.0  # factor between successive shares
+LEAST = 1 / 256  # smallest share
+TRUST = 0.1  # largest nodal displacement in an iteration, over the size of a facet
+CALM = 4  # successive decreases of the error before acceleration is tried
+SURE = 1e-3  # error below which acceleration is tried
+SURER = 0.1  # factor by which the error must fall before it is tried again
+
+MOST = 1e30  # nodal force in mN of a diverged iteration, whatever the tissue
 
 
 class Exhausted(ConvergenceError):
-    """An equilibrium that takes more factors than are allowed: shorter steps take even more."""
+    """Limit of factorizations reached; subdividing the step would need even more of them."""
 
 
 class Equilibrium:
-    """Solver of one body and one contact for many steps; it keeps the last factor.
+    """Equilibrium solver of one body and one contact for many load steps.
 
-    `system` is the body at rest, with what holds it; `iterations`, `factors` and `descents`, the
-    steps that were found downhill, count the work, and `allowed` bounds `factors`.
+    The last factor of the tangent is reused from step to step. `system` is the body at rest with
+    its held facets. `iterations`, `factors` and `descents` (steps that needed blended tangents)
+    count the work; `allowed` bounds `factors`.
     """
 
-    def __init__(self, body: Continuum, contact: Sliding, system: System) -> None:
+    def __init__(self, body: Continuum, contact: ContactSurface, system: System) -> None:
         self.body, self.contact, self.system = body, contact, system
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
         self.allowed = np.inf
-        self._excess, self._bed = 0, 0
+        self._excess, self._support = 0, 0
         # A tangent has as many negative eigenvalues as pressures where the body is stable.
         self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
         loads = contact.at(State(at_rest, none, 0.0)).loads
-        self._factored = Factored(system.rough, system.free, loads, 1.0, none, none)
+        self._factored = FactoredTangent(system.rough, system.free, loads, 1.0, none, none)
 
-    def find(self, start: State, asked: Asked) -> State:
-        """Return the equilibrium near `start`.
+    def find(self, start: State, target: Target) -> State:
+        """Solve for the equilibrium of one load step, starting from the state `start`.
 
         Raises
         ------
@@ -86,116 +91,121 @@ class Equilibrium:
         Exhausted
             If it takes more factors than are allowed.
         """
-        if asked.control == "depth":
-            start = replace(start, depth=asked.target)
+        if target.control == "depth":
+            start = replace(start, depth=target.value)
         try:
-            return self._search(start, asked)
+            return self._search(start, target)
         except ConvergenceError:
-            found = self._descend(start, asked)
+            state = self._globalized(start, target)
         self.descents += 1
-        return found
+        return state
 
-    def _search(self, start: State, asked: Asked, *, whole: bool = True) -> State:
-        """Iterate from `start`, accelerated; with true tangents if `whole`."""
+    def _search(self, start: State, target: Target, *, whole: bool = True) -> State:
+        """Iterate with Anderson acceleration; with consistent tangents if `whole`."""
         state, sound = start, start
         mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
-        best, found, stuck = np.inf, 0, STUCK if whole else PATIENCE
-        most = self.factors + (SEARCH if asked.control == "depth" else ITERATIONS)
+        best, best_at, stuck = np.inf, 0, STUCK if whole else PATIENCE
+        most = self.factors + (SEARCH if target.control == "depth" else ITERATIONS)
         for count in range(ITERATIONS):
-            look = self._look(state, asked)
-            if look is None:
+            iterate = self._evaluate(state, target)
+            if iterate is None:
                 retreats += 1
                 if retreats > RETREATS or sound is start:
                     break
                 state = replace(state, values=(state.values + sound.values) / 2)
                 mixing = Anderson(MEMORY)
                 continue
-            sound, error = state, look.error
+            sound, error = state, iterate.error
             if error <= EQUILIBRIUM:
                 self._excess += max(0, count - FEW) ** 2
                 return state
             if error < best:
-                best, found = error, count
-            elif count - found > stuck or self.factors > most:
+                best, best_at = error, count
+            elif count - best_at > stuck or self.factors > most:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn or (count - renewed >= SOON and self._outgrown(look.facing.rise, asked)):
-                self._renew(look, asked, whole=whole)
+            if worn or (
+                count - renewed >= SOON
+                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+            ):
+                self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
-            state = self._step(look, asked, mixing)
-        raise _missed(error, count + 1)
+            state = self._step(iterate, target, mixing)
+        raise _not_converged(error, count + 1)
 
-    def _descend(self, start: State, asked: Asked) -> State:
-        """Go downhill from `start` on blends of tangents, accelerated at the end.
+    def _globalized(self, start: State, target: Target) -> State:
+        """Iterate with blends of the consistent and a positive definite tangent.
 
-        A tangent made positive definite leads downhill from anywhere, but slowly where the body
-        buckles; the true one leads there at once, but anywhere from far away. The share of the
-        first shrinks, as far as what the body leans on keeps the blend stable.
+        The positive definite tangent reduces the potential from any start, but slowly where the
+        body buckles; the consistent one converges fast near the solution and diverges far from
+        it. The share of the first shrinks as far as the contact support keeps the blend stable.
+        The end is accelerated.
         """
         state, sound, plain, share = start, start, Anderson(1), 1.0
         errors, calm, sure = [np.inf], 0, SURE
         for _ in range(DESCENT):
-            look = self._look(state, asked)
-            if look is None:
+            iterate = self._evaluate(state, target)
+            if iterate is None:
                 if state is sound:
                     break
                 state, calm, share = sound.toward(state, 0.5), 0, 1.0
                 continue
-            calm = calm + 1 if look.error < errors[-1] else 0
+            calm = calm + 1 if iterate.error < errors[-1] else 0
             sound = state
-            errors.append(look.error)
-            if look.error <= EQUILIBRIUM:
+            errors.append(iterate.error)
+            if iterate.error <= EQUILIBRIUM:
                 return state
-            if _in_vain(errors):
+            if _stagnant(errors):
                 break
-            if calm >= CALM and look.error < sure:
+            if calm >= CALM and iterate.error < sure:
                 with suppress(ConvergenceError):
-                    return self._search(state, asked, whole=False)
-                sure = SURER * look.error
-            share = self._blend(look, asked, share)
-            state = self._trusted(state, self._step(look, asked, plain))
-            if asked.control == "depth" and (len(errors) - 1) % KEPT == 0:
+                    return self._search(state, target, whole=False)
+                sure = SURER * iterate.error
+            share = self._blend(iterate, target, share)
+            state = self._trusted(state, self._step(iterate, target, plain))
+            if target.control == "depth" and (len(errors) - 1) % HOLD == 0:
                 share = max(share / STRIDE, LEAST)
-        raise _missed(errors[-1], len(errors) - 1)
+        raise _not_converged(errors[-1], len(errors) - 1)
 
     def _trusted(self, state: State, far: State) -> State:
-        """Return the state as far on the way from `state` to `far` as an iteration is trusted."""
+        """Shorten an iteration from `state` to `far` to the largest trusted displacement."""
         n = self.body.space.n_displacements
         moved = (far.values - state.values)[:n].reshape(-1, 3)
         most = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
         trusted = TRUST * float(self.contact.sizes.mean())
         return far if most <= trusted else state.toward(far, trusted / most)
 
-    def _look(self, state: State, asked: Asked) -> "_Look | None":
-        """Return what an iterate is like; None if a cell is inside out, or forces have run away."""
+    def _evaluate(self, state: State, target: Target) -> "_Iterate | None":
+        """Evaluate residual and gaps; None if a cell is inverted or the forces diverge."""
         self.iterations += 1
-        inner, least = self.body.residual(state.values, asked.memory)
-        if least <= 0 or not np.abs(inner).max() < MOST:  # nor where one is not a number
+        inner, least = self.body.residual(state.values, target.history)
+        if least <= 0 or not np.abs(inner).max() < MOST:  # "not <" also catches nan
             return None
-        facing = self.contact.at(state)
-        return _Look(state, inner, facing, self._error(state, asked, inner, facing))
+        gap = self.contact.at(state)
+        return _Iterate(state, inner, gap, self._error(state, target, inner, gap))
 
-    def _outgrown(self, rise: Array, asked: Asked) -> bool:
-        """Return whether what resists folds is too stiff for the factor, which does not know it.
+    def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
+        """Whether the fold stiffness has changed too much for the present factor.
 
-        The iteration would go back and forth: it is meant for errors that are small beside K0.
+        The iteration would oscillate: it converges for changes that are small beside K0.
         """
-        gain = float(asked.memory.gains.mean())
+        gain = float(target.history.gains.mean())
         skin = gain * self.body.scale / np.sqrt(self.contact.travel)
-        known = self._factored.rise * gain / self._factored.gain
-        return bool((np.abs(rise - known) > np.maximum(STIFF * skin, known / 2)).any())
+        factored = self._factored.fold_stiffness * gain / self._factored.gain
+        change = np.abs(fold_stiffness - factored)
+        return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
 
-    def _error(self, state: State, asked: Asked, inner: Array, facing: Facing) -> float:
-        """Return the largest of the relative errors of force, volume, gap and target."""
+    def _error(self, state: State, target: Target, inner: Array, gap: DeformedGap) -> float:
+        """Largest of the relative errors of force, volume, gap and prescribed force."""
         travel, n = self.contact.travel, self.body.space.n_displacements
-        force, gaps = facing.loads @ state.pressure, facing.gaps
+        force, gaps = gap.loads @ state.pressure, gap.gaps
         free = self.system.free[self.system.free < n]
         load = max(self.load, float(np.linalg.norm(force)))
         self.load, residual = load, inner - force
-        load = max(load, asked.small)
+        load = max(load, target.small)
         size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
-        shallow = asked.small / self.body.scale / float(np.sqrt(travel.sum()))
-        size = max(size, asked.shallow, shallow)
+        shallow = target.small / self.body.scale / float(np.sqrt(travel.sum()))
+        size = max(size, target.shallow, shallow)
         forces = float(np.linalg.norm(residual[free]))
         volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
         apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / travel
@@ -204,141 +214,145 @@ class Equilibrium:
             volumes / (size * travel.sum()) if size > 0 else volumes,
             float(apart.max()) / size if size > 0 else 0.0,
         ]
-        if asked.control == "force":
+        if target.control == "force":
             reached = float(travel @ state.pressure)
-            most = max(asked.target, reached, asked.small, 1e-300)
-            errors.append(abs(reached - asked.target) / most)
+            most = max(target.value, reached, target.small, 1e-300)
+            errors.append(abs(reached - target.value) / most)
         worst = max(errors)
         return worst if np.isfinite(worst) else np.inf
 
-    def _renew(self, look: "_Look", asked: Asked, *, whole: bool = True) -> None:
-        """Factor the tangent of the state, on a bed where it touches.
+    def _renew(self, iterate: "_Iterate", target: Target, *, whole: bool = True) -> None:
+        """Factor the tangent of the iterate, with an elastic support where it is in contact.
 
-        Without what it leans on, a body under pressure may be about to buckle. Under depth control
-        the true tangent is therefore factored with a stiffness of its own against what the contact
-        forbids anyhow, the least of BEDS on which it is stable; `_step` takes its force off again.
-        Unless `whole`, it is made positive definite instead.
+        Without the obstacle, a body under pressure may be close to buckling. Under depth control
+        the consistent tangent is therefore factored with an added stiffness against the motion
+        that the contact prevents anyway: the least of SUPPORTS with which it is stable. `_step`
+        subtracts the force of this support again. Unless `whole`, the positive definite tangent
+        is factored instead, which needs no support.
 
         Raises
         ------
         ConvergenceError
             If it is singular.
         """
-        body, gain = self.body, float(asked.memory.gains.mean())
-        touched = look.state.pressure > 0
-        matrix = body.tangent(look.state.values, asked.memory, whole=whole)
-        matrix, bed = matrix + look.facing.stiffness(), 0.0
-        if not (whole and asked.control == "depth"):
+        body, gain = self.body, float(target.history.gains.mean())
+        pressed = iterate.state.pressure > 0
+        matrix = body.tangent(iterate.state.values, target.history, whole=whole)
+        matrix, support = matrix + iterate.gap.stiffness(), 0.0
+        if not (whole and target.control == "depth"):
             renewed = self._rough(matrix)
         else:
-            under = look.facing.bed(touched)
+            under = iterate.gap.support(pressed)
             unit = gain * body.scale / float(np.sqrt(self.contact.travel.sum()))
             while True:
-                bed = BEDS[self._bed] * unit
-                renewed = self._rough(matrix + bed * under)
-                if renewed.negative <= self._pressures or self._bed == len(BEDS) - 1:
+                support = SUPPORTS[self._support] * unit
+                renewed = self._rough(matrix + support * under)
+                if renewed.negative <= self._pressures or self._support == len(SUPPORTS) - 1:
                     break
-                self._bed += 1
-        beds = np.where(touched, bed, 0.0)
-        self._factored = Factored(
-            renewed, self.system.free, look.facing.loads, gain, beds, look.facing.rise
+                self._support += 1
+        supports = np.where(pressed, support, 0.0)
+        self._factored = FactoredTangent(
+            renewed, self.system.free, iterate.gap.loads, gain, supports, iterate.gap.fold_stiffness
         )
         self._excess = 0
 
-    def _blend(self, look: "_Look", asked: Asked, share: float) -> float:
-        """Factor a blend of the tangents; return the share of the one made positive definite.
+    def _blend(self, iterate: "_Iterate", target: Target, share: float) -> float:
+        """Factor a blend of the tangents; return the share of the positive definite one.
 
-        That is `share`, or more where the body would buckle on a bed under the weighted gaps that
-        are closed: the least of its multiples by STRIDE with which it does not. Under force control
-        there is no bed, and the share is 1.
+        That is `share` or, where the blend is unstable with a support under the closed gaps, the
+        least of its multiples by powers of STRIDE with which it is stable. Under force control
+        there is no support, and the share is 1.
 
         Raises
         ------
         ConvergenceError
             If it is singular.
         """
-        body, travel, gain = self.body, self.contact.travel, float(asked.memory.gains.mean())
-        values = look.state.values
-        definite = body.tangent(values, asked.memory, whole=False)
-        apart = body.tangent(values, asked.memory) - definite
-        fixed = definite + look.facing.stiffness()
+        body, travel, gain = self.body, self.contact.travel, float(target.history.gains.mean())
+        values = iterate.state.values
+        definite = body.tangent(values, target.history, whole=False)
+        difference = body.tangent(values, target.history) - definite
+        fixed = definite + iterate.gap.stiffness()
         unit = gain * body.scale / float(np.sqrt(travel.sum()))
-        leans = (look.state.pressure > 0) & (asked.control == "depth")
-        bed = np.where(leans, BEDS[-1] * unit, 0.0)
+        leans = (iterate.state.pressure > 0) & (target.control == "depth")
+        support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
-            renewed = self._rough(fixed + (1 - share) * apart)
-            none, loads = np.zeros(len(travel)), look.facing.loads
-            held = Factored(renewed, self.system.free, loads, gain, none, look.facing.rise)
-            negative = renewed.negative - held.lean(bed, travel)
-            self._factored = held
+            renewed = self._rough(fixed + (1 - share) * difference)
+            none, loads = np.zeros(len(travel)), iterate.gap.loads
+            factored = FactoredTangent(
+                renewed, self.system.free, loads, gain, none, iterate.gap.fold_stiffness
+            )
+            negative = renewed.negative - factored.add_support(support, travel)
+            self._factored = factored
             if share >= 1 or negative <= self._pressures:
                 return share
             share = min(STRIDE * share, 1.0)
 
     def _rough(self, matrix: sparse.csr_matrix) -> Rough:
         if self.factors >= self.allowed:
-            message = f"equilibrium: not reached with the {self.factors} factors that are allowed"
+            message = f"equilibrium: not reached within the limit of {self.factors} factorizations"
             raise Exhausted(message)
         self.factors += 1
         try:
             return rough(matrix, self.system)
         except InputError as error:
-            # The body at rest was factored, so that it is this iterate that has gone astray.
+            # The tangent at rest was factored, so the cause is this iterate, not the model.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
 
-    def _step(self, look: "_Look", asked: Asked, mixing: "Anderson") -> State:
-        """Return the state after one iteration."""
-        state, held = look.state, self._factored
-        gaps, loads, travel = look.facing.gaps, look.facing.loads, self.contact.travel
+    def _step(self, iterate: "_Iterate", target: Target, mixing: "Anderson") -> State:
+        """Make one iteration: linearized body, exact complementarity of the contact."""
+        state, factored = iterate.state, self._factored
+        gaps, loads, travel = iterate.gap.gaps, iterate.gap.loads, self.contact.travel
         size = abs(state.depth)
         apart = gaps / travel
         near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
-        softer = held.gain / float(asked.memory.gains.mean())
-        bed = held.bed * (state.pressure > 0) / softer
-        force = loads @ (state.pressure - bed * apart) - look.inner
-        alone = softer * held.solve(force)
+        # K0 was made with another relaxation factor: K = K0 / softer.
+        softer = factored.gain / float(target.history.gains.mean())
+        support = factored.support * (state.pressure > 0) / softer
+        force = loads @ (state.pressure - support * apart) - iterate.inner
+        alone = softer * factored.solve(force)
         free = gaps + state.depth * travel + loads.T @ alone
         while True:
-            solver = held.contact(near)
+            solver = factored.contact(near)
             pressure, depth = np.zeros(len(travel)), state.depth
             clear = free[near] - softer * (solver.flexibility @ state.pressure[near])
-            if asked.control == "depth":
+            if target.control == "depth":
                 pressure[near] = solver.solve(clear - depth * travel[near]) / softer
             else:
                 depth, pressure[near], _ = depth_at(
-                    solver, 1 / softer, clear, travel[near], asked.target, depth, asked.peak
+                    solver, 1 / softer, clear, travel[near], target.value, depth, target.peak
                 )
-            change = alone + held.moved(softer * (pressure - state.pressure))
-            left = gaps + (state.depth - depth) * travel + loads.T @ change
-            missed = ~near & (left < 0)
-            if not missed.any():
+            change = alone + factored.moved(softer * (pressure - state.pressure))
+            predicted = gaps + (state.depth - depth) * travel + loads.T @ change
+            penetrating = ~near & (predicted < 0)
+            if not penetrating.any():
                 break
-            near = near | missed
+            near = near | penetrating
         return State(mixing.next(state.values, change), pressure, depth)
 
 
 @dataclass(frozen=True)
-class _Look:
-    """An iterate: inner (n_unknowns,) mN the force of the body; error, the largest relative one."""
+class _Iterate:
+    """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error."""
 
     state: State
     inner: Array
-    facing: Facing
+    gap: DeformedGap
     error: float
 
 
-def _in_vain(errors: list[float]) -> bool:
-    """Return whether errors of iterations downhill, the last one last, lead nowhere."""
+def _stagnant(errors: list[float]) -> bool:
+    """Whether the errors of a globalized iteration, oldest first, no longer improve."""
     last = len(errors) - 1
     if last - int(np.argmin(errors)) > STUCK:
         return True
     return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
 
 
-def _missed(error: float, count: int) -> ConvergenceError:
+def _not_converged(error: float, count: int) -> ConvergenceError:
     message = (
-        f"equilibrium: asked for a relative residual of {EQUILIBRIUM:g}, reached {error:.1e} "
-        f"after {count} iterations; take shorter steps"
+        f"equilibrium: expected a relative residual of at most {EQUILIBRIUM:g}, reached "
+        f"{error:.1e} after {count} iterations; take shorter steps"
     )
     return ConvergenceError(message)

@@ -1,18 +1,18 @@
-"""A body in contact at one depth, and what a step has to reach."""
+"""State of a hyperelastic body in contact, and the target of one load step."""
 
 from dataclasses import dataclass
 
 from fefinger.fem.elements.spaces import Array
-from fefinger.fem.hyperelastic.continuum import Memory
+from fefinger.fem.hyperelastic.continuum import HistoryStress
 from fefinger.support.tolerances import SMALL_FORCE
 
 
 @dataclass(frozen=True)
 class State:
-    """A body at one depth.
+    """Displacements, elastic pressures and contact pressure of a body at one indentation.
 
-    values (n_unknowns,); pressure (n,) kPa the coefficients lambda of the candidates, with what
-    holds their facets; depth mm.
+    values (n_unknowns,): displacements in mm, then elastic pressures in units of the body's
+    `scale`; pressure (n,) kPa: coefficients p of the candidates (see `deformed_gap`); depth mm.
     """
 
     values: Array
@@ -20,7 +20,7 @@ class State:
     depth: float
 
     def toward(self, other: "State", part: float) -> "State":
-        """Return the state at `part` of the way to another."""
+        """Interpolate linearly between this state (`part` = 0) and another (`part` = 1)."""
         return State(
             self.values + part * (other.values - self.values),
             self.pressure + part * (other.pressure - self.pressure),
@@ -29,23 +29,24 @@ class State:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a step has to reach: a depth in mm or a force in mN, with what the past left.
+class Target:
+    """Target of one load step: prescribed depth (mm) or force (mN), and the history stress.
 
-    peak is the largest of them on the path.
+    control: "depth" or "force"; value: the prescribed depth or force; peak: the largest of them
+    on the load path.
     """
 
     control: str
-    target: float
-    memory: Memory
+    value: float
+    history: HistoryStress
     peak: float = 0.0
 
     @property
     def small(self) -> float:
-        """Force in mN below which errors are relative to one of this size; 0 for a depth."""
+        """Smallest force in mN by which a force error is divided; 0 under depth control."""
         return SMALL_FORCE * self.peak if self.control == "force" else 0.0
 
     @property
     def shallow(self) -> float:
-        """Depth in mm below which errors are relative to one of this size; 0 for a force."""
+        """Smallest depth in mm by which a gap error is divided; 0 under force control."""
         return SMALL_FORCE * self.peak if self.control == "depth" else 0.0

@@ -17,7 +17,7 @@ Work = tuple[Array, Array, Array, Array, Array]
 """E, the inverse of C, the derivatives (6,) of the two invariants by C, and scratch (3, 3)."""
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
-"""Freedoms of arithmetic that leave inf and nan what they are."""
+"""LLVM fast-math flags without "nnan" and "ninf": a diverged iterate must stay inf or nan."""
 
 
 @njit(cache=True, fastmath=FAST)
@@ -181,7 +181,10 @@ def moduli_of(
 
 @njit(cache=True, fastmath=FAST)
 def brace(stiffness: float, growth: float, inverse: Array, moduli: Array) -> None:
-    """Add stiffness (dJ)² / 2 to the moduli; 2/3 of mu makes 2 mu dev e : dev e into 2 mu e : e."""
+    """Add a volumetric stiffness, the second derivative of stiffness (dJ)² / 2, to the moduli.
+
+    A stiffness of 2/3 mu turns 2 mu dev e : dev e into 2 mu e : e.
+    """
     factor = stiffness * (1 + growth) * (1 + growth)
     for row in range(6):
         i, j = PAIRS[row]

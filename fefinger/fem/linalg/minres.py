@@ -1,12 +1,12 @@
-"""Solution of the symmetric mixed system without a factor of it, for meshes too large for one.
+"""Preconditioned MINRES for the symmetric mixed system, for meshes too large for a factor.
 
 MINRES (Paige and Saunders, SIAM J. Numer. Anal. 12:617, 1975) with a symmetric positive definite
-block preconditioner. On displacements that is one cycle of two levels for mu eps : eps instead of
-the mu dev eps : dev eps of the matrix: the two agree where div u = 0, and the former leaves no
-conformal motion without stiffness (a third of the iterations). Chebyshev's polynomial smooths the
-quadratics; the linears below them, an eighth of the unknowns, are factored. On pressures it is a
-diagonal that stands for the mass over the shear modulus (Elman, Silvester and Wathen, Finite
-Elements and Fast Iterative Solvers, 2014, chapter 4).
+block preconditioner. On displacements that is one two-level cycle for mu eps : eps instead of the
+mu dev eps : dev eps of the matrix: the two agree where div u = 0, and the former gives conformal
+motions a stiffness too (a third of the iterations). A Chebyshev polynomial smooths the quadratic
+elements; the linear elements of the coarse level, an eighth of the unknowns, are factored. On
+pressures it is a diagonal that approximates the mass over the shear modulus (Elman, Silvester and
+Wathen, Finite Elements and Fast Iterative Solvers, 2014, chapter 4).
 """
 
 from dataclasses import dataclass
@@ -18,22 +18,22 @@ from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import multifrontal
 
 
-REDUCTION = 2e-6  # of the preconditioned residual in one solution; true residuals correct it
+REDUCTION = 2e-6  # of the preconditioned residual in one solution; `System` refines further
 ITERATIONS = 1500
 DEGREE = 2  # of the smoother
 SPREAD = 8.0  # ratio of the eigenvalues that the smoother damps
 POWER = 15  # iterations that estimate the largest eigenvalue
-MARGIN = 1.1  # on that estimate, which is from below
+MARGIN = 1.1  # factor on that estimate, because the power iteration is a lower bound
 
 
 @dataclass(frozen=True)
 class Iterative:
-    """A preconditioned matrix, to be solved for many loads at once.
+    """MINRES solver of a preconditioned matrix, for many loads at once.
 
     matrix (n, n) of the free unknowns, displacements first; strain (m, m): mu eps : eps on these;
     inverse (m, 1) of its diagonal; largest: an upper bound of the eigenvalues of inverse * strain;
-    up (m, k): the linears as quadratics, coarse the factor of theirs; pressures (n - m, 1): the
-    inverse of the diagonal for these.
+    up (m, k): interpolation from linear to quadratic elements, down its transpose; coarse: the
+    factor of the linear level; pressures (n - m, 1): the inverse of the diagonal for these.
     """
 
     matrix: sparse.csr_matrix
@@ -74,8 +74,8 @@ class Iterative:
             moved = self.matrix @ z
             delta = np.einsum("ij,ij->j", moved, z)
             v, old_v = moved - (delta / gamma) * v - (gamma / old_gamma) * old_v, v
-            found = self.precondition(v)
-            new = _norms(found, v)
+            preconditioned = self.precondition(v)
+            new = _norms(preconditioned, v)
             a0 = c * delta - old_c * s * gamma
             a1 = np.hypot(a0, new)
             a2 = s * delta + old_c * c * gamma
@@ -84,30 +84,30 @@ class Iterative:
             w, old_w = (z - a3 * old_w - a2 * w) / a1, w
             answer += (c * eta) * w
             eta = -s * eta
-            z, gamma, old_gamma = found, new, gamma
+            z, gamma, old_gamma = preconditioned, new, gamma
         return answer.reshape(right.shape), count
 
     def precondition(self, right: Array) -> Array:
-        """Return the preconditioner's solutions (n, k)."""
+        """Apply the preconditioner to right hand sides (n, k)."""
         m = len(self.inverse)
         moved = self._smoothed(right[:m], None)
-        left = right[:m] - self.strain @ moved
-        moved = moved + self.up @ self.coarse.solve(self.down @ left)
+        residual = right[:m] - self.strain @ moved
+        moved = moved + self.up @ self.coarse.solve(self.down @ residual)
         moved = self._smoothed(right[:m], moved)
         return np.concatenate([moved, self.pressures * right[m:]])
 
     def _smoothed(self, right: Array, start: Array | None) -> Array:
-        """Return displacements after DEGREE steps of Chebyshev's iteration from `start`, or 0."""
+        """Smooth displacements: DEGREE steps of the Chebyshev iteration from `start`, or 0."""
         middle = (1 + 1 / SPREAD) / 2 * self.largest
         half = (1 - 1 / SPREAD) / 2 * self.largest
-        left = right if start is None else right - self.strain @ start
-        step = self.inverse * left / middle
+        residual = right if start is None else right - self.strain @ start
+        step = self.inverse * residual / middle
         answer = step if start is None else start + step
         rho = half / middle
         for _ in range(DEGREE - 1):
-            left = left - self.strain @ step
+            residual = residual - self.strain @ step
             old, rho = rho, 1 / (2 * middle / half - rho)
-            step = rho * old * step + (2 * rho / half) * (self.inverse * left)
+            step = rho * old * step + (2 * rho / half) * (self.inverse * residual)
             answer = answer + step
         return answer
 
@@ -115,7 +115,7 @@ class Iterative:
 def iterative(
     space: Space, matrix: sparse.csr_matrix, free: Integers, reduced: sparse.csr_matrix
 ) -> Iterative:
-    """Return the preconditioned `matrix` of `space`; `reduced` is that of the unknowns `free`.
+    """Build the preconditioner of `matrix` of `space`; `reduced` is that of the unknowns `free`.
 
     Raises
     ------
@@ -156,20 +156,20 @@ def _strain(deviatoric: sparse.csr_matrix) -> sparse.csr_matrix:
 def _coarse(
     space: Space, strain: sparse.csr_matrix, moving: Integers
 ) -> tuple[sparse.csr_matrix, multifrontal.Factor]:
-    """Return the linears as quadratics on the unknowns `moving`, and the factor of their matrix."""
+    """Interpolation from linear elements to the unknowns `moving`, and the coarse factor."""
     count = len(space.points)
     edges, between = space.scalar.mesh.edges, space.scalar.edge_dofs[0]
     rows = np.concatenate([np.arange(count), between, between])
     columns = np.concatenate([np.arange(count), edges[0], edges[1]])
     values = np.repeat([1.0, 0.5], [count, 2 * len(between)])
     linears = sparse.coo_matrix((values, (rows, columns)), shape=(space.n_nodes, count))
-    kept = moving[moving < 3 * count]
-    up = sparse.kron(linears, sparse.eye(3)).tocsr()[moving][:, kept].tocsr()
+    linear_unknowns = moving[moving < 3 * count]
+    up = sparse.kron(linears, sparse.eye(3)).tocsr()[moving][:, linear_unknowns].tocsr()
     number = np.full(3 * count, -1, dtype=np.int64)
-    number[kept] = np.arange(len(kept))
+    number[linear_unknowns] = np.arange(len(linear_unknowns))
     corners = (3 * space.vertices[:, :, None] + np.arange(3)).reshape(len(space.vertices), -1)
     centers = space.points[space.vertices].mean(axis=1)
-    parts = multifrontal.dissect(number[corners], centers, len(kept))
+    parts = multifrontal.dissect(number[corners], centers, len(linear_unknowns))
     return up, multifrontal.factor((up.T @ strain @ up).tocsr(), parts)
 
 
@@ -181,13 +181,13 @@ def _pressures(reduced: sparse.csr_matrix, diagonal: Array) -> Array:
     """
     m = len(diagonal)
     coupling = reduced[m:][:, :m]
-    own = np.asarray(coupling.power(2) @ (1 / diagonal)).ravel()
+    schur = np.asarray(coupling.power(2) @ (1 / diagonal)).ravel()
     lumped = -np.asarray(reduced[m:][:, m:].sum(axis=1)).ravel()
-    return own + lumped
+    return schur + lumped
 
 
 def _largest(matrix: sparse.csr_matrix, inverse: Array) -> float:
-    """Return an estimate from below of the largest eigenvalue of inverse * matrix."""
+    """Lower estimate of the largest eigenvalue of inverse * matrix, by power iteration."""
     vector = np.random.default_rng(0).normal(size=len(inverse))
     size = 0.0
     for _ in range(POWER):
@@ -197,6 +197,6 @@ def _largest(matrix: sparse.csr_matrix, inverse: Array) -> float:
 
 
 def _norms(first: Array, second: Array) -> Array:
-    """Return the norms (k,) of columns by their products, 1 for a column that is zero."""
+    """Norms (k,) of columns in the product of `first` and `second`; 1 for a column of zeros."""
     squares = np.einsum("ij,ij->j", first, second)
     return np.sqrt(np.where(squares > 0, squares, 1.0))

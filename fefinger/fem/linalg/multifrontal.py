@@ -25,8 +25,8 @@ from fefinger.support.tolerances import SINGULAR_PIVOT
 
 Floats = NDArray[np.floating]
 
-UNEVEN = 0.15  # how far from half the cells a part may be cut: 1.2 to 1.7 times fewer entries
-LEAF = 48  # cells in the smallest part: smaller ones cost more in Python than they save
+UNEVEN = 0.15  # allowed deviation of a cut from half the cells: 1.2 to 1.7 times fewer entries
+LEAF = 48  # cells in the smallest part: smaller parts cost more in Python than they save
 
 NOTHING: Integers = np.empty(0, dtype=np.int64)
 
@@ -38,7 +38,7 @@ SINGULAR = (
 
 @dataclass(frozen=True)
 class Front:
-    """One part of the dissection, in the order of elimination.
+    """One frontal matrix of the dissection, in the order of elimination.
 
     start, stop: the unknowns eliminated here, displacements before pressures, the latter from
     `pressure` on; rest: unknowns of the part that its ancestors eliminate, ascending; parts: the
@@ -67,7 +67,7 @@ class Dissection:
 
 @dataclass(frozen=True)
 class Eliminated:
-    """A factored front: lower (n, n) for its pivots, below (m, n) for its rest, signs (n, 1)."""
+    """A factored front: lower (n, n) of its pivots, below (m, n) of its rest, signs (n, 1) of D."""
 
     front: Front
     lower: Array
@@ -77,7 +77,7 @@ class Eliminated:
 
 @dataclass(frozen=True)
 class Factor:
-    """L and D of a matrix, front by front."""
+    """The factor L D L' of a matrix, front by front."""
 
     order: Integers
     fronts: tuple[Eliminated, ...]
@@ -97,63 +97,63 @@ class Factor:
         return answer.reshape(right.shape)
 
     def forward(self, work: Array) -> None:
-        """Replace right hand sides (n, k), in the order of elimination, by those of D L'."""
+        """Forward substitution with L, in place, in the order of elimination (n, k)."""
         for f in self.fronts:
-            own = slice(f.front.start, f.front.stop)
-            work[own] = dtrsm(1.0, f.lower, work[own], lower=1)
-            work[f.front.rest] -= f.below @ work[own]
+            pivots = slice(f.front.start, f.front.stop)
+            work[pivots] = dtrsm(1.0, f.lower, work[pivots], lower=1)
+            work[f.front.rest] -= f.below @ work[pivots]
 
     def backward(self, work: Array) -> None:
-        """Replace what `forward` left (n, k) by the solutions, in the order of elimination."""
+        """Backward substitution with D L', in place, in the order of elimination (n, k)."""
         for f in reversed(self.fronts):
-            own = slice(f.front.start, f.front.stop)
-            known = f.signs * work[own] - f.below.T @ work[f.front.rest]
-            work[own] = dtrsm(1.0, f.lower, known, lower=1, trans_a=1)
+            pivots = slice(f.front.start, f.front.stop)
+            right = f.signs * work[pivots] - f.below.T @ work[f.front.rest]
+            work[pivots] = dtrsm(1.0, f.lower, right, lower=1, trans_a=1)
 
 
 def dissect(
     unknowns: Integers, centers: Array, n_displacements: int, last: Integers = NOTHING
 ) -> Dissection:
-    """Return a nested dissection of cells.
+    """Compute a nested dissection of cells.
 
     unknowns (n_cells, n_local) of each cell, -1 where prescribed; centers (n_cells, 3); unknowns
-    from `n_displacements` on are pressures. `last`, ascending, are kept for a front of their own
-    at the end, after which nothing is left of the matrix but what acts between them.
+    from `n_displacements` on are pressures. `last`, ascending, are eliminated in a front of their
+    own at the end, whose matrix before its elimination is the Schur complement on them.
     """
     pieces: list[tuple[Integers, Integers, tuple[int, ...]]] = []
 
     def divide(cells: Integers, members: Integers, outer: Integers) -> int:
-        """Add the parts of `cells`; `outer` are those of its members that ancestors eliminate."""
+        """Add the fronts of `cells`; `outer`: those of its unknowns that ancestors eliminate."""
         parts: tuple[int, ...] = ()
         if len(cells) <= LEAF:
-            own = np.setdiff1d(members, outer, assume_unique=True)
+            pivots = np.setdiff1d(members, outer, assume_unique=True)
         else:
             halves, sides, shared = _halved(unknowns, centers, cells)
-            own = np.setdiff1d(shared, outer, assume_unique=True)
-            known = np.union1d(own, outer)
+            pivots = np.setdiff1d(shared, outer, assume_unique=True)
+            eliminated = np.union1d(pivots, outer)
             parts = tuple(
-                divide(half, side, np.intersect1d(side, known, assume_unique=True))
+                divide(half, side, np.intersect1d(side, eliminated, assume_unique=True))
                 for half, side in zip(halves, sides, strict=True)
             )
-        pieces.append((own, outer, parts))
+        pieces.append((pivots, outer, parts))
         return len(pieces) - 1
 
     root = divide(np.arange(len(unknowns)), _members(unknowns), last)
     if len(last):
         pieces.append((last, NOTHING, (root,)))
-    order = np.concatenate([own for own, _, _ in pieces])
+    order = np.concatenate([pivots for pivots, _, _ in pieces])
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
-    stops = np.cumsum([len(own) for own, _, _ in pieces])
+    stops = np.cumsum([len(pivots) for pivots, _, _ in pieces])
     fronts = tuple(
         Front(
-            start=int(stop) - len(own),
-            pressure=int(stop) - len(own) + int(np.searchsorted(own, n_displacements)),
+            start=int(stop) - len(pivots),
+            pressure=int(stop) - len(pivots) + int(np.searchsorted(pivots, n_displacements)),
             stop=int(stop),
             rest=np.sort(rank[outer]),
             parts=parts,
         )
-        for (own, outer, parts), stop in zip(pieces, stops, strict=True)
+        for (pivots, outer, parts), stop in zip(pieces, stops, strict=True)
     )
     return Dissection(order, fronts)
 
@@ -226,10 +226,10 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
 def _halved(
     unknowns: Integers, centers: Array, cells: Integers
 ) -> tuple[list[Integers], list[Integers], Integers]:
-    """Split cells by the plane across an axis that the fewest unknowns share.
+    """Split cells by the axis-parallel plane with the fewest shared unknowns.
 
-    Of all planes that leave each side its part of the cells: meshes have some that cut far less
-    than the median.
+    All planes are tried that leave each side at least 0.5 - UNEVEN of the cells: some of them cut
+    far fewer unknowns than the median.
     """
     members, inverse = np.unique(unknowns[cells], return_inverse=True)
     local = inverse.reshape(len(cells), -1)
@@ -238,18 +238,18 @@ def _halved(
     least = len(members) + 1
     for axis in range(3):
         order = np.argsort(centers[cells, axis], kind="stable")
-        touched = local[order].ravel()
+        ordered = local[order].ravel()
         place = np.repeat(np.arange(len(cells)), local.shape[1])
         first, last = np.empty_like(members), np.empty_like(members)
-        first[touched[::-1]] = place[::-1]
-        last[touched] = place
+        first[ordered[::-1]] = place[::-1]
+        last[ordered] = place
         real = members >= 0
         changes = np.bincount(first[real], minlength=len(cells))
         changes -= np.bincount(last[real], minlength=len(cells))
         shared = np.cumsum(changes)[low - 1 : high]
         if shared.min() < least:
             least = int(shared.min())
-            # The most even of the best.
+            # Of equally small cuts the most even one.
             cuts = low + np.flatnonzero(shared == least)
             cut = int(cuts[np.argmin(np.abs(cuts - len(cells) / 2))])
             halves = [cells[order[:cut]], cells[order[cut:]]]
@@ -258,24 +258,29 @@ def _halved(
 
 
 def _members(unknowns: Integers) -> Integers:
-    found = np.unique(unknowns)
-    return found[found >= 0]
+    members = np.unique(unknowns)
+    return members[members >= 0]
 
 
 @njit(cache=True)
-def _add_lower(columns: Floats, rest: Floats, update: Floats, where: Integers, own: int) -> None:
-    """Add the lower triangle of a part's Schur complement; its first `own` rows are pivots here."""
+def _add_lower(
+    columns: Floats, rest: Floats, update: Floats, where: Integers, n_pivots: int
+) -> None:
+    """Add a child's Schur complement (lower triangle); its first `n_pivots` rows are pivots."""
     n = columns.shape[1]
-    for j in range(own):
+    for j in range(n_pivots):
         for i in range(j, len(where)):
             columns[where[i], where[j]] += update[i, j]
-    for j in range(own, len(where)):
+    for j in range(n_pivots, len(where)):
         for i in range(j, len(where)):
             rest[where[i] - n, where[j] - n] += update[i, j]
 
 
 def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
-    """Return L (n, n), the rows below it, and the signs of D; the lower triangle is read."""
+    """Factor the pivot block: L (n, n), the rows below it, and the signs of D.
+
+    Only the lower triangle is read.
+    """
     n = columns.shape[1]
     lower = np.zeros((n, n), order="F")
     a, b = slice(0, split), slice(split, n)
@@ -298,7 +303,7 @@ def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
 
 
 def _schur(rest: Floats, below: Array, split: int) -> Floats:
-    """Return the lower triangle of rest - L D L' for the rows below the pivots."""
+    """Schur complement rest - L D L' of the rows below the pivots; the lower triangle is set."""
     if len(rest) == 0:
         return rest
     if split > 0:

@@ -1,10 +1,10 @@
-"""A multifrontal factor of any symmetric matrix, to iterate with: in single precision, or double.
+"""A multifrontal factor of symmetric indefinite matrices, in single or double precision.
 
 Like `multifrontal`, but the pivot block F of a front may be indefinite: it is inverted as a whole,
-with row exchanges, and F^-1 and R F^-1 (R the rows below) are kept instead of triangles. That is
-enough for the true tangent of a body under pressure, which no order of the unknowns makes definite,
-and single precision is enough for a factor whose answers are corrected by true residuals. Double
-precision is for matrices on which the single one fails.
+with row exchanges, and F^-1 and R F^-1 (R the rows below) are stored instead of triangles. That is
+enough for the consistent tangent of a body under pressure, which no order of the unknowns makes
+quasi-definite. Single precision suffices, because the caller refines by true residuals; double
+precision is for matrices on which it fails.
 """
 
 from collections.abc import Sequence
@@ -22,14 +22,14 @@ from fefinger.support.checks import InputError
 
 Precision = type[np.float32] | type[np.float64]
 
-LARGE = "solve: expected numbers that {} precision holds, received larger ones"
+LARGE = "solve: expected numbers within the range of {} precision, received larger ones"
 
 STRIP = 512  # columns of a symmetric product that are formed at once
 
 
 @dataclass(frozen=True)
 class Rough:
-    """F^-1 and R F^-1 of all fronts.
+    """Approximate factor: F^-1 and R F^-1 of all fronts.
 
     order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
     these; values: F^-1 and R F^-1, front by front and row by row; negative: how many eigenvalues
@@ -75,7 +75,7 @@ def factor(
     """
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()
-    with np.errstate(over="ignore"):  # told below
+    with np.errstate(over="ignore"):  # checked on the next line
         arranged.data = arranged.data.astype(precision)
     if not np.isfinite(arranged.data).all():
         raise InputError(LARGE.format("single" if precision is np.float32 else "double"))
@@ -99,7 +99,7 @@ def factor(
 def _empty(
     fronts: Sequence[Front], precision: Precision
 ) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
-    """Return the table and the values of a factor to be filled, and where those of a front go."""
+    """Allocate the table and values of a factor, with views of the values of each front."""
     table = np.array([(f.start, f.stop, len(f.rest)) for f in fronts])
     counts = table[:, 1] - table[:, 0]
     starts = np.concatenate([[0], np.cumsum(counts * (counts + table[:, 2]))])
@@ -112,7 +112,7 @@ def _empty(
 
 
 def _inverse(block: Floats) -> tuple[Floats, int]:
-    """Return the inverse of a symmetric matrix (n, n), and how many eigenvalues are negative.
+    """Invert a symmetric matrix (n, n); also count its negative eigenvalues.
 
     Its lower triangle is read.
 
@@ -124,7 +124,8 @@ def _inverse(block: Floats) -> tuple[Floats, int]:
     if not len(block):
         return block, 0
     sytrf, sytrf_lwork, sytri = get_lapack_funcs(("sytrf", "sytrf_lwork", "sytri"), (block,))
-    size = int(sytrf_lwork(len(block), lower=1)[0])  # without it, LAPACK works column by column
+    # Without a workspace of the optimal size, LAPACK uses its unblocked, slow algorithm.
+    size = int(sytrf_lwork(len(block), lower=1)[0])
     factored, exchanges, singular = sytrf(block, lower=1, lwork=size)
     inverse, _ = sytri(factored, exchanges, lower=1)
     if singular or not np.isfinite(inverse).all():
@@ -133,9 +134,9 @@ def _inverse(block: Floats) -> tuple[Floats, int]:
 
 
 def _negative(factored: Floats, exchanges: Integers) -> int:
-    """Return how many eigenvalues are negative, of D in L D L' of Bunch and Kaufman.
+    """Count the negative eigenvalues of D in L D L' of Bunch and Kaufman.
 
-    A block of two rows is taken where it has one of either sign.
+    A 2 x 2 pivot block of this factorization has one eigenvalue of either sign.
     """
     alone = exchanges > 0
     return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
@@ -143,7 +144,7 @@ def _negative(factored: Floats, exchanges: Integers) -> int:
 
 @njit(cache=True)
 def _solve(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
-    """Replace right hand sides (n,) or (n, k), in the order of elimination, by the solutions."""
+    """Solve in place for right hand sides (n,) or (n, k) in the order of elimination."""
     place = first = 0
     for f in range(len(table)):
         start, stop, m = table[f]
@@ -159,5 +160,5 @@ def _solve(table: Integers, rest: Integers, values: Floats, work: Floats) -> Non
         place, first = place - n * (n + m), first - m
         inverse = values[place : place + n * n].reshape(n, n)
         below = values[place + n * n : place + n * (n + m)].reshape(m, n)
-        known = work[rest[first : first + m]]
-        work[start:stop] = np.dot(inverse, work[start:stop]) - np.dot(below.T, known)
+        solved = work[rest[first : first + m]]
+        work[start:stop] = np.dot(inverse, work[start:stop]) - np.dot(below.T, solved)

@@ -1,14 +1,14 @@
-"""The linear solvers, behind one small interface: something that comes near a solution.
+"""The approximate linear solvers behind one small interface.
 
-`solve.System` refines what a solver returns until the true residual is small, so that a solver
-decides time and memory and never the answer. In the order of choice:
+`system.System` refines the solution until the true residual is small, so that the solver decides
+time and memory but not the answer. In the order of choice:
 
-- "multifrontal": our factor in double precision, the fastest where it fits in memory.
-- "single": the same in single precision, for half the memory. It converges until moduli are some
-  1e4 apart, and gives way to the one in double precision where it fails.
-- "iterative": MINRES with no factor of the matrix: memory grows as the unknowns do. A load costs
-  some 170 iterations at every size and Poisson's ratio, and 3 times as many where a part that is
-  1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
+- "multifrontal": a factor in double precision, the fastest where it fits in memory.
+- "single": a factor in single precision, for half the memory. It converges for ratios of moduli
+  up to about 1e4; where it fails, the factor in double precision replaces it.
+- "iterative": MINRES without a factor of the matrix: memory grows in proportion to the unknowns. A
+  load costs some 170 iterations at every size and Poisson's ratio, and 3 times as many where a
+  part that is 1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
 
 CHOLMOD is no choice: the matrix is quasi-definite, which its supernodal code refuses, and its
 simplicial one took 11 times as long as "multifrontal" on 28 thousand unknowns.
@@ -32,18 +32,18 @@ from fefinger.support.checks import InputError
 from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY
 
 
-ROOM = 0.5  # part of the free memory that a factor may take
+ROOM = 0.5  # share of the free memory that a factor may take
 WORKING = 1.5  # memory while factoring, over that of the factor
-SPREAD = 1e5  # of the diagonal: beyond it single precision does not converge
+SPREAD = 1e5  # largest ratio of diagonal entries for which single precision converges
 
-GAVE_WAY = (
-    "The factor in single precision failed; the one in double precision, of twice the memory, "
-    "was taken instead."
+SINGLE_FAILED = (
+    "The factor in single precision failed; the factor in double precision, with twice the "
+    "memory, was used instead."
 )
 
 
 class Solver(Protocol):
-    """What returns solutions, approximately, for right hand sides (n,) or (n, k)."""
+    """Interface of a solver: approximate solutions for right hand sides (n,) or (n, k)."""
 
     @property
     def entries(self) -> int:
@@ -57,7 +57,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True)
 class Equations:
-    """What a solver is made from.
+    """Input of a solver: the matrix, its free unknowns and their dissection.
 
     matrix (n_unknowns, n_unknowns) of all unknowns of the space; free (n,): those to be solved for;
     reduced (n, n): their matrix; dissection: the order of a factor.
@@ -76,9 +76,9 @@ class Equations:
 
 
 class Prepared:
-    """The solver `name` of some equations, made when it is first needed.
+    """The solver `name` of some equations, built on first use.
 
-    One in single precision that fails gives way to the one in double; `notes` then say so.
+    Where single precision fails, the solver in double precision replaces it; `notes` then say so.
     """
 
     def __init__(self, name: str, equations: Equations) -> None:
@@ -99,7 +99,7 @@ class Prepared:
             try:
                 self._made = SOLVERS[self.name](self.equations)
             except InputError:
-                if not self.give_way():
+                if not self.use_double():
                     raise
                 self._made = SOLVERS[self.name](self.equations)
         return self._made
@@ -113,16 +113,16 @@ class Prepared:
         """Return the approximate solution in the shape of `right`."""
         return self.made.solve(right)
 
-    def give_way(self) -> bool:
-        """Turn from single to double precision; False where it is not in single precision."""
+    def use_double(self) -> bool:
+        """Switch from single to double precision; False if it is not in single precision."""
         if self.name != "single":
             return False
-        self.name, self.notes, self._made = "multifrontal", (GAVE_WAY,), None
+        self.name, self.notes, self._made = "multifrontal", (SINGLE_FAILED,), None
         return True
 
 
 def choose(equations: Equations) -> str:
-    """Return the name of the fastest solver that fits in the free memory."""
+    """Choose the fastest solver that fits in the free memory, by name."""
     room = ROOM * free_memory()
     size = WORKING * equations.dissection.entries
     if 8 * size <= room:
@@ -135,7 +135,7 @@ def choose(equations: Equations) -> str:
 
 
 def free_memory() -> float:
-    """Return the free memory in bytes; without a count of what is free all, or else inf."""
+    """Free memory in bytes; the installed memory where the free one is not known, or else inf."""
     with suppress(OSError, StopIteration):
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         line = next(line for line in lines if line.startswith("MemAvailable:"))
@@ -148,13 +148,13 @@ def free_memory() -> float:
 def compressible(
     space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
 ) -> sparse.csr_matrix:
-    """Return the matrix with at least that compressibility on the diagonal of the pressures."""
+    """Return the matrix with at least the compressibility `least` on the pressure diagonal."""
     shift = _lacking(space, matrix, least)
     return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
 
 
 def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
-    """Return what each unknown's diagonal (n_unknowns,) lacks of that compressibility."""
+    """Shift (n_unknowns,) of the pressure diagonal that gives that compressibility."""
     pressure = np.arange(space.n_displacements, space.n_unknowns)
     coupling = abs(matrix[pressure][:, : space.n_displacements])
     wanted = least * np.asarray(coupling.sum(axis=1)).ravel()

@@ -1,7 +1,7 @@
-"""Solution of the symmetric mixed system for many loads with one of the `solvers`.
+"""Linear system of mixed elasticity, solved for many loads with iterative refinement.
 
-Whatever the solver, its answer is refined until the residual of the true matrix is small. The
-factor of choice is `multifrontal`: on the standard finger (reports/bench-fem.json, one thread) 4
+With every solver of `solvers` the solution is refined until the residual of the true matrix is
+small. The default is `multifrontal`: on the standard finger (reports/bench-fem.json, one thread) 4
 times faster than SuperLU on the same order of the unknowns, and 3 times faster for its loads. In
 trials PARDISO took 1.4 to 2.9 s for the factor (here 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads
 (here 0.4 s), so neither it nor its 0.9 GB of MKL is a dependency.
@@ -23,8 +23,8 @@ from fefinger.support.checks import ConvergenceError, InputError, choice
 from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 
 
-REFINEMENTS = 8
-LEFT = 0.1  # of a load, that the factor of a body which is held may leave of it
+REFINEMENTS = 8  # limit of iterative refinement
+LEFT = 0.1  # largest relative residual of a factor for the rigid motions of a held body
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class System:
 
     @property
     def rigid(self) -> Array:
-        """Its translations and rotations (n_free, 6), as far as nothing is prescribed."""
+        """Translations and rotations (n_free, 6) of the body, restricted to the free unknowns."""
         axes, places = np.eye(3), self.space.node_points
         motions = np.zeros((self.space.n_unknowns, 6))
         for k, axis in enumerate(axes):
@@ -62,7 +62,7 @@ class System:
 
     @cached_property
     def rough(self) -> multifrontal_single.Rough:
-        """A factor of its own matrix to iterate with, as `rough` makes of others.
+        """Approximate factor of the system's own matrix, cached; see the function `rough`.
 
         Raises
         ------
@@ -98,16 +98,16 @@ class System:
         return np.asarray(self.matrix[self.fixed] @ unknowns - loads[self.fixed])
 
     def _refined(self, right: Array) -> Array:
-        """Return the solution, in double precision where a factor in single does not do."""
+        """Solve; repeat with a factor in double precision where the single one fails."""
         try:
             return self._iterated(right)
         except ConvergenceError:
-            if not self.solver.give_way():
+            if not self.solver.use_double():
                 raise
         return self._iterated(right)
 
     def _iterated(self, right: Array) -> Array:
-        """Return the solution, refined until the true residual is small."""
+        """Solve with iterative refinement until the true residual is small."""
         scale = np.linalg.norm(right, axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         answer, worst = self.solver.solve(right), np.inf
@@ -117,9 +117,10 @@ class System:
             if worst <= LINEAR_RESIDUAL:
                 return answer
             if last / 2 < worst <= FORCE_BALANCE:
-                break  # it no longer falls: what is left may be rounding
+                break  # no longer falls: the rest may be rounding, which is judged below
             answer = answer + self.solver.solve(residual)
-        # A stiff part that floats on a soft one moves as a whole: its forces are small differences.
+        # A stiff part on a soft one moves nearly rigidly: its forces are differences of large
+        # numbers, and the attainable residual is eps times the sum of their magnitudes.
         sums = np.linalg.norm(abs(self.reduced) @ np.abs(answer), axis=0)
         rounding = float(np.finfo(float).eps * np.max(sums / scale, initial=0.0))
         if worst <= min(rounding, FORCE_BALANCE):
@@ -127,11 +128,11 @@ class System:
         advice = "check the held facets, the mesh, and whether the moduli are too far apart"
         if worst <= rounding:
             advice = (
-                f"rounding leaves up to {rounding:.1e} of it between a stiff tissue and the soft "
-                "one that carries it; bring their moduli closer or hold the stiff one"
+                f"rounding alone may cause {rounding:.1e} between a stiff tissue and the soft one "
+                "that carries it; bring their moduli closer or hold the stiff one"
             )
         message = (
-            f"linear solution ({self.name}): asked for a relative residual of "
+            f"linear solution ({self.name}): expected a relative residual of at most "
             f"{LINEAR_RESIDUAL:g}, reached {worst:.1e}; {advice}"
         )
         raise ConvergenceError(message)
@@ -144,9 +145,9 @@ def factor(
     fixed: Integers,
     solver: str | None = None,
 ) -> System:
-    """Prepare `matrix` of `space` for loads, with the unknowns `fixed` prescribed, and factor it.
+    """Build and factor the system of `matrix` of `space`, with the unknowns `fixed` prescribed.
 
-    `solver` is one of `solvers.SOLVERS`; by default what `solvers.choose` takes.
+    `solver` is one of `solvers.SOLVERS`; by default that of `solvers.choose`.
 
     Raises
     ------
@@ -155,7 +156,7 @@ def factor(
         known.
     """
     system = prepare(space, matrix, fixed, solver)
-    _ = system.solver.made  # now, so that a body that cannot be solved is told at once
+    _ = system.solver.made  # factor now, so that a singular system is reported here
     return system
 
 
@@ -165,7 +166,7 @@ def prepare(
     fixed: Integers,
     solver: str | None = None,
 ) -> System:
-    """Return what `factor` returns, but for the factor: that is made when it is first needed.
+    """Build the system as `factor`, but factor the matrix on first use.
 
     Raises
     ------
@@ -194,10 +195,10 @@ def prepare(
 def rough(
     matrix: sparse.csr_matrix, system: System, *, held: bool = False
 ) -> multifrontal_single.Rough:
-    """Factor a `matrix` of the free unknowns of `system`, to iterate with.
+    """Make an approximate factor of `matrix` on the free unknowns of `system`.
 
-    In single precision or, where that fails, in double. `held`: it also fails where it does not
-    answer loads that move the body as a whole, as that of a body which nothing holds.
+    In single precision or, where that fails, in double. With `held`, the factor also fails where
+    it does not solve for rigid motions, as that of a body without held facets.
 
     Raises
     ------
@@ -208,15 +209,16 @@ def rough(
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
     def factored(precision: multifrontal_single.Precision) -> multifrontal_single.Rough:
-        found = multifrontal_single.factor(neighbor, system.dissection, precision)
-        left = np.linalg.norm(neighbor @ found.solve(rigid) - rigid, axis=0)
-        if not (left <= LEFT * np.linalg.norm(rigid, axis=0)).all():  # nor where not a number
+        approximate = multifrontal_single.factor(neighbor, system.dissection, precision)
+        residual = np.linalg.norm(neighbor @ approximate.solve(rigid) - rigid, axis=0)
+        # "not <=" also catches nan.
+        if not (residual <= LEFT * np.linalg.norm(rigid, axis=0)).all():
             raise InputError(multifrontal.SINGULAR)
-        return found
+        return approximate
 
     try:
         return factored(np.float32)
     except InputError as error:
-        found = factored(np.float64)
+        in_double = factored(np.float64)
         system.failed.append(str(error))
-    return found
+    return in_double

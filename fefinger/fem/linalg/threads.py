@@ -1,7 +1,8 @@
-"""One BLAS thread for work on many small dense blocks, where idle threads that spin cost more.
+"""Limit BLAS to one thread, for work on many small dense blocks.
 
-Measured on two cores with other work beside: 6676 steps of contact took 13.5 s with BLAS's own
-choice of threads and 1.3 s with one; the factor of the standard finger 3.4 s and 1.9 s.
+Spinning idle threads cost more than they save. Measured on two cores under other load: 6676 steps
+of contact took 13.5 s with the default number of threads and 1.3 s with one; the factor of the
+standard finger 3.4 s and 1.9 s.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,7 @@ R = TypeVar("R")
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
-    """Let `function` run with one BLAS thread."""
+    """Decorate `function` to run with one BLAS thread."""
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fefinger.fem.contact.deformed_gap import sliding
+from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
@@ -29,7 +29,7 @@ def finite_reference_press(press: Press, elements: Continuum, plate: ReferencePl
     """
     body = press.body
     reach = 2 * REACH * REFERENCE_DEPTH
-    contact = sliding(body.space, body.pad, body.normals, plate.obstacle, reach)
+    contact = contact_surface(body.space, body.pad, body.normals, plate.obstacle, reach)
     equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)

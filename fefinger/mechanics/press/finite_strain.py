@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Body, Solid
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
@@ -20,10 +20,15 @@ from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
-from fefinger.mechanics.press.failure import told
+from fefinger.mechanics.press.failure import failure_message
 from fefinger.mechanics.press.finite_reference import finite_reference_press
 from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
-from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
+from fefinger.mechanics.press.load_steps import (
+    LoadSteps,
+    load_steps,
+    peak_steps,
+    tissue_relaxations,
+)
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import finite_strain_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
@@ -98,7 +103,7 @@ def solve(
     """
     with stages.stage("factor"):
         elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
-    steps = stride(press.motion, press.time, memories(press.finger), refine)
+    steps = load_steps(press.motion, press.time, tissue_relaxations(press.finger), refine)
     history = _steps(press, elements, steps, stages, allowance)
     with stages.stage("reference"):
         reference = _reference(press, elements, history.halt)
@@ -124,7 +129,7 @@ class _RimReachedError(Exception):
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, body: Solid, contact: Sliding, probe: Any, frames: set[int]) -> None:
+    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = body.space.node_points
         on = contact.on
@@ -162,13 +167,13 @@ class _Recorder:
 
 
 def _steps(
-    press: Press, elements: Continuum, steps: Stride, stages: Stages, allowance: Allowance | None
+    press: Press, elements: Continuum, steps: LoadSteps, stages: Stages, allowance: Allowance | None
 ) -> FiniteStrainHistory:
     """Solve all steps, with more candidate vertices as long as the contact reaches their rim."""
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
-        contact = sliding(body.space, body.pad, body.normals, press.obstacle, reach)
+        contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
         limits.check_under(press.motion, len(contact))
         history = _on_candidates(press, elements, contact, steps, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
@@ -182,8 +187,8 @@ def _steps(
 def _on_candidates(
     press: Press,
     elements: Continuum,
-    contact: Sliding,
-    steps: Stride,
+    contact: ContactSurface,
+    steps: LoadSteps,
     stages: Stages,
     allowance: Allowance | None,
 ) -> FiniteStrainHistory:
@@ -194,7 +199,7 @@ def _on_candidates(
     where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    frames |= heaviest(motion, steps, memories(finger))
+    frames |= peak_steps(motion, steps, tissue_relaxations(finger))
     equilibrium = Equilibrium(elements, contact, press.system)
     deviatoric = finger.relaxation == "deviatoric"
     stress = StressHistory(elements, relaxations(finger), deviatoric=deviatoric)
@@ -206,7 +211,7 @@ def _on_candidates(
         except _RimReachedError:
             pass  # seen again by the caller
         except ConvergenceError as error:
-            halt = told(error, elements, recorder.last)
+            halt = failure_message(error, elements, recorder.last)
             if len(recorder.depth) < WORTH:
                 raise ConvergenceError(halt) from error
     return FiniteStrainHistory(

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced
-from fefinger.fem.contact.deformed_gap import Sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.viscoelastic import History
-from fefinger.mechanics.press.load_steps import Stride
+from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.neural.reference import Reference
 from fefinger.support.arrays import Array
 
@@ -44,8 +44,8 @@ class FiniteStrainHistory:
     motion, or nothing.
     """
 
-    contact: Sliding
-    steps: Stride
+    contact: ContactSurface
+    steps: LoadSteps
     depth: Array
     pressure: Array
     gap: Array

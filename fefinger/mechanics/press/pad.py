@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.body import Solid
-from fefinger.fem.contact.patch import Patch, Seen
+from fefinger.fem.contact.patch import Neighborhood, Patch
 from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-def on_seen(pressure: Array, seen: Seen) -> Array:
+def on_seen(pressure: Array, seen: Neighborhood) -> Array:
     """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
     return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
 
@@ -40,7 +40,7 @@ def first_moments(pad: Pad) -> Array:
     return moments
 
 
-def whole_pad(body: Solid, on: Seen | Patch) -> tuple[Pad, NDArray[np.int64]]:
+def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, NDArray[np.int64]]:
     """Return the pad of the whole finger, and which vertex `on` it each of its points is."""
     vertices, areas = on.vertices, on.areas
     points, normals = body.space.points[vertices], body.normals[vertices]

@@ -32,7 +32,7 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     plate, at, roll = indenter.plate, indenter.place, indenter.turn
     if plate is not None:
         axis = direction(plate)
-        origin = np.zeros(3) if plate == STANDARD.plate else _met(body, axis)
+        origin = np.zeros(3) if plate == STANDARD.plate else _foremost(body, axis)
         placed = Obstacle(axis, origin, indenter.profile, roll)
         return _touching(placed, body, f"indenter.angle {plate.angle:g} degrees")
     origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
@@ -62,13 +62,13 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
-def _met(body: Solid, axis: Array) -> Array:
+def _foremost(body: Solid, axis: Array) -> Array:
     """Return where (3,) a plate moving along `axis` meets the smooth pad first.
 
     Of its vertices the first is up to 1.4 mm beside it, where the pad is flat.
     """
-    met = foremost(body.space.points, body.normals, body.pad, axis)
-    return met * (1.0, 0.0, 1.0) if body.half else met
+    point = foremost(body.space.points, body.normals, body.pad, axis)
+    return point * (1.0, 0.0, 1.0) if body.half else point
 
 
 def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fefinger.fem.body import Body, Solid
-from fefinger.fem.contact.contact_area import Surface
+from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
@@ -27,13 +27,15 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         fields = small_strain_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
         contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
-        pad, column = whole_pad(press.body, on_pad.seen)
-        pressure = on_seen(contact.pressure, on_pad.seen)[:, column]
+        pad, column = whole_pad(press.body, on_pad.neighborhood)
+        pressure = on_seen(contact.pressure, on_pad.neighborhood)[:, column]
         approach = contact.elastic @ history.reduced.approach.T
         gap = on_pad.clearance(contact.depth, approach)[:, column]
         area = middle = moment = None
         if press.pressure:
-            surface = Surface(pad.points, pad.triangles, press.obstacle.axis, press.obstacle)
+            surface = CandidateSurface(
+                pad.points, pad.triangles, press.obstacle.axis, press.obstacle
+            )
             area, middle = surface.area(pressure > 0, gap), centroid(pad, pressure)
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
         force = press.sides * contact.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
@@ -72,7 +74,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
     with stages.stage("fields"):
         fields = finite_strain_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
-        steps, seen, half = history.steps, history.contact.seen, press.body.half
+        steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
         pressure, force = _between_steps(press, history)
         pad = area = middle = gap = moment = None
         if press.pressure:
@@ -118,8 +120,8 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
 
 def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
     """Return what an answer was computed from, with what solver, and in how much memory."""
-    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    return found | {"solver": body.system.name} if isinstance(body, Body) else found
+    sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
+    return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
 
 
 def gave_way(body: Solid) -> tuple[str, ...]:
@@ -182,14 +184,14 @@ def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, A
 
 def _areas(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
-    obstacle, seen = history.contact.obstacle, history.contact.seen
+    obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
     pressed = on_seen(history.pressure, seen)[:, column] > 0
     areas = np.empty(len(history.depth))
     for step, moved in enumerate(history.moved):
         points = pad.points + sign * moved[column]
-        surface = Surface(points, pad.triangles, obstacle.axis, obstacle)
+        surface = CandidateSurface(points, pad.triangles, obstacle.axis, obstacle)
         areas[step] = surface.area(pressed[step][None], history.gap[step][column][None])[0]
     return areas
 

@@ -121,15 +121,15 @@ class Condensed:
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
         where = mirror.to_half(self.sites.points) if half else self.sites.points
-        reduced = _answering(finger, solid, touch, self.deepest, where)
+        reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
-        self._state = lcp_compiled.active(reduced.flexibility)
+        self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, travel = self.patch.gap, self.patch.travel
-        self._memory = step_compiled.memory(gap, travel, weights, np.array(prony.v), tolerance)
+        self._memory = step_compiled.pad_state(gap, travel, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
@@ -165,13 +165,13 @@ class Condensed:
         return afferents(self.finger, self.solid, self.sites, **options)
 
     def reset(self) -> None:
-        """Lift the indenter off, and let the tissue forget."""
+        """Lift the indenter off and clear the stress history."""
         step_compiled.reset(self._state, self._memory)
         step_compiled.read(self._state, self._memory, self._output, 1.0)
         self._read()
 
     def step(self, depth: float, dt: float) -> Step:
-        """Move the indenter to `depth` mm in `dt` s and return what the finger feels.
+        """Move the indenter to `depth` mm in `dt` s and return force, pressure and strain.
 
         A step that is refused leaves the finger as it was.
 
@@ -196,7 +196,7 @@ class Condensed:
         return self._advance(dt, depth, False, self._without)
 
     def step_force(self, force: float, dt: float) -> Step:
-        """Load the indenter with `force` N in `dt` s and return what the finger feels.
+        """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
 
         Raises
         ------
@@ -300,15 +300,15 @@ class Condensed:
         return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
-def _answering(
+def _reduced_to_candidates(
     finger: Finger, solid: Operator, touch: Rigid, deepest: float, where: Array
 ) -> Reduced:
-    """Return the finger reduced to what a press of `deepest` mm touches, as far as it is kept.
+    """Return the finger reduced to the candidates of a press of `deepest` mm.
 
     Beside an edge the gap grows within a facet to any reach: there, one ring more each time, but
     none beyond the palmar part: a step whose contact gets there is refused.
     """
-    probe, found = partial(recovered_strain_at, solid.space, where, solid.planes), None
+    probe, reduced = partial(recovered_strain_at, solid.space, where, solid.planes), None
     within = faces_down(solid)
     for rings in range(problem.ATTEMPTS):
         reach = problem.REACH * deepest
@@ -316,19 +316,19 @@ def _answering(
         if len(on_pad.vertices) == 0:
             raise InputError(limits.NOTHING_UNDER)
         try:
-            found = operator.reduced(finger, solid, on_pad, where, probe)
+            reduced = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:
             break
-        pressure = Complementarity(found.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
+        pressure = Complementarity(reduced.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
         if not (pressure[on_pad.edge & ~on_pad.rim] > 0).any():
             break
-    if found is None:
+    if reduced is None:
         message = (
             "deepest: expected a depth at which the indenter stays over the palmar part of the "
             f"pad, received {deepest:g} mm; give a smaller one"
         )
         raise InputError(message)
-    return found
+    return reduced
 
 
 def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:

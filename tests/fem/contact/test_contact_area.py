@@ -6,7 +6,7 @@ from scipy.spatial import Delaunay
 
 from fefinger.fem.contact import contact_area as areas
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.contact_area import Surface
+from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.rim_fit import fit_rims
@@ -40,7 +40,7 @@ def hertz_gap(r: np.ndarray, a: float) -> np.ndarray:
 def test_the_area_of_a_circular_contact_is_that_of_its_circle(a: float, seed: int) -> None:
     points, triangles = scattered(0.25, seed)
     r = np.hypot(*points.T[:2])
-    surface = Surface(points, triangles, UP)
+    surface = CandidateSurface(points, triangles, UP)
     area = surface.area((r < 0.97 * a)[None], hertz_gap(r, a)[None])[0]
     assert area == pytest.approx(np.pi * a**2, rel=0.025)
 
@@ -52,7 +52,7 @@ def test_times_with_one_contact_are_fitted_together_and_as_each_alone(
     r, fits = np.hypot(*points.T[:2]), []
     pressed = np.array([r < bound for bound in (0.97, 0.97, 0.97, 0.7, 0.97)])
     gap = np.array([hertz_gap(r, a) for a in (1.0, 1.01, 1.03, 0.75, 1.02)])
-    surface = Surface(points, triangles, UP)
+    surface = CandidateSurface(points, triangles, UP)
     alone = [surface.area(p[None], g[None])[0] for p, g in zip(pressed, gap, strict=True)]
     monkeypatch.setattr(areas, "fit_rims", lambda *args: fits.append(0) or fit_rims(*args))
     assert surface.area(pressed, gap).tolist() == alone
@@ -68,7 +68,9 @@ def test_the_error_falls_with_the_mesh() -> None:
         for seed in range(6):
             points, triangles = scattered(spacing, seed)
             r = np.hypot(*points.T[:2])
-            area = Surface(points, triangles, UP).area((r < 1)[None], hertz_gap(r, 1.0)[None])
+            area = CandidateSurface(points, triangles, UP).area(
+                (r < 1)[None], hertz_gap(r, 1.0)[None]
+            )
             errors.append(abs(area[0] / np.pi - 1))
         worst.append(max(errors))
     assert worst[0] < 0.025
@@ -101,7 +103,7 @@ def test_skin_that_turns_up_beside_the_contact_is_none_of_it(
         flat, triangles = scattered(spacing, seed)
         points, gap = turned_up(flat, upright)
         pressed = np.hypot(*flat.T[:2]) < 0.97
-        area = Surface(points, triangles, UP).area(pressed[None], gap[None])[0]
+        area = CandidateSurface(points, triangles, UP).area(pressed[None], gap[None])[0]
         assert area == pytest.approx(np.pi, rel=worst)
 
 
@@ -110,7 +112,7 @@ def test_what_the_obstacle_is_not_ahead_of_does_not_change_the_area() -> None:
     r = np.hypot(*points.T[:2])
     pressed, gap = (r < 0.97)[None], hertz_gap(r, 1.0)
     lost = np.where(r > 1.6, FAR, gap)
-    found = [Surface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
+    found = [CandidateSurface(points, triangles, UP).area(pressed, g[None])[0] for g in (gap, lost)]
     assert found[1] == pytest.approx(found[0], rel=0.01)
 
 
@@ -119,7 +121,7 @@ def test_a_long_contact_with_two_parts_is_measured_as_both() -> None:
     left, right = (np.hypot((points[:, 0] - x) / 0.6, points[:, 1]) for x in (-1.0, 1.0))
     inside = np.minimum(left, right)
     gap = np.where(inside > 1, np.abs(inside - 1) ** 1.5, 0.0)
-    area = Surface(points, triangles, UP).area((inside < 0.95)[None], gap[None])[0]
+    area = CandidateSurface(points, triangles, UP).area((inside < 0.95)[None], gap[None])[0]
     assert area == pytest.approx(2 * np.pi * 0.6, rel=0.04)
 
 
@@ -130,7 +132,7 @@ def test_no_contact_has_no_area_and_a_single_vertex_some() -> None:
     pressed[1, int(np.argmin(r))] = True
     pressed[2] = pressed[1]
     gap = np.tile(hertz_gap(r, 0.15), (3, 1))
-    area = Surface(points, triangles, UP).area(pressed, gap)
+    area = CandidateSurface(points, triangles, UP).area(pressed, gap)
     assert area[0] == 0
     assert area[1] == area[2] == pytest.approx(np.pi * 0.15**2, abs=0.08)
 
@@ -139,15 +141,15 @@ def test_the_area_is_the_same_in_any_position_and_unit() -> None:
     points, triangles = scattered(0.25, 3)
     r = np.hypot(*points.T[:2])
     pressed, gap = (r < 1)[None], hertz_gap(r, 1.0)[None]
-    plain = Surface(points, triangles, UP).area(pressed, gap)[0]
+    plain = CandidateSurface(points, triangles, UP).area(pressed, gap)[0]
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
-    turned = Surface(1e-3 * points @ turn.T + 5.0, triangles, turn @ UP)
+    turned = CandidateSurface(1e-3 * points @ turn.T + 5.0, triangles, turn @ UP)
     assert turned.area(pressed, 1e-3 * gap)[0] == pytest.approx(1e-6 * plain, rel=1e-6)
 
 
 def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    surface = Surface(points, np.array([[0, 1, 2]]), UP)
+    surface = CandidateSurface(points, np.array([[0, 1, 2]]), UP)
     area = surface.area(np.array([[True, False, False]]), np.array([[0.0, 0.1, 0.1]]))
     assert area == pytest.approx([0.5 / 3])
     assert surface.area(np.ones((1, 3), dtype=bool), np.zeros((1, 3))) == pytest.approx([0.5])
@@ -176,13 +178,13 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.travel)
     gap = on.clearance(np.array([0.3]), (on.places.T @ moved @ pressure)[None])
     number = np.full(len(space.points), -1)
-    number[on.seen.vertices] = np.arange(len(on.seen.vertices))
-    triangles = number[on.seen.triangles]
+    number[on.neighborhood.vertices] = np.arange(len(on.neighborhood.vertices))
+    triangles = number[on.neighborhood.triangles]
     triangles = triangles[(triangles >= 0).all(axis=1)]
-    points = space.points[on.seen.vertices]
+    points = space.points[on.neighborhood.vertices]
     pressed = np.pad(pressure > 0, (0, len(points) - len(pressure)))
     found = [
-        Surface(points, triangles, UP, ahead).area(pressed[None], gap)[0]
+        CandidateSurface(points, triangles, UP, ahead).area(pressed[None], gap)[0]
         for ahead in (obstacle, None)
     ]
     return found[0], found[1]
@@ -204,7 +206,7 @@ def test_an_edge_cuts_the_corner_of_a_triangle_off(end: float, alone: bool) -> N
     points = np.column_stack([x, [0.0, 0.5, -0.5], np.zeros(3)])
     bar = Obstacle(UP, np.array([end - 1.0, 0.0, 0.0]), Bar(2.0, 0.002))
     gap, _ = bar.gap(points)
-    surface = Surface(points, np.array([[0, 1, 2]]), UP, bar)
+    surface = CandidateSurface(points, np.array([[0, 1, 2]]), UP, bar)
     share = end**2 if alone else 1 - (1 - end) ** 2
     assert surface.area((gap == 0)[None], gap[None]) == pytest.approx([share / 2], rel=1e-12)
 

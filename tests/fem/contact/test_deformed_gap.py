@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, logm
 
-from fefinger.fem.contact.deformed_gap import Sliding, sliding
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import candidates, patch
 from fefinger.fem.elements.grids import box
@@ -23,16 +23,16 @@ UP = np.array([0.0, 0.0, 1.0])
 BALL = Ellipsoid((0.8, 0.8, 0.8))
 
 
-def surface(profile: Profile, axis: np.ndarray = AXIS) -> tuple[Space, Sliding, np.ndarray]:
+def surface(profile: Profile, axis: np.ndarray = AXIS) -> tuple[Space, ContactSurface, np.ndarray]:
     """Return a cube whose top faces an obstacle, and the triangles of the top."""
     space = box(GRID, GRID, GRID)
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     obstacle = Obstacle(axis, np.array([0.4, 0.5, 1.0]), profile)
-    return space, sliding(space, top, np.zeros_like(space.points), obstacle, reach=2.0), top
+    return space, contact_surface(space, top, np.zeros_like(space.points), obstacle, reach=2.0), top
 
 
-def moved(space: Space, contact: Sliding, seed: int = 0, depth: float = 0.2) -> State:
+def moved(space: Space, contact: ContactSurface, seed: int = 0, depth: float = 0.2) -> State:
     """Return a surface that crosses the obstacle back and forth, under some pressure."""
     random = np.random.default_rng(seed)
     values = 0.1 * random.normal(size=space.n_unknowns)
@@ -72,14 +72,14 @@ def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_sa
 def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     space, contact, _ = surface(Plane())
     found = contact.at(moved(space, contact, 2))
-    bed = found.bed(np.ones(len(contact), dtype=bool))
+    support = found.support(np.ones(len(contact), dtype=bool))
     rigid, across = np.zeros((2, space.n_unknowns))
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
     across[: space.n_displacements] = np.tile([0.8, 0.0, 0.6], space.n_nodes)
-    assert rigid @ bed @ rigid == pytest.approx(contact.travel.sum())
-    assert np.abs(bed @ across).max() < 1e-15
+    assert rigid @ support @ rigid == pytest.approx(contact.travel.sum())
+    assert np.abs(support @ across).max() < 1e-15
     one = np.arange(len(contact)) == 0
-    assert found.bed(one).sum() < bed.sum()
+    assert found.support(one).sum() < support.sum()
 
 
 def test_what_resists_folds_is_the_derivative_of_the_loads():
@@ -97,7 +97,7 @@ def test_what_resists_folds_is_the_derivative_of_the_loads():
     stiffness = found.stiffness()
     assert -stiffness @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
     assert np.linalg.eigvalsh(stiffness.toarray()).min() > -1e-12 * abs(stiffness).max()
-    assert (found.rise > 0).all()
+    assert (found.fold_stiffness > 0).all()
     pulled = contact.at(replace(state, pressure=-state.pressure))
     assert abs(pulled.stiffness()).max() == 0
 
@@ -114,7 +114,7 @@ def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less()
     folds = {}
     for fold in (0.02, 0.04):
         bent = contact.at(raised(space, fold * size * (top * 2.0 / 3.0 - middle)))
-        mean = contact.gathered(contact.hats * bent.distance[:, None])
+        mean = contact.integrated(contact.hats * bent.distance[:, None])
         folds[fold] = (mean - bent.weighted) / size
     assert (folds[0.02] > 0).all()
     assert folds[0.04] / folds[0.02] == pytest.approx(4.0, rel=0.1)  # of second order
@@ -125,7 +125,7 @@ def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     flat = np.zeros_like(space.points)
     small = patch(space, top, flat, contact.obstacle, reach=2.0)
     rest = contact.at(State(np.zeros(space.n_unknowns), np.zeros(len(contact)), 0.0))
-    mean = contact.gathered(contact.hats * rest.distance[:, None])
+    mean = contact.integrated(contact.hats * rest.distance[:, None])
     assert mean == pytest.approx(small.gap, abs=1e-15)
     assert rest.loads.sum(axis=0) == pytest.approx(small.loads.sum(axis=0))
 
@@ -136,7 +136,7 @@ def test_skin_beside_an_edge_may_fold_around_it_though_its_gap_is_beyond_all_rea
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     flat = np.zeros_like(space.points)
     under = {reach: candidates(space, top, flat, obstacle, reach) for reach in (0.3, 1.0)}
-    around = sliding(space, top, flat, obstacle, 0.3).on
+    around = contact_surface(space, top, flat, obstacle, 0.3).on
     across = {name: set(space.points[each.vertices][:, 0].round(3)) for name, each in under.items()}
     assert across[0.3] == {0.0, 0.333} == across[1.0]
     assert set(space.points[around.vertices][:, 0].round(3)) == {0.0, 0.333, 0.667}
@@ -148,7 +148,7 @@ def test_beyond_the_outline_of_a_ball_no_patch_goes_and_its_rim_is_marked():
     space, ball = box(fine, fine, GRID), Obstacle(-UP, np.array([0.0, 0.0, 1.0]), BALL)
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
-    on = sliding(space, top, np.zeros_like(space.points), ball, 5.0).on
+    on = contact_surface(space, top, np.zeros_like(space.points), ball, 5.0).on
     away = np.linalg.norm(space.points[on.vertices][:, :2], axis=1)
     assert away.max() < BALL.radii[0]
     assert on.rim.any()
@@ -172,7 +172,7 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     found = contact.at(State(values, np.ones(len(contact)), 0.0))
     assert (found.gaps > 0.5 * FAR * contact.travel).all()
     assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
-    for each in (found.loads.data, found.rise, found.stiffness().data):
+    for each in (found.loads.data, found.fold_stiffness, found.stiffness().data):
         assert np.isfinite(each).all()
 
 

@@ -9,7 +9,7 @@ from skfem import Basis, ElementTetP2
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.grids import box, quarter
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.hyperelastic.continuum import Continuum, Memory, continuum
+from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import (
     Law,
     demiray,
@@ -35,12 +35,12 @@ def small() -> Space:
     return box(*3 * (np.linspace(0.0, 1.0, 3),))
 
 
-def strained(body: Continuum, seed: int) -> tuple[np.ndarray, np.ndarray, Memory]:
+def strained(body: Continuum, seed: int) -> tuple[np.ndarray, np.ndarray, HistoryStress]:
     """Return random values, a random direction and a random past."""
     random = np.random.default_rng(seed)
     values, along = 0.02 * random.normal(size=(2, body.space.n_unknowns))
     past = 3.0 * random.normal(size=(*body.weights.shape, 6))
-    return values, along, Memory(np.full((len(body.weights), 2), [1.7, 1.3]), past)
+    return values, along, HistoryStress(np.full((len(body.weights), 2), [1.7, 1.3]), past)
 
 
 def homogeneous(body: Continuum, gradient: np.ndarray, pressure: float = 0.0) -> np.ndarray:
@@ -85,14 +85,14 @@ def test_hard_parts_do_not_set_the_scale_that_soft_tissue_is_solved_to():
 @EACH_LAW
 def test_residual_and_tangent_are_the_derivatives_of_the_energy(material: Law):
     body = continuum(small(), {1: material})
-    values, along, memory = strained(body, 1)
-    slope = body.residual(values, memory)[0] @ along
-    bend = body.tangent(values, memory) @ along
+    values, along, history = strained(body, 1)
+    slope = body.residual(values, history)[0] @ along
+    bend = body.tangent(values, history) @ along
     errors = []
     for h in (1e-3, 1e-4):
         ahead, behind = values + h * along, values - h * along
-        rise = (energy(body, ahead, memory) - energy(body, behind, memory)) / (2 * h)
-        turn = (body.residual(ahead, memory)[0] - body.residual(behind, memory)[0]) / (2 * h)
+        rise = (energy(body, ahead, history) - energy(body, behind, history)) / (2 * h)
+        turn = (body.residual(ahead, history)[0] - body.residual(behind, history)[0]) / (2 * h)
         errors.append((abs(rise / slope - 1), np.linalg.norm(turn - bend) / np.linalg.norm(bend)))
     for coarse, fine in zip(*errors, strict=True):
         assert fine < 1e-4
@@ -102,15 +102,15 @@ def test_residual_and_tangent_are_the_derivatives_of_the_energy(material: Law):
 @EACH_LAW
 def test_the_tangent_is_symmetric(material: Law):
     body = continuum(small(), {1: material})
-    values, _, memory = strained(body, 2)
-    matrix = body.tangent(values, memory)
+    values, _, history = strained(body, 2)
+    matrix = body.tangent(values, history)
     assert abs(matrix - matrix.T).max() == 0
 
 
 @EACH_LAW
 def test_a_rotated_body_has_the_stress_and_the_turned_forces_of_the_unrotated_one(material: Law):
     body = continuum(small(), {1: material})
-    values, _, memory = strained(body, 3)
+    values, _, history = strained(body, 3)
     n, places = body.space.n_displacements, body.space.node_points
     turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
@@ -118,8 +118,8 @@ def test_a_rotated_body_has_the_stress_and_the_turned_forces_of_the_unrotated_on
     turned[:n] = ((places + values[:n].reshape(-1, 3)) @ turn.T - places).ravel()
     for before, after in zip(body.stress(values), body.stress(turned), strict=True):
         assert np.abs(after - before).max() < 1e-11 * np.abs(before).max()
-    force, _ = body.residual(values, memory)
-    follows, _ = body.residual(turned, memory)
+    force, _ = body.residual(values, history)
+    follows, _ = body.residual(turned, history)
     expected = force[:n].reshape(-1, 3) @ turn.T
     assert np.abs(follows[:n].reshape(-1, 3) - expected).max() < 1e-11 * np.abs(force).max()
 

@@ -50,7 +50,7 @@ def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
     space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
     elements = continuum(space, {materials.NAIL: neo_hookean(Elastic(2e6, 0.3))})
-    stretch, _, tissue = failure.most_pressed(elements, np.zeros(space.n_unknowns))
+    stretch, _, tissue = failure.most_compressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
 
@@ -178,7 +178,7 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
     found = {name: answer(name) for name in (None, "single", "iterative")}
     used = {name: response.sources["solver"] for name, response in found.items()}
     # With some processors' kernels LAPACK's inverse in single precision is at times not a number.
-    gave_way = solvers.GAVE_WAY in found["single"].notes
+    gave_way = solvers.SINGLE_FAILED in found["single"].notes
     single = "multifrontal" if gave_way else "single"
     assert used == {None: "multifrontal", "single": single, "iterative": "iterative"}
     for response in found.values():
@@ -199,7 +199,7 @@ def test_single_precision_that_fails_gives_way_with_a_note(
     double = {linear: answer(linear, "single"), solid: answer(solid)}
     for each, response in double.items():
         assert response.force == pytest.approx(usual[each].force, rel=1e-6)
-    assert solvers.GAVE_WAY in double[linear].notes
+    assert solvers.SINGLE_FAILED in double[linear].notes
     assert double[linear].sources["solver"] == "multifrontal"
     assert any("Single precision failed for" in note for note in double[solid].notes)
     unsound(np.float32, np.float64)

@@ -303,7 +303,7 @@ def test_the_force_asked_for_is_the_force_found(finger: Condensed) -> None:
 
 
 def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
-    with pytest.raises(InputError, match="reaches their rim"):
+    with pytest.raises(InputError, match="contact at their rim"):
         finger.step(3.0, 1e-3)
 
 
@@ -338,9 +338,9 @@ def test_where_the_indenter_ends_and_where_the_pad_ends_are_told_apart() -> None
 @pytest.mark.parametrize(
     ("refused", "words"),
     [
-        (lambda f: f.step(3.0, 5e-3), "reaches their rim"),
-        (lambda f: f.step_contact(3.0, 5e-3), "reaches their rim"),
-        (lambda f: f.step_force(50.0, 5e-3), "reaches their rim"),
+        (lambda f: f.step(3.0, 5e-3), "contact at their rim"),
+        (lambda f: f.step_contact(3.0, 5e-3), "contact at their rim"),
+        (lambda f: f.step_force(50.0, 5e-3), "contact at their rim"),
     ],
 )
 def test_a_refused_step_leaves_the_finger_as_it_was(

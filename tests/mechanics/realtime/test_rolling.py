@@ -105,7 +105,7 @@ def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: Rolling) 
         rolling.step(0.5, 50.0, 1e-3)
     with pytest.raises(InputError, match="depth: expected a finite"):
         rolling.step(np.nan, 20.0, 1e-3)
-    with pytest.raises(InputError, match="reaches their rim"):
+    with pytest.raises(InputError, match="contact at their rim"):
         rolling.step(3.0, 20.0, 1e-3)
 
 
@@ -118,7 +118,7 @@ def test_angles_that_no_plate_has_get_a_sentence(angles: tuple) -> None:
 def test_a_refused_step_leaves_the_finger_as_it_was(rolling: Rolling) -> None:
     for depth, angle in ((0.4, 20.0), (0.7, 24.0)):
         before = copy.deepcopy(rolling.step(depth, angle, 5e-3))
-    with pytest.raises(InputError, match="reaches their rim"):
+    with pytest.raises(InputError, match="contact at their rim"):
         rolling.step(3.0, 33.0, 5e-3)
     for name in ("depth", "force", "contact_area", "x", "y", "pressure", "strain"):
         np.testing.assert_array_equal(getattr(rolling.now, name), getattr(before, name))
