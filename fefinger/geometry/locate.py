@@ -1,5 +1,7 @@
 """Where points lie among triangles of a plane or tetrahedra: the simplex and its weights."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from fefinger.support.arrays import Array, Integers
@@ -18,6 +20,23 @@ def barycentric(corners: Array, points: Array) -> Array:
     others = np.linalg.solve(sides, (points - first)[..., None])[..., 0]
     weights = np.concatenate([1 - others.sum(axis=-1, keepdims=True), others], axis=-1)
     return np.where(flat[..., None], -np.inf, weights)
+
+
+def around(
+    corners: Array, points: Array, *, margin: float = 0.0
+) -> Iterator[tuple[Integers, Array]]:
+    """Yield, for each of the points (n, d), the simplices (k,) near it and its weights (k, d + 1).
+
+    Near are those of the simplices (m, d + 1, d) in whose sphere about the center the point lies,
+    larger by the share `margin`: all that may hold it.
+    """
+    centers = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+    reach = ((1 + margin) * radii) ** 2
+    for point in points:
+        apart = centers - point
+        near = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= reach)
+        yield near, barycentric(corners[near], point)
 
 
 def locate(corners: Array, points: Array, *, nearest: int | None = None) -> tuple[Integers, Array]:

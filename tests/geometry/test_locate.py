@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from fefinger.geometry.locate import barycentric, locate
+from fefinger.geometry.locate import around, barycentric, locate
 
 
 RNG = np.random.default_rng(2)
@@ -31,6 +31,17 @@ def test_a_point_is_in_the_simplex_that_is_found(dimension, nearest):
     assert np.array_equal(simplex, mesh.find_simplex(places))
     assert weights.min() >= -1e-12
     assert np.einsum("nk,nkd->nd", weights, corners[simplex]) == pytest.approx(places)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_every_simplex_that_holds_a_point_is_around_it(dimension):
+    mesh = Delaunay(RNG.uniform(size=(100, dimension)))
+    corners = mesh.points[mesh.simplices]
+    places = np.concatenate([RNG.uniform(0.2, 0.8, size=(20, dimension)), mesh.points[:5]])
+    for place, (near, weights) in zip(places, around(corners, places, margin=1e-6), strict=True):
+        holds = np.flatnonzero(barycentric(corners, place).min(axis=1) >= -1e-9)
+        assert np.array_equal(near[weights.min(axis=1) >= -1e-9], holds)
+        assert len(near) < len(corners)
 
 
 def test_a_point_outside_gets_the_simplex_that_comes_closest_and_a_weight_below_none():
