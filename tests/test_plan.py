@@ -344,6 +344,7 @@ scene = ff.Scene(
 result = ff.run(scene)
 """
 
+
 def test_a_scene_of_the_force_alone_loads_no_mesh_no_elements_and_no_nerve():
     modules = loaded(f"{RUN}assert result.plan.mechanics == 'lumped'")
     parts = tuple(f"fefinger.{part}" for part in ("mesh", "fem", "neural.", "view", "report"))
