@@ -99,15 +99,16 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with Eq. 2.3, or under force control with its inverse."""
     stages = Stages(progress)
     with stages.stage("lumped"):
-        found = law(Situation.of(scene))
-        spring, prony = found.spring, found.prony
-        time = time_grid(scene.motion, fast=False, most=MOST)
-        given = scene.motion.value(time)
-        if scene.motion.control == "depth":
-            depth, force = given, theory.contact_force(spring, prony, time, given)
+        identified, motion = law(Situation.of(scene)), scene.motion
+        spring, prony = identified.spring, identified.prony
+        time = time_grid(motion, fast=False, most=MOST)
+        if motion.control == "depth":
+            depth = motion.value(time)
+            force = theory.contact_force(spring, prony, time, depth)
         else:
-            depth, force = theory.position_under(spring, prony, time, given), given
-            check_reached(scene.motion, scene.finger.pulp, float(depth.max()))
+            force = motion.value(time)
+            depth = theory.position_under(spring, prony, time, force)
+            check_reached(motion, scene.finger.pulp, float(depth.max()))
     return Response(
         mechanics=name,
         time=time,
@@ -123,9 +124,9 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         fields=None,
         status=f"Eq. 2.3, exact for straight lines between {len(time)} times.",
         seconds=stages.seconds,
-        notes=(*NOTES, *(PRINTED if found.printed else ()), f"b and m: {found.source}."),
+        notes=(*NOTES, *(PRINTED if identified.printed else ()), f"b and m: {identified.source}."),
         numbers={"times": float(len(time)), "b": spring.b, "m": spring.m},
-        sources={"lumped": found.source},
+        sources={"lumped": identified.source},
     )
 
 

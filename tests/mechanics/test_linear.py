@@ -78,7 +78,7 @@ def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
 def test_a_whole_finger_made_of_two_halves_equals_the_half(
     press: Response, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(problem, "symmetric", lambda scene: False)
+    monkeypatch.setattr(ff.Flat, "mirrored", False)
     whole = linear.respond(scene())
     assert (whole.numbers["half"], press.numbers["half"]) == (0, 1)
     assert whole.force == pytest.approx(press.force, rel=1e-8, abs=1e-10)

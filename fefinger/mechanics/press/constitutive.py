@@ -29,7 +29,7 @@ def laws(finger: Finger) -> dict[int, Law]:
 
 
 def relaxations(finger: Finger) -> dict[int, Series]:
-    """Return how the soft regions relax."""
+    """Return the Prony series of the soft regions, by region."""
     layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
     series = {region: prony or finger.prony for region, prony in layers.items()}
     return {

@@ -1,14 +1,8 @@
-"""Which scenes are their own mirror image, so that half a finger answers them."""
+"""Where the mesh of a finger has to be fine, by the indenter that touches it."""
 
 import numpy as np
 
 from fefinger.scene.indenter import STANDARD, Indenter
-from fefinger.scene.scene import Scene
-
-
-def symmetric(scene: Scene) -> bool:
-    """Return whether the scene is its own mirror image in the medial plane y = 0."""
-    return scene.indenter.mirrored
 
 
 MESHED_ANGLE = 15.0

@@ -25,7 +25,7 @@ def check_under(motion: Motion, count: int) -> None:
 
 
 def rim_reached(count: int) -> str:
-    """Return what to say when contact reaches the rim of an indenter over `count` vertices."""
+    """Error message for contact that reaches the rim of an indenter over `count` vertices."""
     return (
         f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
         f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
@@ -34,7 +34,7 @@ def rim_reached(count: int) -> str:
 
 
 def unresolved(depth: float) -> str:
-    """Return what to say when a press to `depth` mm moves no vertex of the pad."""
+    """Error message for a press to `depth` mm that moves no vertex of the pad."""
     return (
         f"motion: expected a contact that the mesh resolves, but at a depth of {depth:.3g} mm it "
         "is smaller than a facet of the pad; press deeper, or take a finer mesh "
@@ -43,7 +43,7 @@ def unresolved(depth: float) -> str:
 
 
 def spread_beyond(reach: float) -> str:
-    """Return what to say when contact spread beyond all candidates, up to a gap of `reach` mm."""
+    """Error message for contact that spread beyond all candidates, to a gap of `reach` mm."""
     return f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
 
 

@@ -15,7 +15,7 @@ def normalized(prony: Prony) -> tuple[str, ...]:
 
 
 def apart(finger: Finger) -> tuple[Doubt, ...]:
-    """Return what keeps a mechanics that relaxes all stress with one function from a finger."""
+    """List what of a finger does not relax with one function for all stress."""
     doubts = []
     if finger.relaxation != "whole":
         reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
@@ -30,7 +30,7 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
-    """Return what is unusual in how the tissues of a finger relax."""
+    """Return notes on tissues that relax apart, or in their deviatoric stress alone."""
     notes = []
     if finger.relaxation == "deviatoric":
         notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
@@ -43,7 +43,7 @@ def relaxing(finger: Finger) -> tuple[str, ...]:
 
 
 def of_finger(finger: Finger) -> tuple[str, ...]:
-    """Return what a reader has to know of how the tissue of a finger is held and relaxes."""
+    """Return notes on how the tissue of a finger is held and relaxes."""
     cut = "held" if finger.cut == "fixed" else "free"
     return (
         f"The proximal cut of the tissue is {cut}.",
@@ -59,7 +59,7 @@ RIGID_BONE = (
 
 
 def yielding(finger: Finger) -> tuple[Doubt, ...]:
-    """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
+    """List what of a finger is neither a rigid bone nor a nail held with it."""
     doubts = []
     if isinstance(finger.bone, Hard):
         reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
@@ -71,7 +71,7 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
 
 
 def hard(finger: Finger) -> tuple[str, ...]:
-    """Return how bone and nail are held, and what they are made of."""
+    """Return notes on how bone and nail are held, and on their materials."""
     if not yielding(finger):
         return (RIGID_BONE,)
     bone, nail = "The bone is rigid.", "The nail is held, as glued in the experiment."

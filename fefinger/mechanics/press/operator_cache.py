@@ -46,7 +46,7 @@ def identity(
 
 
 def parities(*, half: bool) -> tuple[bool, ...]:
-    """Return which parities make up half of a finger or a whole one: whether each is odd."""
+    """Return the parities, odd or not, of half a finger (even) or of a whole one (both)."""
     return (False,) if half else (False, True)
 
 

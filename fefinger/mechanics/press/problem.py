@@ -11,7 +11,6 @@ from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
-from fefinger.mechanics.press.discretization import symmetric
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.notes import of_finger
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites
@@ -115,7 +114,9 @@ class Press:
         """
         finger, ask, motion = scene.finger, scene.ask, scene.motion
         with stages.stage("mesh"):
-            mesh = ready(finger, half=symmetric(scene), touch=method.touch(scene.indenter))
+            # Scenes that are their own mirror image are solved on half a finger.
+            half = scene.indenter.mirrored
+            mesh = ready(finger, half=half, touch=method.touch(scene.indenter))
         with stages.stage("factor") as report:
             body = method.body(finger, mesh, ask.solver, report)
         obstacle = placement.obstacle(scene.indenter, body)

@@ -119,13 +119,13 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
 
 
 def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
-    """Return what an answer was computed from, with what solver, and in how much memory."""
+    """Return the mesh and its hash, the peak memory and the linear solver of an answer."""
     sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
     return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
 
 
 def gave_way(body: Solid) -> tuple[str, ...]:
-    """Return which factors in single precision failed."""
+    """Return notes on factors in single precision that failed."""
     if not isinstance(body, Body):
         return ()
     count = len(body.system.failed)
@@ -140,7 +140,7 @@ def gave_way(body: Solid) -> tuple[str, ...]:
 
 
 def inside(gap: Array) -> float:
-    """Return how far a vertex of the pad lies inside the indenter at most, in mm.
+    """Return the largest depth in mm of a vertex of the pad inside the indenter.
 
     Contact closes the gaps weighted with the hats, not the one at each vertex.
     """

@@ -75,7 +75,7 @@ def moving(motion: Motion, time: NDArray[np.float64]) -> int:
 
 
 def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:
-    """Return why the steps of a motion are too many, if they are."""
+    """Error messages for a motion of more than `most` time steps: one or none."""
     reason = _too_long(_pieces(motion, fast=fast), most)
     return (reason,) if reason else ()
 

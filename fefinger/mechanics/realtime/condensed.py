@@ -149,7 +149,7 @@ class Condensed:
         return self._output.elastic
 
     def energy(self) -> tuple[float, float]:
-        """Return what the finger stores in uJ and what its dampers take in uW (without t(u))."""
+        """Return the stored energy in uJ and the dissipated power in uW, both without t(u)."""
         memory, flexibility = self._memory, self.flexibility
         stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
         for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):
@@ -352,7 +352,7 @@ def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
 
 
 def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> step_compiled.Output:
-    """Return what is read off the pad, and at points (n, 3), in every step."""
+    """Allocate the quantities of every step: those on the pad, and the strain at points (n, 3)."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
     pad, column = whole_pad(solid, on_pad)
     areas = np.bincount(column, pad.areas, minlength=count)

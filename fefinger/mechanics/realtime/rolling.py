@@ -140,7 +140,7 @@ class Rolling:
         return self._read(depth)
 
     def _reduced(self, points: Array) -> Reduced:
-        """Return what the body does at points under unit tractions of both directions."""
+        """Return the strain at points under unit tractions in both directions."""
         probe = recovered_strain_at(self.solid.space, points, self.solid.planes)
         return reduce(self.solid, self._both, probe)
 
@@ -155,7 +155,7 @@ class Rolling:
         return now
 
     def _candidates(self, every: Patch, reach: float) -> NDArray[np.bool_]:
-        """Return which vertices any of the plates comes within `reach` mm of, at first touch."""
+        """Flag the vertices that any of the plates is within `reach` mm of at first touch."""
         points = self.solid.space.points[every.vertices][:, PLANE]
         nearest = np.full(len(points), np.inf)
         for angle in np.arange(self.angles[0], self.angles[1] + 1.0, 1.0):
@@ -165,7 +165,7 @@ class Rolling:
         return nearest <= reach
 
     def _on_rim(self) -> NDArray[np.bool_]:
-        """Return which candidates have a neighbor that is none, or lie on the border of the pad."""
+        """Flag the candidates next to pad vertices that are none, or on the border of the pad."""
         pad = self.solid.pad
         inside = np.isin(pad, self.vertices)
         beside = pad[inside.any(axis=1) & ~inside.all(axis=1)]
