@@ -37,7 +37,7 @@ def test_an_answer_outlives_a_mesh_check_that_fails(monkeypatch, failure):
             raise failure
         return answer(scene, progress)
 
-    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser.finger)
     monkeypatch.setattr(hertz, "respond", respond)
     found = ff.run(SCENE, mechanics="hertz")
     assert found.spikes is not None
@@ -68,8 +68,26 @@ def test_units_of_a_grid_are_checked_by_place_where_the_other_skin_has_fewer(mon
         )
         return replace(found, sites=sites, strain=found.strain[:, kept])
 
-    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser.finger)
     monkeypatch.setattr(hertz, "respond", respond)
     notes = ff.run(scene, mechanics="hertz").notes
     assert "All spike counts are the same when the mesh is coarse." in notes
     assert any(note.startswith("Not compared: 2 of 26 units, whose places") for note in notes)
+
+
+def test_a_run_that_stops_keeps_what_was_asked_of_it_without_spikes(monkeypatch):
+    answer = hertz.respond
+
+    def respond(scene, progress=None):
+        message = "it folds"
+        raise Stopped(message, answer(scene, progress))
+
+    monkeypatch.setattr(hertz, "respond", respond)
+    scene = replace(SCENE, ask=replace(SCENE.ask, strain=False))
+    with pytest.raises(Stopped, match="it folds") as stopped:
+        ff.run(scene, mechanics="hertz")
+    kept = stopped.value.reached
+    assert (kept.strain, kept.spikes) == (None, None)
+    assert kept.force[-1] > 0
+    assert kept.status == kept.response.status
+    assert "scene_sha256" in kept.provenance

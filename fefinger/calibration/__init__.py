@@ -1,7 +1,7 @@
-"""A finger that behaves like the subject's: parameters of a model fitted to curves and frames.
+"""Calibration of a finger model to measured force curves and frames of a tactile array.
 
-`calibrate` is the way in, `jobs` several of it. `target`: what is to be met; `press`: the elastic
-press of a finger, solved once and kept; `curve`: force and array at any exponent and modulus;
-`force`: residuals and predictions; `inverse`: least squares with priors; `pad`: the pad radius by
-the array; `outcome` and `record`: what was found, and its files.
+`calibrate` is the entry point, `jobs` runs several. `targets`: the measured data; `slow_press`: the
+elastic press of a finger, solved once and cached; `curve`: force and array pressure at any exponent
+and modulus; `force`: residuals and predictions; `inverse`: least squares with priors; `pad_radius`:
+the pad radius from the array; `outcome` and `record`: the result and its files.
 """

@@ -1,8 +1,8 @@
-"""Force against depth of a finger at any exponent and pad radius, between presses that were solved.
+"""Relaxed force curve of a finger at any exponent and pad radius, interpolated between presses.
 
-The relaxed force is P = x^(3/2) exp(q(x)): Hertz's power times what bone, shape, finite strain and
-law make of it. Between presses q and the share of every element of the array are interpolated at
-the same depth by Lagrange's polynomial. Moduli scale the force as a whole.
+The relaxed force is P = x^(3/2) exp(q(x)): Hertz's power law times the effect of bone, shape,
+finite strain and law. Between presses q and the share of every element of the array are
+interpolated at the same depth by Lagrange's polynomial. Moduli scale the force as a whole.
 """
 
 import math
@@ -26,23 +26,23 @@ DEGREE = 4
 """Degree of q through the few steps of `solid`, whose contact grows by whole vertices."""
 
 DENSE = 100
-"""Steps from which q goes through every one of them: small strain costs nothing."""
+"""Number of steps from which q interpolates all of them, as for presses at small strain."""
 
 SHALLOW = 0.1
-"""Part of the depth below which the steps of a mesh are too coarse to judge q by."""
+"""Share of the depth below which the contact is too small on the mesh to determine q."""
 
 NODES = 161
-"""Even depths at which q is kept, and joined by a cubic spline."""
+"""Evenly spaced depths at which q is stored; it is interpolated by a cubic spline."""
 
 SHARES = 24
-"""Even depths at which the shares of the array's elements are kept."""
+"""Evenly spaced depths at which the shares of the array's elements are stored."""
 
 
 @dataclass(frozen=True)
 class Curve:
     """The relaxed force on a finger at the moduli of its presses.
 
-    q (NODES,) at even depths from 0 to deepest mm, beyond which log P goes on as a straight line;
+    q (NODES,) at even depths from 0 to deepest mm, beyond which log P is extrapolated linearly;
     shares (SHARES, 64) 1/mm² of the force at even depths; growth: m in 1/mm of a factor
     [exp(m x) - 1] / m, the t(u) of the thesis over its b, or None.
     """
@@ -59,11 +59,11 @@ class Curve:
         return CubicSpline(np.linspace(0.0, self.deepest, len(self.q)), self.q)
 
     def power(self, depth: ArrayLike) -> Array:
-        """Return q at depths of 0 to `deepest` mm."""
+        """Interpolate q at depths of 0 to `deepest` mm."""
         return np.asarray(self._spline(depth))
 
     def force(self, depth: ArrayLike) -> Array:
-        """Return the force in N at depths in mm, 0 out of contact."""
+        """Compute the force in N at depths in mm, 0 without contact."""
         x: Array = np.maximum(np.asarray(depth, float), 0.0)
         inside = np.where(x > 0, np.minimum(x, self.deepest), self.deepest)
         beyond = np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
@@ -86,15 +86,15 @@ class Curve:
             depth = depth * np.exp(np.clip(-error / slope, -1.0, 1.0))
         return depth
 
-    def felt(self, depth: ArrayLike) -> Array:
-        """Return what the array feels (n, 64) kPa at depths (n,) mm."""
+    def array_pressure(self, depth: ArrayLike) -> Array:
+        """Compute the readings (n, 64) kPa of the array at depths (n,) mm."""
         depth = np.asarray(depth, float)
         return np.asarray(
             1e3 * self.force(depth)[:, None] * _columns(depth, self._few, self.shares)
         )
 
     def until(self, depth: float) -> "Curve":
-        """Return the curve up to a depth in mm, or itself where it ends before."""
+        """Cut the curve off at a depth in mm; a shorter curve is unchanged."""
         if depth >= self.deepest:
             return self
         even, few = (np.linspace(0.0, depth, count) for count in (NODES, SHARES))
@@ -122,7 +122,7 @@ class Curve:
 
 
 def curve(press: Press) -> tuple[Curve, float]:
-    """Return the curve of a press, and the largest relative distance of its steps from it."""
+    """Fit the curve of a press; also return the largest relative distance of its steps from it."""
     x, force = press.depth, press.force
     power, deepest = np.log(force / x**1.5), float(x[-1])
     even = np.linspace(0.0, deepest, NODES)
@@ -131,20 +131,20 @@ def curve(press: Press) -> tuple[Curve, float]:
     else:
         weights = np.minimum(x / (SHALLOW * deepest), 1.0)
         q = np.asarray(polynomial.polyval(even, polynomial.polyfit(x, power, DEGREE, w=weights)))
-    share = press.felt / (1e3 * force[:, None])
-    found = Curve(q, deepest, _columns(np.linspace(0.0, deepest, SHARES), x, share))
+    share = press.array_pressure / (1e3 * force[:, None])
+    fitted = Curve(q, deepest, _columns(np.linspace(0.0, deepest, SHARES), x, share))
     deep = x > SHALLOW * deepest
-    return found, float(np.abs(found.force(x[deep]) / force[deep] - 1).max())
+    return fitted, float(np.abs(fitted.force(x[deep]) / force[deep] - 1).max())
 
 
 @dataclass(frozen=True)
 class Family:
-    """Curves over the shape of the law, and what pad radius and skin add to them.
+    """Curves over the shape of the law, with first-order effects of pad radius and skin.
 
-    What the shape is, is up to the mechanics: the exponent of a law in `solid`, m of t(u) in
-    `condensed`, whose family has one curve. radius: pad radius in mm of the curves; by_radius,
-    by_ratio (NODES,): what a factor e of it and of skin over subcutaneous modulus adds to q, to
-    first order; shares_by_radius (SHARES, 64) likewise, both from a press at the radius `other`;
+    The shape is the exponent of a law in `solid`, and m of t(u) in `condensed`, whose family has
+    one curve. radius: pad radius in mm of the curves; by_radius, by_ratio (NODES,): derivatives of
+    q with respect to the logarithms of the pad radius and of the ratio of skin to subcutaneous
+    modulus; shares_by_radius (SHARES, 64) likewise, both from a press at the radius `other`;
     correction (NODES,) and shares_correction (SHARES, 64) are added to every q and all shares, and
     reached mm is the depth of the press that they are from; ripple: the largest relative distance
     of a solved step from its curve.
@@ -168,7 +168,7 @@ class Family:
         return min(each.deepest for each in self.curves)
 
     def at(self, shape: float, radius: float, ratio: float = 1.0) -> Curve:
-        """Return the curve at a shape, a pad radius in mm and a ratio of the moduli.
+        """Interpolate the curve at a shape, a pad radius in mm and a ratio of the moduli.
 
         `ratio` is that of skin to subcutaneous modulus, over that of the presses.
         """
@@ -184,81 +184,81 @@ class Family:
         return Curve(q, self.deepest, shares, growth).until(self.reached)
 
     def corrected(self, press: Press, shape: float, radius: float) -> "Family":
-        """Return the family shifted so that it meets a better press at a shape and radius."""
+        """Shift the family to agree with a press on a better mesh at a shape and radius."""
         whole = replace(self, reached=math.inf)
-        mine, (better, ripple) = whole.at(shape, radius), curve(press)
+        present, (better, ripple) = whole.at(shape, radius), curve(press)
         return replace(
             self,
             ripple=ripple,
             reached=better.deepest,
-            correction=self.correction + self._apart(mine, better),
-            shares_correction=self.shares_correction + self._shares_apart(mine, better),
+            correction=self.correction + self._difference(present, better),
+            shares_correction=self.shares_correction + self._shares_difference(present, better),
         )
 
     def with_ratio(self, press: Press, shape: float, factor: float) -> "Family":
-        """Return the family that knows the effect of the ratio, from a press at `factor` times it.
+        """Add the effect of the ratio of the moduli, from a press at `factor` times the ratio.
 
         The other press is at the same subcutaneous modulus.
         """
-        shift = self._apart(self.at(shape, self.radius), curve(press)[0])
+        shift = self._difference(self.at(shape, self.radius), curve(press)[0])
         return replace(self, by_ratio=shift / np.log(factor))
 
     def with_radius(self, press: Press, shape: float, radius: float) -> "Family":
-        """Return the family that knows the effect of the radius, from a press at another one."""
-        mine, other = self.at(shape, self.radius), curve(press)[0]
+        """Add the effect of the pad radius, from a press at another one."""
+        present, other = self.at(shape, self.radius), curve(press)[0]
         wider = np.log(radius / self.radius)
         return replace(
             self,
             other=radius,
-            by_radius=self._apart(mine, other) / wider,
-            shares_by_radius=self._shares_apart(mine, other) / wider,
+            by_radius=self._difference(present, other) / wider,
+            shares_by_radius=self._shares_difference(present, other) / wider,
         )
 
-    def _apart(self, one: Curve, other: Curve) -> Array:
-        """Return by how much log P of `other` is above that of `one`, (NODES,)."""
+    def _difference(self, one: Curve, other: Curve) -> Array:
+        """Difference of log P of `other` from that of `one`, (NODES,)."""
         even = np.linspace(0.0, self.deepest, NODES)
         at = np.minimum(even, min(one.deepest, other.deepest))
         return other.power(at) - one.power(at)
 
-    def _shares_apart(self, one: Curve, other: Curve) -> Array:
-        """Return by how much the shares of `other` are above those of `one`, (SHARES, 64)."""
+    def _shares_difference(self, one: Curve, other: Curve) -> Array:
+        """Difference of the shares of `other` from those of `one`, (SHARES, 64)."""
         even = np.linspace(0.0, self.deepest, SHARES)
-        mine, theirs = (_columns(even, each._few, each.shares) for each in (one, other))
-        return theirs - mine
+        first, second = (_columns(even, each._few, each.shares) for each in (one, other))
+        return second - first
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
-    """Return the family of the presses at some shapes; `press` gives the one at a shape.
+    """Make the family of presses at some shapes; `press` gives the one at a shape.
 
     Raises
     ------
     InputError
-        Shapes that do not rise.
+        If the shapes do not increase.
     """
     if not len(shapes) or (np.diff(shapes) <= 0).any():
         msg = f"family.shapes: expected numbers that rise, received {list(shapes)}"
         raise InputError(msg)
-    found = [curve(press(shape)) for shape in shapes]
+    curves = [curve(press(shape)) for shape in shapes]
     return Family(
         tuple(shapes),
-        tuple(each for each, _ in found),
+        tuple(each for each, _ in curves),
         radius,
-        max(ripple for _, ripple in found),
+        max(ripple for _, ripple in curves),
         np.zeros(NODES),
         np.zeros(NODES),
         np.zeros(NODES),
-        np.zeros_like(found[0][0].shares),
-        np.zeros_like(found[0][0].shares),
+        np.zeros_like(curves[0][0].shares),
+        np.zeros_like(curves[0][0].shares),
     )
 
 
 def _columns(at: Array, depth: Array, values: Array) -> Array:
-    """Return the columns of values (n, k) at depths (n,), joined by straight lines."""
+    """Interpolate the columns of values (n, k) at depths (n,) linearly."""
     return np.stack([np.interp(at, depth, column) for column in values.T], axis=1)
 
 
 def _lagrange(nodes: Sequence[float], at: float) -> Array:
-    """Return the weights (n,) of values at the nodes in the polynomial through them."""
+    """Weights (n,) of the values at the nodes in Lagrange's polynomial."""
     weights = np.ones(len(nodes))
     for i, node in enumerate(nodes):
         for j, other in enumerate(nodes):

@@ -1,7 +1,7 @@
-"""The residuals of a force: stiffness and relaxation of a subject, or the record of a user.
+"""Residuals of a calibration: stiffness and relaxation of a subject, or the force of a record.
 
-The finger is a curve of relaxed force and one G: T = P / c0 is the instantaneous force, and the
-force at any pace is the integral of G(t - s) dT(s) while the contact grows.
+The finger is described by its relaxed force curve P and one G: T = P / c0 is the instantaneous
+force, and the force at any rate is the integral of G(t - s) dT(s) while the contact grows.
 """
 
 import math
@@ -24,16 +24,16 @@ MODULUS, SHAPE, RATIO, RADIUS, TOUCH = "modulus", "exponent", "skin_ratio", "pad
 GAIN, GROWTH = "t_b", "t_m"
 
 NODES = 96
-"""Depths at which a curve enters a contact history."""
+"""Number of depths at which a curve is tabulated for a contact history."""
 
 SHARE_SD, RATE_SD = 0.35, 1.0
 """Standard deviations of the logarithms of ci / c0 and vi: the scatter of Table 3.1, widened."""
 
 MODULUS_SD = math.log(4.0)
-"""That of the logarithm of a modulus at first touch: the published ones are of layers that do not
-stiffen, at strains where a law with the exponents found here is 2 to 4 times stiffer than there."""
+"""Standard deviation of the logarithm of a modulus at first touch: published moduli are of layers
+that do not stiffen, at strains where a law with the fitted exponents is 2 to 4 times stiffer."""
 
-RATIO_SD = 0.6
+RATIO_SD = 0.6  # of the logarithm of the ratio of the moduli: a factor 1.8
 
 RADII = (5.0, 40.0)
 """Pad radii in mm that a finger may have."""
@@ -42,26 +42,26 @@ FRAMES = "the frames of the array, by the thesis's fit; its scatter and the mesh
 
 
 def relaxation_unknowns(name: str) -> tuple[Unknown, ...]:
-    """Return the unknowns of G, about Table 3.1 of a subject or the means."""
+    """Unknowns of G, with priors from Table 3.1, of a subject or of the means."""
     table = library.pawluk_relaxation()
     prony = table.get(name, table["means"])
     weights = prony.weights
     source = "Table 3.1 of Pawluk (1997), with the scatter of its five subjects"
-    found = [
+    unknowns = [
         Unknown(
             f"c{i}/c0", c / weights[0], 1e-3, 1e2, "1", source, prior=(c / weights[0], SHARE_SD)
         )
         for i, c in enumerate(weights[1:], start=1)
     ]
-    found += [
+    unknowns += [
         Unknown(f"v{i}", v, 1e-2, 1e4, "1/s", source, prior=(v, RATE_SD))
         for i, v in enumerate(prony.v, start=1)
     ]
-    return tuple(found)
+    return tuple(unknowns)
 
 
 def prony_of(values: Values) -> Prony:
-    """Return G of the values of `relaxation_unknowns`, fastest term first."""
+    """Make G from the values of `relaxation_unknowns`, fastest term first."""
     count = sum(name.endswith("/c0") for name in values)
     shares = np.array([1.0, *(values[f"c{i}/c0"] for i in range(1, count + 1))])
     rates = [values[f"v{i}"] for i in range(1, count + 1)]
@@ -73,7 +73,7 @@ def prony_of(values: Values) -> Prony:
 
 
 def elastic_unknowns(family: Family, modulus: float, ratio: float) -> tuple[Unknown, ...]:
-    """Return the unknowns of the relaxed curve: moduli and exponent, or the t(u) of the thesis.
+    """Unknowns of the relaxed curve: moduli and exponent, or the t(u) of the thesis.
 
     `modulus` kPa and `ratio` are those of the presses.
     """
@@ -102,7 +102,7 @@ def elastic_unknowns(family: Family, modulus: float, ratio: float) -> tuple[Unkn
 def scaled(
     family: Family, values: Values, modulus: float, ratio: float, radius: float
 ) -> tuple[Curve, float]:
-    """Return the curve of the values, and the factor on its force."""
+    """Evaluate the relaxed curve of the values, and the factor on its force."""
     if len(family.shapes) == 1:
         return family.at(values[GROWTH], radius), values[GAIN]
     shifted = family.at(values[SHAPE], radius, values.get(RATIO, ratio) / ratio)
@@ -131,15 +131,15 @@ class Forces:
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
-        """What the target can decide."""
-        found = elastic_unknowns(self.family, self.modulus, self.ratio)
+        """Unknowns of the target."""
+        unknowns = elastic_unknowns(self.family, self.modulus, self.ratio)
         if isinstance(self.target, Record):
             x0 = self.target.lumped.spring.x0
             touch = "bounds about the touch of the lumped fit"
-            found += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
+            unknowns += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
         if self.radius_sd is not None:
             prior = (self.radius, self.radius_sd / self.radius)
-            found += (
+            unknowns += (
                 Unknown(
                     *(RADIUS, self.radius, *RADII, "mm", FRAMES),
                     prior=prior,
@@ -147,10 +147,10 @@ class Forces:
                     elsewhere=True,
                 ),
             )
-        return found + relaxation_unknowns(self.target.name)
+        return unknowns + relaxation_unknowns(self.target.name)
 
     def starts(self) -> list[Values]:
-        """Return starts over the shape of the law, with the modulus that the target asks for."""
+        """Make starts at several shapes of the law, with moduli that match the target's force."""
         if len(self.family.shapes) == 1:
             shapes: Sequence[float] = (0.3, 1.5)
         else:
@@ -159,26 +159,26 @@ class Forces:
         return [self._start(shape) for shape in shapes]
 
     def curve(self, values: Values) -> tuple[Curve, float]:
-        """Return the relaxed curve of the values, and the factor on its force."""
+        """Evaluate the relaxed curve of the values, and the factor on its force."""
         radius = values.get(RADIUS, self.radius)
         return scaled(self.family, values, self.modulus, self.ratio, radius)
 
     def residual(self, values: Values) -> Array:
-        """Return what is missed, in standard deviations of the data."""
+        """Compute the residuals in standard deviations of the data."""
         curve, factor = self.curve(values)
         prony = prony_of(values)
         if isinstance(self.target, Record):
-            found = loading(
+            force = loading(
                 curve, factor, prony, self.target.time, self.target.position - values[TOUCH]
             )
-            return self.target.missed(found)
+            return self.target.residuals(force)
         at = stiffness(curve, factor, prony, self.target.force)
-        missed = (at - self.target.stiffness) / self.target.stiffness_sd
-        relaxed = prony.relaxation(self.target.time) - self.target.relaxation
-        return np.concatenate([missed, relaxed / self.target.relaxation_sd])
+        stiffnesses = (at - self.target.stiffness) / self.target.stiffness_sd
+        relaxation = prony.relaxation(self.target.time) - self.target.relaxation
+        return np.concatenate([stiffnesses, relaxation / self.target.relaxation_sd])
 
     def _start(self, shape: float) -> Values:
-        """Return the start at a shape of the law that has the force of the target at its middle."""
+        """Make the start at a shape of the law, with a modulus from the target's largest force."""
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
         curve, _ = scaled(self.family, values, self.modulus, self.ratio, self.radius)
@@ -195,20 +195,20 @@ class Forces:
 
 
 def stiffness(curve: Curve, factor: float, prony: Prony, force: ArrayLike) -> Array:
-    """Return dT/dx in N/mm where the instantaneous force T is `force` in N."""
+    """Compute dT/dx in N/mm where the instantaneous force T is `force` in N."""
     relaxed = prony.long_time * np.asarray(force, float) / factor
     return curve.stiffness(curve.depth(relaxed)) * factor / prony.long_time
 
 
 def loading(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
-    """Return the force in N of a contact that grows, at depths in mm."""
+    """Compute the force in N of a growing contact, at depths in mm."""
     return hereditary_integral(prony, time, factor * curve.force(depth)) / prony.long_time
 
 
 def predicted(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
-    """Return the force in N through any motion; depths (n_t,) mm from first touch.
+    """Predict the force in N of any motion with depths (n_t,) mm from first touch.
 
-    Right on unloading, detachment and touching again (`theory/ting.py`).
+    Valid on unloading, detachment and renewed contact (`theory/contact/ting.py`).
     """
     nodes = radius_nodes(max(float(depth.max()), 1e-6), NODES)
     history = press_by_depth(prony, time, depth, nodes)

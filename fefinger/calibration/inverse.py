@@ -1,4 +1,4 @@
-"""Least squares with bounds and priors: values, covariance, and what the data do not decide."""
+"""Least squares with bounds and priors: values, covariance, and unidentified directions."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -15,23 +15,23 @@ Values = dict[str, float]
 Residual = Callable[[Values], Array]
 
 STEP = 1e-4
-"""Step of the central differences, of the logarithm of a parameter or in its own unit."""
+"""Step of the central differences, in the logarithm of a parameter or in its unit."""
 
 EVALUATIONS = 200
 
 WEAK = 1.0
-"""Standard deviations of the data that a direction of the parameters moves them by at most, per
-standard deviation of its prior, for the prior to decide it more than the data."""
+"""A direction of the parameters counts as unidentified if a change by one standard deviation of its
+prior changes the model by at most this many standard deviations of the data."""
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A parameter to be found.
+    """A parameter of a fit, with its bounds and prior.
 
-    start and bounds in `unit`; log: searched by its logarithm; prior: center and its standard
-    deviation, which is of the logarithm where log (a factor 2 is 0.69), or None; source: where the
-    prior or the bounds are from; held: kept at its start, as the data cannot find it, and counted
-    among what is uncertain; elsewhere: found from other data, whose result is the prior here.
+    start and bounds in `unit`; log: fitted by its logarithm; prior: center and standard deviation,
+    of the logarithm where log (a factor 2 is 0.69), or None; source: of the prior or the bounds;
+    held: fixed at its start, because the data cannot determine it, but included in the covariance;
+    elsewhere: determined from other data, whose result is the prior here.
     """
 
     name: str
@@ -46,21 +46,21 @@ class Unknown:
     elsewhere: bool = False
 
     def inside(self, value: float) -> float:
-        """Return the number that is searched for."""
+        """Convert the parameter to the fitted number."""
         return math.log(value) if self.log else value
 
     def outside(self, number: float) -> float:
-        """Return the parameter from the number that is searched for."""
+        """Convert the fitted number to the parameter."""
         return math.exp(number) if self.log else number
 
 
 @dataclass(frozen=True)
 class Solution:
-    """What was found: values and standard deviations by name, correlations, and how good it is.
+    """Result of a fit: values and standard deviations by name, correlations and misfit.
 
     deviations are those of the parameters in their units; correlation (n, n) in the order of the
-    unknowns; misfit: sum of squares over the degrees of freedom, 1 where the noise explains all;
-    weak: sentences on what the data do not decide; at_bounds: names.
+    unknowns; misfit: sum of squares over the degrees of freedom, 1 where noise explains it;
+    weak: sentences on unidentified directions; at_bounds: names of parameters at their bounds.
     """
 
     unknowns: tuple[Unknown, ...]
@@ -77,7 +77,7 @@ class Solution:
 def solve(
     residual: Residual, unknowns: Sequence[Unknown], starts: Sequence[Values] = ()
 ) -> Solution:
-    """Return the best fit over several starts; `residual` in standard deviations of the data.
+    """Fit the unknowns from several starts; `residual` is in standard deviations of the data.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def solve(
         [each.inside((start | first)[each.name]) for each in free] for first in starts or ({},)
     ]
     best, count = _best(whole, firsts, low, high)
-    found_values = start | {
+    best_values = start | {
         each.name: each.outside(number) for each, number in zip(free, best.tolist(), strict=True)
     }
     at_bounds = [
@@ -107,13 +107,13 @@ def solve(
         for each, number, lo, hi in zip(free, best, low, high, strict=True)
         if min(number - lo, hi - number) < 1e-6 * (hi - lo)
     ]
-    return _judged(residual, tuple(unknowns), found_values, tuple(at_bounds), count)
+    return _judged(residual, tuple(unknowns), best_values, tuple(at_bounds), count)
 
 
 def _best(
     whole: Callable[[Array], Array], firsts: Sequence[Sequence[float]], low: Array, high: Array
 ) -> tuple[Array, int]:
-    """Return the numbers (n,) of the best search of `whole` over its starts, and all evaluations.
+    """Minimize from several starts; return the best numbers (n,) and the count of evaluations.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def _best(
 
     best, count = None, 0
     for first in firsts:
-        found = least_squares(
+        result = least_squares(
             whole,
             np.clip(first, low + 1e-9 * (high - low), high - 1e-9 * (high - low)),
             bounds=(low, high),
@@ -133,20 +133,20 @@ def _best(
             ftol=1e-10,
             max_nfev=EVALUATIONS,
         )
-        count += found.nfev
-        if found.success and (best is None or found.cost < best.cost):
-            best = found
+        count += result.nfev
+        if result.success and (best is None or result.cost < best.cost):
+            best = result
     if best is None:
         message = (
-            f"calibration: the fit did not converge in {EVALUATIONS} evaluations from any of "
-            f"{len(firsts)} starts; check the record, or give a nearer start"
+            f"calibration: expected the fit to converge within {EVALUATIONS} evaluations, it did "
+            f"not from any of {len(firsts)} starts; check the record, or give a closer start"
         )
         raise ConvergenceError(message)
     return best.x, count
 
 
 def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
-    """Return the derivative (n, n_unknowns) by the numbers that are searched for (see `STEP`)."""
+    """Jacobian (n, n_unknowns) with respect to the fitted numbers, by central differences."""
     columns = []
     for each in unknowns:
         here = each.inside(values[each.name])
@@ -156,9 +156,9 @@ def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) ->
 
 
 def taylor(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
-    """Return the remainders (3,) of the first-order Taylor series at steps of 0.02, 0.01, 0.005.
+    """Taylor test of the Jacobian: first-order remainders (3,) at steps of 0.02, 0.01, 0.005.
 
-    They fall four times at every step where the Jacobian is right.
+    With a correct Jacobian each is a quarter of the one before.
     """
     matrix = jacobian(residual, unknowns, values)
     way = np.random.default_rng(0).normal(size=len(unknowns))
@@ -194,10 +194,10 @@ def _judged(
     count: int,
 ) -> Solution:
     matrix = jacobian(residual, unknowns, values)
-    missed = residual(values)
+    residuals = residual(values)
     free = sum(not each.held for each in unknowns)
-    misfit = float(missed @ missed) / max(1, len(missed) - free)
-    # A model that misses by more than the noise knows its parameters no better than it misses.
+    misfit = float(residuals @ residuals) / max(1, len(residuals) - free)
+    # Where the misfit exceeds the noise, model error dominates: scale the covariance by it.
     scale = max(1.0, misfit)
     information = matrix.T @ matrix / scale
     prior = np.array([0.0 if each.prior is None else each.prior[1] ** -2 for each in unknowns])
@@ -223,7 +223,7 @@ def _judged(
 
 
 def _inverse(matrix: Array) -> Array:
-    """Return the inverse of a symmetric matrix, scaled; infinite where it is singular."""
+    """Invert a symmetric matrix after scaling; singular directions get a very large variance."""
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     values = np.maximum(values, 1e-14)
@@ -231,20 +231,20 @@ def _inverse(matrix: Array) -> Array:
 
 
 def _even(each: Unknown) -> float:
-    """Return the standard deviation of what may be anywhere between the bounds."""
+    """Compute the standard deviation of a uniform distribution between the bounds."""
     return (each.inside(each.high) - each.inside(each.low)) / math.sqrt(12)
 
 
 def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
-    """Return a sentence for every direction that the data decide less than the priors do.
+    """Describe every direction that the priors determine more than the data, as sentences.
 
-    Where there is no prior the width of the bounds, taken as even, stands for one.
+    Without a prior, a uniform distribution between the bounds takes its place.
     """
-    asked = [i for i, each in enumerate(unknowns) if not each.elsewhere]
-    unknowns = [unknowns[i] for i in asked]
+    judged = [i for i, each in enumerate(unknowns) if not each.elsewhere]
+    unknowns = [unknowns[i] for i in judged]
     prior = np.array([each.prior[1] if each.prior else _even(each) for each in unknowns])
-    values, vectors = np.linalg.eigh(information[np.ix_(asked, asked)] * np.outer(prior, prior))
-    found = []
+    values, vectors = np.linalg.eigh(information[np.ix_(judged, judged)] * np.outer(prior, prior))
+    sentences = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value > WEAK**2:
             continue
@@ -256,8 +256,8 @@ def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
             if abs(p) > 0.1
         ]
         ways = " with ".join(terms)
-        found.append(
-            f"{ways}: the data move by {math.sqrt(max(value, 0.0)):.2g} of their standard "
-            "deviation as this goes by that of its prior, which is kept"
+        sentences.append(
+            f"{ways}: a change by the standard deviation of the prior changes the data by "
+            f"{math.sqrt(max(value, 0.0)):.2g} of theirs, so the prior determines it"
         )
-    return tuple(found)
+    return tuple(sentences)

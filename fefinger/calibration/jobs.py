@@ -1,4 +1,4 @@
-"""Several calibrations: from what the command line was given to texts and files."""
+"""Several calibrations at once: from command-line options to summaries and files."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -25,12 +25,12 @@ class Job:
 def jobs(
     data: str | None, subjects: Sequence[str], size: dict[str, Any], options: dict[str, Any]
 ) -> tuple[Job, ...]:
-    """Return what is to be done for a file or for subjects.
+    """Make the jobs for a data file or for subjects.
 
     Raises
     ------
     InputError
-        Neither, or what does not belong together.
+        If there is neither, or an invalid combination.
     """
     if data is None:
         if not subjects:
@@ -39,7 +39,7 @@ def jobs(
         chosen = {name: Finger.subject(name, **size) for name in subjects}
         return tuple(Job(name, options | {"finger": finger}) for name, finger in chosen.items())
     if len(subjects) > 1:
-        msg = f"--subject: expected one beside DATA.csv, for its size, received {len(subjects)}"
+        msg = f"--subject: expected one with DATA.csv, for its size, received {len(subjects)}"
         raise InputError(msg)
     if subjects:
         return (Job(data, options | {"finger": Finger.subject(subjects[0], **size)}),)
@@ -54,21 +54,21 @@ def jobs(
 
 
 def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -> list[Calibration]:
-    """Return the calibrations, `workers` of them at a time in processes of their own.
+    """Run the calibrations, `workers` of them at a time in separate processes.
 
-    The processes end with what waits for them, however that ends.
+    The processes are ended when this function ends, also by an error.
     """
     if workers == 1 or len(todo) == 1:
         return [calibrate(job.source, progress=report, **job.options) for job in todo]
-    found: dict[int, Calibration] = {}
+    calibrations: dict[int, Calibration] = {}
     for number, each in processes.each(_one, todo, workers):
         if isinstance(each, processes.Died):
             msg = f"{todo[number].source}: {each}"
             raise ConvergenceError(msg)
-        found[number] = each
+        calibrations[number] = each
         if report is not None:
-            report("subjects", len(found) / len(todo))
-    return [found[number] for number in range(len(todo))]
+            report("subjects", len(calibrations) / len(todo))
+    return [calibrations[number] for number in range(len(todo))]
 
 
 def _one(job: Job) -> Calibration:
@@ -77,9 +77,9 @@ def _one(job: Job) -> Calibration:
 
 @contextmanager
 def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
-    """Give the folder of every job below `output`, made for the work inside; none without one.
+    """Create the folder of every job below `output`, as a context; [] without an output.
 
-    An error leaves no empty one.
+    Empty folders are removed after an error.
     """
     from fefinger.support import outputs
 
@@ -94,17 +94,19 @@ def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
         yield [whole / name for name in names]
 
 
-def save(found: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
+def save(calibrations: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
     """Write the calibrations into their folders and return the files."""
     if not places:
         return []
     return [
-        file for each, place in zip(found, places, strict=True) for file in each.save(str(place))
+        file
+        for each, place in zip(calibrations, places, strict=True)
+        for file in each.save(str(place))
     ]
 
 
-def summary(found: Calibration) -> str:
-    """Return a calibration as text: parameters, misfits, what was not found, stages."""
+def summary(calibration: Calibration) -> str:
+    """Format a calibration as text: parameters, misfits, stages, and what is not identified."""
     from fefinger.support.text import table
 
     rows = [
@@ -115,7 +117,7 @@ def summary(found: Calibration) -> str:
             "-" if each.prior is None else f"{each.prior[0]:.4g}",
             each.how,
         ]
-        for each in found.parameters
+        for each in calibration.parameters
     ]
     stages = [
         [
@@ -124,20 +126,20 @@ def summary(found: Calibration) -> str:
             f"{each.presses} of {each.presses_cpu:.1f}" if each.presses else "-",
             "-" if each.misfit is None else f"{each.misfit:.3g}",
         ]
-        for each in found.stages
+        for each in calibration.stages
     ]
-    misfits = [[name, f"{value:.4g}"] for name, value in found.residuals.items()]
+    misfits = [[name, f"{value:.4g}"] for name, value in calibration.residuals.items()]
     misfits += [
         [
             name if "not fitted" in name else f"{name}, not fitted",
             f"mse {100 * errors['mse']:.2g} %, peaks {100 * errors['peak']:.2g} %",
         ]
-        for name, errors in found.checks.items()
+        for name, errors in calibration.checks.items()
     ]
     parts = [
-        found.status,
+        calibration.status,
         table(rows, ("", "value +- one sd", "unit", "prior", "")),
         table(misfits, ("", "")),
         table(stages, ("stage", "CPU s", "presses, CPU s", "misfit")),
     ]
-    return "\n".join([*parts, *(f"not identified: {said}" for said in found.unidentified)])
+    return "\n".join([*parts, *(f"not identified: {each}" for each in calibration.unidentified)])

@@ -45,12 +45,12 @@ LIKELY = {
         (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
     ),
 }
-"""What a column amounts to, its range for a finger, and the unit that values outside it are in."""
+"""Quantity checked of each column, its range for a finger, and likely units outside the range."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A record, (n_t,) each, and what the two ways of identification found in it."""
+    """A record, (n_t,) each, and its two identifications."""
 
     time: Array
     position: Array
@@ -60,18 +60,18 @@ class Fit:
 
 
 def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
-    """Return both identifications of the record in a CSV file, with `terms` exponentials.
+    """Identify the lumped model in both ways from a CSV file, with `terms` exponentials.
 
     Raises
     ------
     InputError
-        A file that cannot be read or used; the message names column and row.
+        If the file cannot be read or used; the message names column and row.
     ConvergenceError
-        A fit that does not converge.
+        If a fit does not converge.
     """
     time, position, force = read(file)
     try:
-        found = [
+        fits = [
             way(time, position, force, terms=terms) for way in (identify.thesis, identify.joint)
         ]
     except ValueError as error:
@@ -80,15 +80,15 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
     except RuntimeError as error:
         msg = f"{file}: {error}"
         raise ConvergenceError(msg) from None
-    return Fit(time, position, force, *found)
+    return Fit(time, position, force, *fits)
 
 
 def read(
     file: str | Path, *, fewest: int = 2 * ramp_hold.FEWEST, of: str = "a ramp and hold"
 ) -> tuple[Array, Array, Array]:
-    """Return time in s from 0 on, position in mm and force in N of a CSV file, once checked.
+    """Read and check time in s from 0, position in mm and force in N of a CSV file.
 
-    It needs the `fewest` rows of what it is a record `of`.
+    `fewest`: least number of rows; `of`: kind of record, for the message.
     """
     time, position, force = columns(file, UNITS).T
     if len(time) < fewest:
@@ -101,13 +101,13 @@ def read(
 
 
 def columns(file: str | Path, units: dict[str, str]) -> Array:
-    """Return the columns of a CSV file that `units` names, "time" among them, (n, n_columns).
+    """Read the columns of a CSV file that `units` names, "time" among them: (n, n_columns).
 
     Raises
     ------
     InputError
-        A file that cannot be read, a column that is missing or in another unit, a number that is
-        not finite, or times that do not rise.
+        If the file cannot be read, a column is missing or in another unit, a number is not
+        finite, or times do not increase.
     """
     head, rows = _rows(Path(file), units)
     where = {name: _column(str(file), head, name, unit) for name, unit in units.items()}
@@ -117,7 +117,7 @@ def columns(file: str | Path, units: dict[str, str]) -> Array:
 
 
 def _rows(file: Path, names: Iterable[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Return the names of the columns, and the lines below with their number."""
+    """Read the names of the columns, and the rows with their line numbers."""
     try:
         with file.open(newline="", encoding="utf-8-sig") as stream:
             lines = list(enumerate(csv.reader(stream), start=1))
@@ -140,20 +140,20 @@ def _rows(file: Path, names: Iterable[str]) -> tuple[list[str], list[tuple[int, 
 
 
 def _column(file: str, head: list[str], name: str, unit: str) -> int:
-    """Return where the column called `name` is; its name may end in its unit."""
-    found = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
-    if len(found) != 1:
-        which = "none" if not found else f"{len(found)}: {', '.join(head[i] for i in found)}"
+    """Find the index of the column called `name`; the name may end in its unit."""
+    matches = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
+    if len(matches) != 1:
+        which = "none" if not matches else f"{len(matches)}: {', '.join(head[i] for i in matches)}"
         msg = (
             f"{file}: expected one column {name!r} ({unit}) in the first line, "
             f"found {which} in {','.join(head)!r}"
         )
         raise InputError(msg)
-    said = head[found[0]][len(name) :].strip(" _-()[]/,")
-    if said and said.lower() != unit.lower():
-        msg = f"{file}: column {head[found[0]]!r}: expected {name} in {unit}; convert it"
+    stated = head[matches[0]][len(name) :].strip(" _-()[]/,")
+    if stated and stated.lower() != unit.lower():
+        msg = f"{file}: column {head[matches[0]]!r}: expected {name} in {unit}; convert it"
         raise InputError(msg)
-    return found[0]
+    return matches[0]
 
 
 def _numbers(
@@ -210,40 +210,40 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
     highest = int(force.argmax())
     if position[highest] < np.median(position[: highest + 1]):
         msg = (
-            f"{file}: position: expected it to grow into the finger, but it falls while the force "
-            "rises; change its sign"
+            f"{file}: position: expected values that grow into the finger, received values that "
+            "fall while the force rises; change their sign"
         )
         raise InputError(msg)
 
 
-def record(found: Fit) -> dict[str, Any]:
-    """Return what `fit --json` prints: value and one standard deviation of every parameter."""
+def record(fit: Fit) -> dict[str, Any]:
+    """Record a fit as plain values: value and one standard deviation of every parameter."""
     return {
-        "samples": len(found.time),
-        **{way: _identification(getattr(found, way)) for way in WAYS},
+        "samples": len(fit.time),
+        **{way: _identification(getattr(fit, way)) for way in WAYS},
     }
 
 
-def _identification(found: Identification) -> dict[str, Any]:
+def _identification(fit: Identification) -> dict[str, Any]:
     return {
         "parameters": {
             name: {
                 "value": value,
-                "uncertainty": found.uncertainty[name],
+                "uncertainty": fit.uncertainty[name],
                 "unit": PARAMETER_UNITS.get(name, PARAMETER_UNITS.get(name[0], "")),
             }
-            for name, value in found.parameters.items()
+            for name, value in fit.parameters.items()
         },
-        "mse_percent": 100 * found.mse,
-        "vaf_stiffness": found.vaf_stiffness,
-        "vaf_hold": found.vaf_hold,
-        "warnings": list(found.warnings),
+        "mse_percent": 100 * fit.mse,
+        "vaf_stiffness": fit.vaf_stiffness,
+        "vaf_hold": fit.vaf_hold,
+        "warnings": list(fit.warnings),
     }
 
 
-def summary(found: Fit) -> str:
-    """Return the same as text: the joint fit beside the procedure of the thesis."""
-    ways = {way: record(found)[way] for way in ("joint", "thesis")}
+def summary(fit: Fit) -> str:
+    """Format a fit as text: the joint fit beside the procedure of the thesis."""
+    ways = {way: record(fit)[way] for way in ("joint", "thesis")}
     rows = [
         [name, first["unit"], *(_with_spread(way["parameters"][name]) for way in ways.values())]
         for name, first in ways["joint"]["parameters"].items()
@@ -267,21 +267,20 @@ ADVICE = (
 )
 
 
-def save(found: Fit, folder: Path) -> list[str]:
+def save(fit: Fit, folder: Path) -> list[str]:
     """Write `fit.json` and `fit.csv` into an existing folder.
 
-    The table has the record up to the end of the hold, with the smoothed position by which both
-    models move, and their forces. InputError where there is no room for both.
+    The table has the record up to the end of the hold, with the smoothed position that is the
+    input of both models, and their forces. InputError where the files cannot be written.
     """
-    used = ramp_hold.split(found.time, found.position, found.force)
+    used = ramp_hold.split(fit.time, fit.position, fit.force)
     position = ramp_hold.smooth_position(used)
     models = [
-        lumped.force(way.spring, way.prony, used.time, position)
-        for way in (found.joint, found.thesis)
+        lumped.force(way.spring, way.prony, used.time, position) for way in (fit.joint, fit.thesis)
     ]
     columns = np.column_stack([used.time, position, used.force, *models])
     heading = "time_s,position_mm,force_N,joint_N,thesis_N"
-    texts = {"fit.json": strict_json(record(found)) + "\n"}
+    texts = {"fit.json": strict_json(record(fit)) + "\n"}
     with atomic_write.together(folder, texts), atomic_write.in_place(folder / "fit.csv") as rows:
         np.savetxt(rows, columns, "%.9g", ",", header=heading, comments="")
     return [str(folder / name) for name in ("fit.json", "fit.csv")]

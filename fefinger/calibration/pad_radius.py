@@ -1,8 +1,8 @@
-"""The pad radius by the thesis's own fit: what it finds in the frames of the array is to agree.
+"""Pad radius of a finger by the thesis's fit of measured and simulated frames of the array.
 
 The thesis fits R, m and c0 b of a half-space to the frames of a slow press (section 3.4.2). A
-finger with a bone has no such numbers; the same fit of its simulated frames has. The longitudinal
-pad radius is the one with which that fit returns the R of the measured frames.
+finger with a bone has no such parameters, but the same fit can be made of its simulated frames. The
+longitudinal pad radius is the one for which that fit returns the R of the measured frames.
 """
 
 import math
@@ -32,27 +32,28 @@ HEAVIEST = 2.3
 """N, the largest force at which the thesis shows a profile (Figure 3-4)."""
 
 LEVELS = 20
-"""Frames that are fitted, evenly over the depth."""
+"""Number of fitted frames, evenly spaced over the depth."""
 
 SEEDS = 5
-"""Simulated frames with noise from which the scatter of a fitted R is taken."""
+"""Number of noisy simulations for the scatter of a fitted R."""
 
 ROUNDING = 0.5 / np.sqrt(3.0)
 """Standard deviation in mm of an R that is printed to the mm."""
 
 
 WITHIN = 1.15
-"""Factor beyond the pad radii that were pressed up to which the next one may be."""
+"""Largest ratio of the next pad radius to the range of those pressed so far."""
 
 LEAST = 1.0
-"""Least power of the pad radius that a fitted R is taken to grow with: that of Hertz's contact. On
-a finger it is more (1.5 to 2.6); less is what a mesh makes of two radii that are near each other.
+"""Smallest exponent of a fitted R as a power of the pad radius: that of Hertz's contact.
+
+On a finger it is 1.5 to 2.6; smaller values are mesh errors of two radii close to each other.
 """
 
 
 @dataclass(frozen=True)
 class PadFit:
-    """The thesis's fit of frames: R mm, m 1/mm, c0 b kPa/mm, and its squared error, a fraction."""
+    """The thesis's fit of frames: R mm, m 1/mm, c0 b kPa/mm, and its relative squared error."""
 
     radius: float
     m: float
@@ -61,7 +62,7 @@ class PadFit:
 
 
 def slow_press(curve: Curve, factor: float, prony: Prony, heaviest: float = HEAVIEST) -> Array:
-    """Return the depths (n,) mm of a slow press to `heaviest` N, or as deep as the curve goes."""
+    """Depths (n,) mm of a slow press to `heaviest` N, or to the end of the curve."""
     depth = np.linspace(0.0, curve.deepest, 400)
     force = slow(prony, depth, factor * curve.force(depth))
     last = min(int(np.searchsorted(force, heaviest)) + 1, len(depth))
@@ -69,13 +70,13 @@ def slow_press(curve: Curve, factor: float, prony: Prony, heaviest: float = HEAV
 
 
 def heaviest(curve: Curve, factor: float, prony: Prony) -> float:
-    """Return the force in N that a slow press reaches where the curve ends."""
+    """Force in N of a slow press at the end of the curve."""
     depth = np.linspace(0.0, curve.deepest, 400)
     return float(slow(prony, depth, factor * curve.force(depth))[-1])
 
 
 def slow(prony: Prony, depth: Array, relaxed: Array) -> Array:
-    """Return what relaxed values (n, ...) at depths (n,) mm are on a ramp at 0.2 mm/s."""
+    """Convert relaxed values (n, ...) at depths (n,) mm to those on a ramp at 0.2 mm/s."""
     return hereditary_integral(prony, depth / SLOW, relaxed) / prony.long_time
 
 
@@ -87,57 +88,58 @@ def simulated(
     seed: int | None = None,
     heaviest: float = HEAVIEST,
 ) -> Frames:
-    """Return frames of the array on a slow press; `seed` starts its noise, None leaves it out."""
+    """Simulate frames of the array on a slow press; `seed` of its noise, None for no noise."""
     sensor = ArraySensor()
     depth = slow_press(curve, factor, prony, heaviest)
-    felt = slow(prony, depth, factor * curve.felt(depth))
+    readings = slow(prony, depth, factor * curve.array_pressure(depth))
     chosen = np.linspace(0, len(depth) - 1, LEVELS + 1).astype(int)[1:]
-    felt = felt[chosen]
+    readings = readings[chosen]
     if seed is not None:
-        felt = felt + np.random.default_rng(seed).normal(0.0, sensor.noise, felt.shape)
-    reached = np.repeat(depth[chosen][:, None], felt.shape[1], axis=1)
-    return aligned(reached, felt, sensor)
+        noise = np.random.default_rng(seed).normal(0.0, sensor.noise, readings.shape)
+        readings = readings + noise
+    reached = np.repeat(depth[chosen][:, None], readings.shape[1], axis=1)
+    return aligned(reached, readings, sensor)
 
 
 def thesis_fit(frames: Frames) -> PadFit:
-    """Return the thesis's fit of frames.
+    """Fit frames by the procedure of the thesis (Eq. 3.17).
 
     Raises
     ------
     ConvergenceError
-        If its search does not end.
+        If the fit does not converge.
     """
     try:
-        found = fit_fingerpad(frames.depth, frames.pressure, frames.distance)
+        fit = fit_fingerpad(frames.depth, frames.pressure, frames.distance)
     except ValueError as error:
         msg = (
-            f"frames: the fit of Eq. 3.17 did not end ({error}); check that their position is in "
-            "mm from touch"
+            f"frames: expected the fit of Eq. 3.17 to converge, it did not ({error}); check that "
+            "their position is in mm from touch"
         )
         raise ConvergenceError(msg) from None
-    values = found.parameters
-    return PadFit(values["radius"], values["m"], values["c0_b"], found.error)
+    values = fit.parameters
+    return PadFit(values["radius"], values["m"], values["c0_b"], fit.error)
 
 
 def radius_for(
-    wanted: float, radii: Sequence[float], found: Sequence[float]
+    wanted: float, radii: Sequence[float], fitted: Sequence[float]
 ) -> tuple[float, float]:
-    """Return the pad radius in mm at which the thesis's fit gives `wanted`, and the power of it.
+    """Interpolate the pad radius in mm at which the thesis's fit gives `wanted`, and its exponent.
 
-    The logarithm of the fitted R is a straight line in that of the pad radius, by least squares
-    through the `radii` that were tried; its slope is the power.
+    The logarithm of the fitted R is a line in that of the pad radius, by least squares through the
+    tried `radii`; its slope is the exponent.
 
     Raises
     ------
     InputError
         If the fitted R does not grow with the pad radius.
     """
-    x, y = np.log(radii), np.log(found)
+    x, y = np.log(radii), np.log(fitted)
     slope, start = np.polyfit(x, y, 1)
     if not slope > 0:
         msg = (
-            f"pad_radius: expected the fitted R to grow with it, found {np.round(found, 2)} mm at "
-            f"{np.round(radii, 2)} mm; the frames do not tell the shape of this pad"
+            f"pad_radius: expected the fitted R to grow with it, received {np.round(fitted, 2)} mm "
+            f"at {np.round(radii, 2)} mm; the frames do not determine the shape of this pad"
         )
         raise InputError(msg)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
@@ -145,27 +147,27 @@ def radius_for(
 
 
 def nearer(
-    wanted: float, radii: Sequence[float], found: Sequence[float], power: float = LEAST
+    wanted: float, radii: Sequence[float], fitted: Sequence[float], power: float = LEAST
 ) -> float:
-    """Return the pad radius in mm to be pressed next, for the thesis's fit to give `wanted`.
+    """Choose the next pad radius in mm to press, for the thesis's fit to give `wanted`.
 
-    Between the nearest two of `radii` whose fitted R hold it between them; else on from the nearest
-    one, by the `power` or LEAST, and no farther than WITHIN beyond all.
+    Interpolates between the nearest two of `radii` whose fitted R bracket it; else extrapolates
+    from the nearest one with the exponent `power`, at least LEAST, and at most WITHIN beyond all.
     """
-    tried = sorted(zip(found, radii, strict=True))
+    tried = sorted(zip(fitted, radii, strict=True))
     below = [each for each in tried if each[0] <= wanted]
     above = [each for each in tried if each[0] > wanted]
     if below and above:
         (low, start), (high, end) = below[-1], above[0]
         part = math.log(wanted / low) / math.log(high / low)
         return start * (end / start) ** part
-    fitted, nearest = below[-1] if below else above[0]
-    radius = nearest * (wanted / fitted) ** (1 / max(power, LEAST))
+    closest, nearest = below[-1] if below else above[0]
+    radius = nearest * (wanted / closest) ** (1 / max(power, LEAST))
     return float(np.clip(radius, min(radii) / WITHIN, max(radii) * WITHIN))
 
 
 def scatter(curve: Curve, factor: float, prony: Prony) -> float:
-    """Return the standard deviation of the fitted R in mm that the noise of the array makes."""
+    """Simulate the standard deviation of the fitted R in mm due to the noise of the array."""
     fits = [thesis_fit(simulated(curve, factor, prony, seed=seed)).radius for seed in range(SEEDS)]
     return float(np.std(fits, ddof=1))
 
@@ -178,10 +180,10 @@ def printed(subject: str) -> PadFit:
 
 @dataclass(frozen=True)
 class Profile:
-    """Pressure in kPa that the array feels, against the `distance` in mm, at one force in N.
+    """Pressure in kPa on the array against the `distance` in mm, at one force in N.
 
-    `finger` is the calibrated one, `thesis` the half-space of Table 3.2; `force` is what the press
-    reached, at most what was asked.
+    `finger` is the calibrated one, `thesis` the half-space of Table 3.2; `force` is the force that
+    the press reached, at most the requested one.
     """
 
     force: float
@@ -191,15 +193,15 @@ class Profile:
 
 
 def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: float) -> Profile:
-    """Return the profiles of finger and thesis at a force in N of a slow press.
+    """Compute the pressure profiles of finger and thesis at a force in N of a slow press.
 
-    As deep as the curve goes; both are then at the force that is reached there.
+    If the curve ends before that force, both are at the force where it ends.
     """
     sensor = ArraySensor()
     depth = slow_press(curve, factor, prony, force)
-    felt = slow(prony, depth, factor * curve.felt(depth))[-1]
+    readings = slow(prony, depth, factor * curve.array_pressure(depth))[-1]
     reached = float(slow(prony, depth, factor * curve.force(depth))[-1])
-    frames = aligned(np.zeros((1, len(felt))), felt[None], sensor)
+    frames = aligned(np.zeros((1, len(readings))), readings[None], sensor)
     row = library.pawluk_quasistatic()[subject]
     pad = Fingerpad(row.radius, row.m, row.b, library.pawluk_relaxation()[subject])
     deep = float(pad.depth_at(1e3 * reached, relaxed=True))
@@ -208,4 +210,4 @@ def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: floa
     )
     signed = frames.distance * np.where(sensor.positions[:, 0] < 0, -1.0, 1.0)
     order = np.argsort(signed)
-    return Profile(reached, signed[order], felt[order], theirs[order])
+    return Profile(reached, signed[order], readings[order], theirs[order])

@@ -1,4 +1,4 @@
-"""Presses of one finger for a calibration, by stage, with what they cost."""
+"""Presses of one finger for a calibration, with their cost by stage."""
 
 import math
 import time
@@ -15,7 +15,7 @@ from fefinger.support.progress import Progress
 
 
 HALVINGS = 6
-"""Steps, each half of the one before, from a pad that is too flat for the finger's size."""
+"""Largest number of halvings of the change from a feasible pad radius to an infeasible one."""
 
 
 class Work:
@@ -37,9 +37,9 @@ class Work:
             self.progress(name, 0.0)
         yield misfits.append
         spent = time.process_time() - started
-        kept = sum(each.seconds for each in self._presses.values())
+        presses = sum(each.seconds for each in self._presses.values())
         misfit = misfits[-1] if misfits else None
-        self.stages.append(Stage(name, spent, len(self._presses), kept, misfit))
+        self.stages.append(Stage(name, spent, len(self._presses), presses, misfit))
         if self.progress is not None:
             self.progress(name, 1.0)
 
@@ -52,7 +52,7 @@ class Work:
         ratio: float = 1.0,
         part: float | None = None,
     ) -> Press:
-        """Return a press of the finger with another radius, exponent and skin; `part` as there."""
+        """Press the finger with another radius, exponent and skin; `part` as in `slow_press`."""
         finger = replace(
             self.finger,
             resolution=resolution,
@@ -71,23 +71,23 @@ class Work:
         return self._presses[wanted]
 
     def ended(self, depth: float) -> tuple[str, ...]:
-        """Return why presses ended early at `depth` mm, which is as far as a fit then knows."""
-        return tuple(said for at, said in self._early if math.isclose(at, depth, rel_tol=1e-9))
+        """Reasons of presses that ended early at `depth` mm, which limits the fit."""
+        return tuple(text for at, text in self._early if math.isclose(at, depth, rel_tol=1e-9))
 
-    def _note(self, finger: Finger, found: Press) -> None:
-        """Note a press that ended before its depth."""
-        if found.halt:
-            at = float(found.depth[-1])
-            said = (
+    def _note(self, finger: Finger, press: Press) -> None:
+        """Record a press that ended before its depth."""
+        if press.halt:
+            at = float(press.depth[-1])
+            text = (
                 f"the press on the {finger.resolution} mesh at a pad radius of "
                 f"{finger.pad_radius:g} mm ended early, at {at:.3g} mm and "
-                f"{found.force[-1]:.3g} N: {found.halt}"
+                f"{press.force[-1]:.3g} N: {press.halt}"
             )
-            self._early[at, said] = None
+            self._early[at, text] = None
             self._buckling.add(finger.resolution)
 
     def reachable(self, radius: float) -> float:
-        """Return a pad radius in mm, or the nearest one on the way to it that the size allows."""
+        """Limit a pad radius in mm to one that is feasible for the finger's size."""
         start = self.finger.pad_radius
         for _ in range(HALVINGS):
             if shapable(replace(self.finger, pad_radius=radius)):

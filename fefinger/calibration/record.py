@@ -1,4 +1,4 @@
-"""What a calibration found: parameters with their uncertainty and prior, misfits, and its files."""
+"""Record of a calibration: parameters with uncertainty and prior, misfits, and its files."""
 
 import json
 from dataclasses import asdict, dataclass, field
@@ -25,10 +25,11 @@ FILE, TISSUE_FILE = "calibration.json", "tissue.toml"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter.
+    """A calibrated parameter with its uncertainty, prior and bounds.
 
     value and standard deviation in `unit`; prior: center, and its standard deviation (see
-    `Unknown`), with the source; bounds; how: "fitted", or "held" where the curves do not decide it.
+    `Unknown`), with the source; bounds; how: "fitted", or "held" where the data do not determine
+    it.
     """
 
     name: str
@@ -43,11 +44,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Stage:
-    """One rung: what it needed and how well it met the target.
+    """One stage of a calibration: its cost and its misfit.
 
-    cpu seconds in this run; solved: presses solved and kept, whose cpu seconds, whenever they were
-    spent, are `presses_cpu`; misfit: what is missed over what the data allow, 1 where all is noise,
-    None where nothing is fitted.
+    cpu: seconds in this run; presses: number of presses used, from the cache or solved, and
+    presses_cpu the seconds that they took when they were solved; misfit: sum of squares over the
+    degrees of freedom, 1 where noise explains it, None where nothing is fitted.
     """
 
     name: str
@@ -59,7 +60,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A finger that was fitted to a subject or a record.
+    """A finger fitted to a subject or a record.
 
     target and mechanics: names; finger: width and thickness mm, pad_radius mm, resolution;
     parameters; correlations (n, n) of them, in their order; residuals: misfits by name;
@@ -87,7 +88,7 @@ class Calibration:
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Parameter:
-        """Return the parameter called `name`; KeyError names those that there are."""
+        """Return the parameter called `name`; KeyError lists the names that exist."""
         named = {each.name: each for each in self.parameters}
         if name not in named:
             msg = f"{name!r}: expected one of the parameters {', '.join(named)}"
@@ -100,20 +101,20 @@ class Calibration:
         return Curve(np.array(self.q), self.deepest, np.array(self.shares), self.growth)
 
     def predict(self, time: ArrayLike, depth: ArrayLike) -> Array:
-        """Return the force (n_t,) N through any motion, with depths (n_t,) mm from first touch.
+        """Predict the force (n_t,) N of any motion with depths (n_t,) mm from first touch.
 
-        Unloading, detachment and touching again included.
+        Unloading, detachment and renewed contact are included.
         """
         return predicted(
             self.curve, 1.0, self.prony, np.asarray(time, float), np.asarray(depth, float)
         )
 
     def record(self) -> dict[str, Any]:
-        """Return all of it as plain values."""
+        """Convert the calibration to plain values."""
         return asdict(self)
 
     def tissue_set(self) -> dict[str, Any]:
-        """Return the tables of a tissue file, as `[finger] tissue = "tissue.toml"` reads it."""
+        """Make the tables of a tissue file, as read by `[finger] tissue = "tissue.toml"`."""
         values: dict[str, Any] = {
             "source": f"fefinger calibrate: {self.target}, through {self.mechanics}; a fit of a "
             "model, not a measurement of tissue",
@@ -152,9 +153,9 @@ class Calibration:
 
     @classmethod
     def from_record(cls, values: dict[str, Any]) -> Self:
-        """Return the calibration of what `record` gave."""
-        own = dict(values)
-        own["parameters"] = tuple(
+        """Make a calibration from the plain values of `record`."""
+        fields = dict(values)
+        fields["parameters"] = tuple(
             Parameter(
                 **each
                 | {
@@ -162,34 +163,34 @@ class Calibration:
                     "prior": None if each["prior"] is None else tuple(each["prior"]),
                 }
             )
-            for each in own["parameters"]
+            for each in fields["parameters"]
         )
-        own["stages"] = tuple(Stage(**each) for each in own["stages"])
+        fields["stages"] = tuple(Stage(**each) for each in fields["stages"])
         for name in ("correlations", "shares"):
-            own[name] = tuple(tuple(row) for row in own[name])
-        own["prony"] = Prony(own["prony"]["c"], own["prony"]["v"])
+            fields[name] = tuple(tuple(row) for row in fields[name])
+        fields["prony"] = Prony(fields["prony"]["c"], fields["prony"]["v"])
         for name in ("unidentified", "q"):
-            own[name] = tuple(own[name])
-        return cls(**own)
+            fields[name] = tuple(fields[name])
+        return cls(**fields)
 
 
-def parameters_of(found: Solution) -> tuple[Parameter, ...]:
+def parameters_of(solution: Solution) -> tuple[Parameter, ...]:
     """Return the parameters of a solution, with the weights of G instead of their ratios to c0."""
     out = [
         Parameter(
             each.name,
-            found.values[each.name],
-            found.deviations[each.name],
+            solution.values[each.name],
+            solution.deviations[each.name],
             each.unit,
             each.prior,
             each.source,
             (each.low, each.high),
             "held" if each.held else "fitted",
         )
-        for each in found.unknowns
+        for each in solution.unknowns
         if not each.name.endswith("/c0")
     ]
-    weights, deviations = weights_of(found)
+    weights, deviations = weights_of(solution)
     source = "the weights sum to 1; priors of their ratios from Table 3.1 of Pawluk (1997)"
     out += [
         Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted")
@@ -198,33 +199,33 @@ def parameters_of(found: Solution) -> tuple[Parameter, ...]:
     return tuple(out)
 
 
-def weights_of(found: Solution) -> tuple[list[float], list[float]]:
+def weights_of(solution: Solution) -> tuple[list[float], list[float]]:
     """Return c0, c1, ... and their standard deviations, from the ratios to c0."""
-    weights, jacobian = _weights(found)
-    deviations = np.sqrt(np.diag(jacobian @ found.covariance @ jacobian.T))
+    weights, jacobian = _weights(solution)
+    deviations = np.sqrt(np.diag(jacobian @ solution.covariance @ jacobian.T))
     return weights.tolist(), deviations.tolist()
 
 
-def correlations_of(found: Solution) -> tuple[tuple[float, ...], ...]:
+def correlations_of(solution: Solution) -> tuple[tuple[float, ...], ...]:
     """Return the correlations (n, n) of `parameters_of`, in its order."""
-    kept = [i for i, each in enumerate(found.unknowns) if not each.name.endswith("/c0")]
-    jacobian = np.concatenate([np.eye(len(found.unknowns))[kept], _weights(found)[1]])
-    covariance = jacobian @ found.covariance @ jacobian.T
+    unchanged = [i for i, each in enumerate(solution.unknowns) if not each.name.endswith("/c0")]
+    jacobian = np.concatenate([np.eye(len(solution.unknowns))[unchanged], _weights(solution)[1]])
+    covariance = jacobian @ solution.covariance @ jacobian.T
     deviation = np.sqrt(np.diag(covariance))
     return tuple(tuple(row) for row in (covariance / np.outer(deviation, deviation)).tolist())
 
 
-def _weights(found: Solution) -> tuple[Array, Array]:
-    """Return c0, c1, ... and their derivatives (n, n_unknowns) by what was searched for."""
-    at = [i for i, each in enumerate(found.unknowns) if each.name.endswith("/c0")]
-    shares = np.array([1.0, *(found.values[found.unknowns[i].name] for i in at)])
+def _weights(solution: Solution) -> tuple[Array, Array]:
+    """Compute c0, c1, ... and their derivatives (n, n_unknowns) by the fitted numbers."""
+    at = [i for i, each in enumerate(solution.unknowns) if each.name.endswith("/c0")]
+    shares = np.array([1.0, *(solution.values[solution.unknowns[i].name] for i in at)])
     weights = shares / shares.sum()
-    jacobian = np.zeros((len(weights), len(found.unknowns)))
+    jacobian = np.zeros((len(weights), len(solution.unknowns)))
     jacobian[:, at] = -np.outer(weights, weights[1:])
     jacobian[1:, at] += np.diag(weights[1:])
     return weights, jacobian
 
 
 def tissue(law: Tissue) -> dict[str, Any]:
-    """Return a layer as plain values, without what it has not."""
+    """Convert a layer to plain values, without fields that are None."""
     return {name: value for name, value in asdict(law).items() if value is not None}

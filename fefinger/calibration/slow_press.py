@@ -1,9 +1,9 @@
-"""The slow press of a relaxed finger by the plate: all of mechanics that a calibration needs.
+"""Slow press of a relaxed finger by the plate, cached: the mechanics input of a calibration.
 
-With one G the force at any pace is an integral of this one curve, and the curve is proportional to
-the moduli at a fixed ratio of them. So a finger is solved once per shape and exponent; every press
-is kept in the user's cache under the hash of what decides it, and a calibration that was
-interrupted goes on where it stopped.
+With one G the force at any rate is a hereditary integral of this curve, and the curve is
+proportional to the moduli at a fixed ratio of them. So a finger is solved once per shape and
+exponent. Every press is stored in the user's cache under a hash of its inputs, and an interrupted
+calibration continues where it stopped.
 """
 
 import hashlib
@@ -36,22 +36,22 @@ from fefinger.theory.relaxation import Prony
 Array = NDArray[np.float64]
 
 DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
-"""What reading a press raises that is not there or damaged: it is solved again."""
+"""Errors of reading a missing or damaged press, which is then solved again."""
 
 FORMAT = 8
-"""Raised when the mechanics or this file change, so that presses are solved again."""
+"""Version in the hash; increased when the mechanics or this file change, to solve presses again."""
 
 PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
 """Depth of a press over the thickness of the finger: some 2.3 N of a slow press in `solid`."""
 
 EVENLY = 401
-"""Times of a press at small strain that are kept."""
+"""Number of stored times of a press at small strain."""
 
 USUAL, SPARE, LATER = 4.0, 40.0, 15.0
-"""Factors of `fem.passage.Allowance`: a step takes 0 to 3 of them, and what a press has to spare is
-about what it takes as a whole; presses that pass a snap have taken up to 27 more. Where the pad
-buckles, a step can take hundreds and come nowhere; the fit goes on with what was reached, and later
-presses of it spare less."""
+"""Tangent factorizations of `load_path.Allowance`. A step takes 0 to 3 of them, and the spare ones
+are about as many as a whole press takes; presses past a snap-through took up to 27 more. Where the
+pad buckles, a step can take hundreds without converging; the fit then uses the part that was
+reached, and later presses have fewer spare ones."""
 
 PLATE = Flat(30.0)
 RELAXED = Prony((1.0,), ())
@@ -61,48 +61,48 @@ RELAXED = Prony((1.0,), ())
 class Press:
     """A slow press of relaxed tissue.
 
-    depth (n,) mm and force (n,) N of solved steps, without the first touch; felt (n, 64) kPa, what
-    the array of the thesis reads without noise; area (n,) mm²; seconds of CPU that it took; halt:
-    why it ended before its depth, or "".
+    depth (n,) mm and force (n,) N of solved steps, without the first touch; array_pressure (n, 64)
+    kPa: noise-free readings of the thesis's array; area (n,) mm²; seconds of CPU; halt: the reason
+    if it ended before its depth, or "".
     """
 
     depth: Array
     force: Array
-    felt: Array
+    array_pressure: Array
     area: Array
     seconds: float
     halt: str = ""
 
 
 def press(finger: Finger, mechanics: str, part: float | None = None, spare: float = SPARE) -> Press:
-    """Return the press of a finger by "condensed" or "solid", from the cache or solved now.
+    """Load the press of a finger by "condensed" or "solid" from the cache, or solve it.
 
-    `part` is its depth over the thickness of the finger, by default that of PART; `spare` the
-    factors that `solid` may take beyond the usual ones.
+    `part` is its depth over the thickness of the finger, by default that of PART; `spare`: the
+    tangent factorizations of `solid` beyond the usual ones.
 
     Raises
     ------
     InputError
-        If the plate cannot press the finger so deep.
+        If the plate cannot press the finger to that depth.
     ConvergenceError
-        If hardly a step is solved.
+        If fewer than 8 steps are solved.
     """
     scene = pressed(finger, part or PART[mechanics])
     place = root() / f"{key(scene, mechanics, spare)}.npz"
-    with suppress(*DAMAGED), place.open("rb") as opened, np.load(opened) as kept:
-        depth, force, read, area = (kept[name] for name in ("depth", "force", "felt", "area"))
-        return Press(depth, force, read, area, float(kept["seconds"]), str(kept["halt"]))
-    found = _solved(scene, mechanics, spare)
-    with suppress(OSError):  # without room for it, it is solved again the next time
-        _keep(found, place)
-    return found
+    with suppress(*DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
+        depth, force, read, area = (stored[name] for name in ("depth", "force", "felt", "area"))
+        return Press(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
+    solved = _solved(scene, mechanics, spare)
+    with suppress(OSError):  # on a full disk it is solved again the next time
+        _store(solved, place)
+    return solved
 
 
 def small(finger: Finger) -> Press:
-    """Return the press at small strain: by `condensed`, or where it does not reach by `linear`.
+    """Press at small strain: by `condensed` or, where contact leaves its operator, by `linear`.
 
-    The operator of `condensed` ends at the sides of the finger, where a flat pad has candidates for
-    contact; `linear` gives the same numbers without one.
+    The operator of `condensed` ends at the sides of the finger, where a flat pad has contact
+    candidates; `linear` gives the same numbers.
     """
     try:
         return press(finger, "condensed")
@@ -111,7 +111,7 @@ def small(finger: Finger) -> Press:
 
 
 def pressed(finger: Finger, part: float = PART["solid"]) -> Scene:
-    """Return the scene of a press."""
+    """Make the scene of a press."""
     motion = Ramp(1.0, part * finger.thickness, corner=0.0)
     ask = Ask(strain=False, fields=False)
     return Scene(
@@ -124,7 +124,7 @@ def pressed(finger: Finger, part: float = PART["solid"]) -> Scene:
 
 
 def shapable(finger: Finger) -> bool:
-    """Return whether a finger of this size can have this pad radius."""
+    """Whether a finger of this size can have this pad radius."""
     from fefinger.mesh.parametric import parametric
     from fefinger.mesh.recipe import Recipe
 
@@ -143,7 +143,7 @@ def root() -> Path:
 
 
 def key(scene: Scene, mechanics: str, spare: float = SPARE) -> str:
-    """Return the hash of all that decides a press."""
+    """Hash of all inputs of a press."""
     from fefinger.mesh.recipe import Recipe
 
     table = scene.to_dict()
@@ -161,15 +161,15 @@ def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
     force = response.force[steps]
     if len(force) < 8 or not (np.diff(force) > 0).all():
         message = (
-            f"press: expected a force that rises over 8 steps or more, found {len(force)} on the "
-            f"finger of {scene.finger.thickness:g} mm{f' ({halt})' if halt else ''}"
+            f"press: expected a force that rises over at least 8 steps, received {len(force)} "
+            f"steps on the finger of {scene.finger.thickness:g} mm{f' ({halt})' if halt else ''}"
         )
         raise ConvergenceError(message)
     assert response.contact_area is not None
     return Press(
         response.depth[steps],
         force,
-        felt(scene, response)[steps],
+        array_pressure(scene, response)[steps],
         response.contact_area[steps],
         time.process_time() - started,
         halt,
@@ -177,7 +177,7 @@ def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
 
 
 def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
-    """Return what the mechanics answers, by `solid` as far as a calibration spares the work."""
+    """Solve the press; `solid` with a limit on tangent factorizations."""
     from fefinger.mechanics import get
 
     if not MECHANICS[mechanics].finite:
@@ -189,16 +189,16 @@ def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
 
 
 def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64]:
-    """Return the numbers of the times to keep: those that `solid` solves, and EVENLY many others.
+    """Select the stored times: those that `solid` solves, or EVENLY many at small strain.
 
-    What is not in contact is left out.
+    Times without contact are left out.
     """
-    from fefinger.mechanics.press.load_steps import memories, stride
+    from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
     from fefinger.mechanics.press.time_steps import time_grid
 
     if MECHANICS[mechanics].finite:
         time = time_grid(scene.motion, fast=False)
-        chosen = stride(scene.motion, time, memories(scene.finger)).chosen
+        chosen = load_steps(scene.motion, time, tissue_relaxations(scene.finger)).chosen
         chosen = chosen[chosen < len(response.time)]
     else:
         count = min(EVENLY, len(response.time))
@@ -206,8 +206,8 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
     return chosen[response.force[chosen] > 0]
 
 
-def felt(scene: Scene, response: Response) -> Array:
-    """Return what the array feels (n_t, 64) kPa, centered on the last pressure."""
+def array_pressure(scene: Scene, response: Response) -> Array:
+    """Compute the readings (n_t, 64) kPa of the array, centered on the last center of pressure."""
     from fefinger.results import array_sensor
 
     assert response.pad is not None
@@ -219,8 +219,9 @@ def felt(scene: Scene, response: Response) -> Array:
     return np.asarray(pressure @ array_sensor.response(ArraySensor(), pad, points).T)
 
 
-def _keep(found: Press, place: Path) -> None:
+def _store(solved: Press, place: Path) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
-    values: dict[str, Any] = dict(vars(found))
+    values: dict[str, Any] = dict(vars(solved))
+    values["felt"] = values.pop("array_pressure")  # its name in the files of FORMAT 8
     with moved(place) as new:
         np.savez_compressed(new, **values)

@@ -1,4 +1,4 @@
-"""What a calibrated finger has to show: a subject's curves, or the record of a user."""
+"""Targets of a calibration: the curves of a subject, the record of a user, frames of the array."""
 
 import math
 from dataclasses import dataclass
@@ -29,31 +29,31 @@ PEAK = 2.5
 """N at the end of these ramps (2 to 3 N, section 2.2.2)."""
 
 FORCES = 40
-"""Forces at which the stiffness of a subject is compared: a ramp of 30 ms, sampled at 13 kHz and
-averaged over 9 samples, has about as many independent stiffnesses."""
+"""Number of forces at which the stiffness of a subject is compared: a ramp of 30 ms, sampled at 13
+kHz and averaged over 9 samples, has about as many independent values."""
 
 HOLD = 6.0
 """Length of the holds of the thesis in s (5 to 7 s)."""
 
 LIVELY = 1e-3
-"""Part of the peak force by which a force has to fall in a hold to count as relaxing."""
+"""Smallest relative fall of the force in a hold that counts as relaxation."""
 
 STIFFNESS = (0.02, 100.0)
-"""N/mm that a finger can have at half of its largest force, with a wide margin."""
+"""Range in N/mm of a fingertip's stiffness at half of its largest force, with a wide margin."""
 
 RETURN = 0.1
-"""Part of the way in that an indenter has to come back for a record to count as unloading."""
+"""Smallest return of the indenter over its travel for a record to count as unloading."""
 
 FEWEST = 4
-"""Frames that a press needs for three numbers to be fitted."""
+"""Fewest frames of a press, for three fitted parameters."""
 
 PRESSURE = (1.0, 500.0)
-"""kPa that the largest reading of an array on a finger can be."""
+"""Range in kPa of the largest reading of an array on a finger."""
 
 
 @dataclass(frozen=True)
 class Bulk:
-    """A subject of Table 2.1: elastic stiffness against force, and relaxation.
+    """Target of a subject of Table 2.1: elastic stiffness against force, and relaxation.
 
     force (n,) N of the instantaneous response; stiffness (n,) N/mm and stiffness_sd N/mm, the
     scatter that VAF_k leaves; time (k,) s after a step, relaxation (k,) and relaxation_sd likewise.
@@ -72,9 +72,9 @@ class Bulk:
 
 @dataclass(frozen=True)
 class Record:
-    """A ramp and hold of a user, averaged: time s, position mm, force N and its sd N, (n,) each.
+    """Target of a user: averaged ramp and hold, with time s, position mm, force N and its sd N.
 
-    The standard deviation is that of the noise; mesh is the resolution of what is fitted to it.
+    All (n,). The standard deviation is that of the noise; mesh: the resolution of the fitted model.
     """
 
     name: str
@@ -86,10 +86,11 @@ class Record:
     force_sd: Array
     mesh: str
 
-    def missed(self, force: Array) -> Array:
-        """Return by how much a model's force (n,) N misses, in standard deviations (n,).
+    def residuals(self, force: Array) -> Array:
+        """Whitened residuals (n,) of a model's force (n,) N, in standard deviations.
 
-        Of what noise and the mesh may be off by, taken apart into independent errors.
+        The covariance is that of the noise and of the mesh error; whitening makes the residuals
+        independent.
         """
         return np.asarray(solve_triangular(self._scatter, force - self.force, lower=True))
 
@@ -97,17 +98,18 @@ class Record:
     def _scatter(self) -> Array:
         """The Cholesky factor (n, n) N of the covariance of noise and of the mesh's error."""
         between = np.abs(np.subtract.outer(self.position, self.position))
-        smooth = self._lumped_force()  # with the noise of the measured one the fit would be biased
+        smooth = self._lumped_force()  # scaling by the noisy measured force would bias the fit
         alike = np.exp(-between / LENGTH) * np.multiply.outer(smooth, smooth)
         covariance = np.diag(self.force_sd**2) + MESH[self.mesh] ** 2 * alike
         return np.asarray(np.linalg.cholesky(covariance))
 
     @property
     def lumped_misfit(self) -> float:
-        """What the lumped model misses over what the data allow, as of a `Stage`."""
-        missed = (self._lumped_force() - self.force) / self.force_sd
+        """Misfit of the lumped model, defined as that of a `Stage`."""
+        residuals = (self._lumped_force() - self.force) / self.force_sd
         # The weights of G sum to 1, so one of the parameters is not free.
-        return float(missed @ missed) / max(1, len(missed) - len(self.lumped.parameters) + 1)
+        freedom = max(1, len(residuals) - len(self.lumped.parameters) + 1)
+        return float(residuals @ residuals) / freedom
 
     def _lumped_force(self) -> Array:
         return force(self.lumped.spring, self.lumped.prony, self.time, self.position)
@@ -115,7 +117,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Frames:
-    """What an array read in a slow press.
+    """Readings of an array in a slow press.
 
     depth (n_t, n) mm, pressure (n_t, n) kPa of elements at distance (n,) mm from the center of
     contact.
@@ -127,25 +129,25 @@ class Frames:
 
 
 MESH = {"coarse": 4.3e-3, "standard": 3e-3, "fine": 3e-3}
-"""Standard deviation of a force that the model's mesh makes, over it, by resolution.
+"""Relative standard deviation of a force due to the model's mesh, by resolution.
 
-Of coarse meshes that of `reports/mesh-curves.json`, from presses on meshes that were drawn anew; on
-standard ones it is 1e-3 there, but new presses of calibrated fingers by `solid` are 0.5e-3 to
-3.5e-3 off the curves that were fitted (suite `calibration`). Draws of another day gave 4.5e-3 and
-1.3e-3, and 0.3 and 0.44 mm for LENGTH. Two of 31 draws of the coarse mesh before were 2 % stiffer,
-which is not explained.
+For coarse meshes from `reports/mesh-curves.json`, by presses on meshes that were generated again.
+For standard ones it is 1e-3 there, but new presses of calibrated fingers by `solid` differ from
+the fitted curves by 0.5e-3 to 3.5e-3 (suite `calibration`). Another set of meshes gave 4.5e-3 and
+1.3e-3, and 0.3 and 0.44 mm for LENGTH. Two of 31 earlier coarse meshes were 2 % stiffer, which is
+not explained.
 """
 
 LENGTH = 0.3
-"""Depth in mm over which that error goes by: it is correlated as exp(-distance / LENGTH).
+"""Correlation length in mm of depth of the mesh error: exp(-distance / LENGTH).
 
-0.36 mm on coarse meshes, 0.22 mm on standard ones, in that report. As one error for all samples of
-a hold it leaves the relaxation alone.
+0.36 mm on coarse meshes, 0.22 mm on standard ones, in that report. All samples of a hold share one
+error, so that it does not affect the relaxation.
 """
 
 
 def subject(name: str) -> Bulk:
-    """Return the target of a subject of Table 2.1, by the lumped model.
+    """Make the target of a subject of Table 2.1 from the lumped model.
 
     Raises
     ------
@@ -178,41 +180,41 @@ def subject(name: str) -> Bulk:
 
 
 def record(file: str | Path, mesh: str) -> Record:
-    """Return the target in a CSV file of time (s), position (mm) and force (N), once checked.
+    """Read and check the target in a CSV file of time (s), position (mm) and force (N).
 
-    `mesh` is the resolution of what will be fitted to it.
+    `mesh` is the resolution of the model to be fitted.
 
     Raises
     ------
     InputError
-        A file without a usable ramp and hold, in other units, or of nothing that a finger does.
+        If the file has no usable ramp and hold, other units, or a response unlike a finger's.
     """
     return made(str(file), *lumped_fit.read(file), mesh)
 
 
 def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Record:
-    """Return the target of a record (n_t,) s, mm, N that is called `name` in messages."""
+    """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
     try:
         parts = split(time, position, force)
-        found = joint(time, position, force)
+        lumped = joint(time, position, force)
     except ValueError as error:
         msg = f"{name}: {error}"
         raise InputError(msg) from None
     except RuntimeError:
         msg = (
-            f"{name}: expected a force that rises on the ramp and falls in the hold, as the lumped "
-            "law of the thesis, but its fit does not converge; is this a finger, and is its hold "
-            f"of {parts.hold_seconds:.3g} s long enough to see it relax?"
+            f"{name}: expected a force that rises on the ramp and falls in the hold, received one "
+            "for which the fit of the lumped law of the thesis does not converge; check that this "
+            f"is a finger, and that its hold of {parts.hold_seconds:.3g} s is long enough to relax"
         )
         raise InputError(msg) from None
-    _check_finger(name, parts, found)
+    _check_finger(name, parts, lumped)
     t, x, f, _ = averages(parts)
-    sd = deviation_of(parts, found.spring, found.prony)
-    return Record(name, parts, found, t, x, f, sd, mesh)
+    sd = deviation_of(parts, lumped.spring, lumped.prony)
+    return Record(name, parts, lumped, t, x, f, sd, mesh)
 
 
 def check_depth(wanted: Record, finger: Finger) -> None:
-    """Refuse a record that presses a finger as deep as its soft tissue, or deeper."""
+    """Raise InputError for a record that is deeper than the soft tissue of the finger."""
     deep = float(wanted.position.max()) - wanted.lumped.spring.x0
     if deep >= finger.pulp:
         msg = (
@@ -224,12 +226,12 @@ def check_depth(wanted: Record, finger: Finger) -> None:
 
 
 def unloading(file: str | Path) -> tuple[Array, Array, Array]:
-    """Return time s, position mm and force N of a record that a fit is to predict.
+    """Read time s, position mm and force N of a record with unloading, for prediction.
 
     Raises
     ------
     InputError
-        As `fitting.read`, or where the indenter never comes back.
+        As `lumped_fit.read`, or if the indenter does not return.
     """
     time, position, force = lumped_fit.read(file, fewest=FEWEST, of="a motion to predict")
     top = int(np.argmax(position))
@@ -237,15 +239,15 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     back = float(position[top] - position[top:].min())
     if back < RETURN * way:
         msg = (
-            f"{file}: expected a record that also unloads, as a sinusoid or a ramp out, because "
-            f"loading is what was fitted; the indenter comes back {back:.3g} of {way:.3g} mm"
+            f"{file}: expected a record with unloading, such as a sinusoid or a retraction, as "
+            f"loading was fitted, received one that returns {back:.3g} of {way:.3g} mm"
         )
         raise InputError(msg)
     return time, position, force
 
 
 def frames(file: str | Path) -> Frames:
-    """Return the frames of the array in a CSV file: time, position (mm from touch), p1 ... p64.
+    """Read the frames of the array from a CSV file: time, position (mm from touch), p1 ... p64.
 
     One frame per row, in kPa, read element by element in the row order of the array, so that the
     depth is that at the time of every element. The array is aligned by the frame with the largest
@@ -270,7 +272,7 @@ def frames(file: str | Path) -> Frames:
 
 
 def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
-    """Return frames (n_t, n) mm and kPa about the center of pressure of the heaviest one."""
+    """Center frames (n_t, n) mm and kPa on the center of pressure of the one of largest sum."""
     heaviest = np.maximum(pressure[int(np.argmax(pressure.sum(axis=1)))], 0.0)
     center = heaviest @ sensor.positions / heaviest.sum()
     distance = np.hypot(*(sensor.positions - center).T)
@@ -292,10 +294,10 @@ def _check_pressure(file: str, largest: float) -> None:
     raise InputError(msg)
 
 
-def _check_finger(name: str, parts: RampHold, found: Identification) -> None:
-    """Refuse what no finger does: no relaxation, a force that rises in the hold, other stiffness.
+def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
+    """Raise InputError for a response unlike a finger's: no relaxation, or another stiffness.
 
-    The ramp and its hold are those of a finger only if the stiffness is, in N/mm.
+    The stiffness is that of the fit `lumped`.
     """
     hold = parts.force[parts.hold :]
     early, late = (
@@ -305,11 +307,11 @@ def _check_finger(name: str, parts: RampHold, found: Identification) -> None:
     if late > (1 - LIVELY) * early:
         msg = (
             f"{name}: expected a force that falls in the hold, because a finger relaxes, received "
-            f"{early:.4g} N at its start and {late:.4g} N at its end; is this a finger, and is the "
-            "force the right column?"
+            f"{early:.4g} N at its start and {late:.4g} N at its end; check that this is a finger "
+            "and that the force is the right column"
         )
         raise InputError(msg)
-    half = float(found.spring.stiffness(0.5 * parts.force.max()))
+    half = float(lumped.spring.stiffness(0.5 * parts.force.max()))
     low, high = STIFFNESS
     if not low <= half <= high:
         msg = (

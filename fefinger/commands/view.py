@@ -55,7 +55,7 @@ def view(
             click.echo(f"{folder} holds no fields to view:", err=True)
         quantities.fields_of(result)
     frames.check("--time", results, at)
-    for sentence in [] if at is None else frames.told(results, folders, at):
+    for sentence in [] if at is None else frames.deviations(results, folders, at):
         click.echo(sentence, err=True)
     for option, path in files.items():
         output_file(path, option)

@@ -194,7 +194,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 def _doubts_of_tissue(finger: Finger) -> list[Doubt]:
     """Return in what the tissues differ from the measured ones; their common modulus cancels."""
-    doubts, measured = [], reports.layered()["tissue"]
+    doubts, measured = [], reports.layered_tissue()
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]
     if max(contrast / known, known / contrast) > hertz.CONTRAST:

@@ -1,15 +1,15 @@
 """What the rules of refusal, error and cost need to know of a scene, each computed once."""
 
 import sys
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence import reached_depth, tradeoff
+from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.evidence.tradeoff import Place
 from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
@@ -121,25 +121,24 @@ class Situation:
         """The measured presses next to the scene, with their weights; none where no place is."""
         if self.place is None:
             return {}
-        return tradeoff.neighbors(tradeoff.rules()["presses"], self.place)
+        return tradeoff.neighbors(tradeoff.forces(), self.place)
 
     @cached_property
-    def _own_curve(self) -> Mapping[str, Any] | None:
+    def _own_curve(self) -> Measured | None:
         """Force over depth of a calibrated finger under a plate."""
-        flat = self.indenter.flat
-        return reached_depth.calibrated(self.finger) if flat is not None else None
+        press = "" if self.indenter.flat is None else reached_depth.calibrated(self.finger)
+        return reached_depth.force_curve(press) if press else None
 
-    def depth_over_thickness(self, row: Mapping[str, Any], force: Sequence[float]) -> float:
+    def depth_over_thickness(self, force: Measured) -> float:
         """Return the largest depth over the finger's thickness, once tissue has relaxed.
 
-        Where the motion prescribes the force, it is read from the press `row` and its forces in N,
-        or from the finger's own curve.
+        Where the motion prescribes the force, it is read from the `force` of a measured press, or
+        from the finger's own curve.
         """
         if self.motion.control == "depth":
             return self.peak / self.finger.thickness
-        return reached_depth.under_force(self.finger, self.peak, row, force, self._own_curve)
+        return reached_depth.under_force(self.finger, self.peak, force, self._own_curve)
 
     def deepest(self, press: str) -> float:
-        """Return the largest depth over thickness, as a press of the trade-off says."""
-        row = tradeoff.rules()["presses"][press]
-        return self.depth_over_thickness(row, row["force_N"])
+        """Return the largest depth over thickness, by a press of the trade-off."""
+        return self.depth_over_thickness(tradeoff.forces()[press])

@@ -11,7 +11,7 @@ from fefinger.view import figures
 
 TEMPLATES = "fefinger.pages.templates"
 PLAIN = " !$'()*+,-./:;=?@[]_{}|~"
-"""What an address of data in double quotes holds as it is; base64 would be a quarter longer."""
+"""Characters that stay unescaped in a data URL in double quotes; base64 is a quarter longer."""
 
 
 def render(template: str, **values: Any) -> str:

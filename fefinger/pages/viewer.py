@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from fefinger.geometry.boundary import boundary_edges
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
@@ -111,12 +112,12 @@ def _both_halves(result: ResultRecord, title: str) -> Drawing:
 
 
 def _bar(span: Span, name: str) -> dict[str, Any]:
-    """Return what the page knows of the color bar of a field."""
+    """Return the record of the color bar of a field."""
     return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
 
 
 def _map(span: Span) -> str:
-    """Return what the page calls the colors of a bar: the name of the map, and the part of it."""
+    """Return the key of a color table: the name of the map, and the part of it in use."""
     low, high = span.part
     return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
@@ -198,7 +199,7 @@ def _force(result: ResultRecord, times: Array) -> list[float] | None:
 
 
 def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
-    """Return where marks are, their names and colors, and the rates of their units."""
+    """Return places, labels and colors of marks, and the rates of their units."""
     if shown is None:
         return None
     rates = None
@@ -234,13 +235,6 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles) if pose.profile.plane else [], "u4"),
+        "rim": blob.add(boundary_edges(triangles) if pose.profile.plane else [], "u4"),
         "axis": pose.axis.tolist(),
     }
-
-
-def _rim(triangles: Integers) -> Integers:
-    """Return the edges (n, 2) that only one triangle has."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(unique[count == 1])

@@ -1,4 +1,4 @@
-"""The columns of a study's table: their names with units, what they mean, and their errors."""
+"""Columns of a study's table: names with units, labels, and the columns of their errors."""
 
 from collections.abc import Mapping
 
@@ -36,7 +36,7 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "ask.population.densities": dict.fromkeys(_TYPES, "per_cm2"),
 }
-"""Units of the fields of a scene, by their table: a name means something else in another."""
+"""Units of the fields of a scene, by table: a name may have different units in two tables."""
 
 
 MEASURES = {
@@ -52,7 +52,7 @@ MEASURES = {
     "reach_distal_mm": "reach of 4 kPa, distal",
     "reach_proximal_mm": "reach of 4 kPa, proximal",
 }
-"""What the measures are that figures show."""
+"""Labels of the measures that figures show."""
 
 ERRORS = {
     "depth_mm": "depth_rel_error",
@@ -61,14 +61,14 @@ ERRORS = {
     "contact_area_mm2": "contact_area_rel_error",
     "strain_rms_percent": "strain_rel_error",
 }
-"""Columns of the stated relative errors of measures, of the values beside them."""
+"""Columns of the expected relative errors of measures."""
 
 SHORT = {
     **{"N_per_mm": "N/mm", "N_per_s": "N/s", "mm_per_s": "mm/s", "mm2": "mm²", "percent": "%"},
     **{"uA_per_cm2": "uA/cm²", "per_cm2": "1/cm²", "per_s": "1/s"},
     **{unit: unit for unit in ("kPa", "deg", "mm", "Hz", "N", "s")},
 }
-"""Units as names of columns end in them, longer ones first, and as they are written."""
+"""Units as suffixes of column names, longer ones first, and as they are printed."""
 
 
 def column(field: str, kind: str = "") -> str:
@@ -92,20 +92,20 @@ def split(name: str) -> tuple[str, str]:
 
 
 def words(name: str) -> str:
-    """Return what a column is with its unit, as on an axis."""
+    """Label of a column with its unit, as on an axis."""
     short, unit = split(name)
-    said = MEASURES.get(name, short)
-    return f"{said} / {unit}" if unit else said
+    label = MEASURES.get(name, short)
+    return f"{label} / {unit}" if unit else label
 
 
 TWICE = 2.0
-"""Times the value at which what a measure may be ends, where its error leaves it more or open."""
+"""Largest upper bound of a measure over its value, for large or unbounded errors."""
 
 
 def bounds(row: Mapping[str, object], name: str) -> tuple[float, float] | None:
-    """Return between which values a measure of a row is by its stated error, None if not known.
+    """Bounds of the true value of a measure by its expected error; None where it is unknown.
 
-    The error is one of what is true, so that is value / (1 + error) to value / (1 - error).
+    The error is relative to the true value, which is in value / (1 + error) to value / (1 - error).
     """
     value, share = row.get(name), row.get(ERRORS.get(name, ""))
     if not isinstance(value, int | float) or not isinstance(share, int | float):

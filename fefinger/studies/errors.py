@@ -1,4 +1,4 @@
-"""Stated errors of the rows of a study: of mesh, time steps and model, not of the tissue."""
+"""Expected errors of the rows of a study: of mesh, time steps and model, not of the tissue."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -22,38 +22,37 @@ OF = {
     "area": "contact_area_mm2",
     "strain": "strain_rms_percent",
 }
-"""Columns of what the plan states errors of."""
+"""Columns of the quantities for which a plan states errors."""
 
 SPEED = 10.0
-"""Speed in mm/s of the press that is asked about: stated errors do not depend on it."""
+"""Speed in mm/s of the press whose errors are looked up: the errors do not depend on it."""
 
 
 def stated(result: Result, where: float, given: str) -> dict[str, float]:
-    """Return the relative errors of a row, each of the value in it, by column.
+    """Look up the expected relative errors of a row's values, by column.
 
-    A row is told at a depth or at a force, whichever is `given` ("depth" or "force"): that has no
-    error, but the other has one, and the rest are told there. The errors are those of the plan from
-    the largest force on, where the motion prescribes what is given; else those that the same
-    mechanics states of a press that ends at the depth of the row. That of the force is one of its
-    peak, so the farther the force has fallen the larger it is; of the rest none is known once the
-    indenter has withdrawn. What is not known is left out.
+    A row is at a `given` depth or force ("depth" or "force"), which has no error. From the largest
+    force on, where the motion prescribes the given quantity, the errors are those of the plan; else
+    those of the same mechanics for a press that ends at the depth of the row. The error of the
+    force is relative to its peak and so grows as the force falls; the others are unknown once the
+    indenter has withdrawn. Unknown errors are left out.
     """
     force, depth = until(result.response.force, where), until(result.depth, where)
     rung, errors = result.plan.chosen, result.plan.chosen.errors
     fallen = force.max() < result.response.force.max() * (1 - SAME)
     if (fallen or given != result.scene.motion.control) and min(depth.max(), force.max()) > 0:
         rung, errors = _pressed(result, float(depth.max()), given)
-    found = dict(errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
+    by_quantity = dict(errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
     if force[-1] > 0 and given == "depth":
-        found["force"] = rung.error * float(force.max() / force[-1])
-    known = {name: found[name] for name in OF if np.isfinite(found.get(name, np.nan))}
-    return {ERRORS[OF[name]]: error for name, error in known.items()}
+        by_quantity["force"] = rung.error * float(force.max() / force[-1])
+    finite = {name: by_quantity[name] for name in OF if np.isfinite(by_quantity.get(name, np.nan))}
+    return {ERRORS[OF[name]]: error for name, error in finite.items()}
 
 
 def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[str, float]]:
-    """Return what is stated of the same finger and object pressed to a depth in mm.
+    """Errors of the same mechanics for the same finger and object pressed to a depth in mm.
 
-    The errors are those there, or where the force is given those at that force.
+    They are at that depth or, where the force is given, at that force.
     """
     scene = settled(result.scene, result.plan)
     scene = replace(scene, motion=Ramp(SPEED, depth, corner=0))

@@ -1,4 +1,4 @@
-"""Figures of the rows of a study: every measure against a field, and what the array would read.
+"""Figures of a study: every measure against a field, spikes, and readings of the array.
 
 Every function returns a matplotlib Figure.
 """
@@ -19,7 +19,11 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#1
 """Okabe and Ito (2008), as the colors of the afferents."""
 
 SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
-    "sensor_": ("--", "as the array sees it", {"highest_pressure_1mm2_kPa": "sensor_peak_kPa"}),
+    "sensor_": (
+        "--",
+        "from the array's readings",
+        {"highest_pressure_1mm2_kPa": "sensor_peak_kPa"},
+    ),
     "hertz_": (":", "elliptic Hertz at that depth", {}),
 }
 """Prefixes of columns that are drawn in the same panel: line style, label, other names."""
@@ -27,17 +31,17 @@ SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
 LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 
 SAME = 0.005
-"""Part of a measure by which it may vary and count as the same."""
+"""Relative variation of a measure up to which it counts as constant."""
 
 NOTHING = 1e-9
-"""Measure in its unit up to which it counts as none: what rounding leaves of symmetry."""
+"""Value of a measure, in its unit, up to which it counts as zero (rounding)."""
 
 STEP = 4.0
 """kPa between isobars, as in Figure 3-3."""
 
 
 def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
-    """Return what tells a row's series from the others."""
+    """Label of a row's series: the values of the fields in `series`."""
     values = {name: row[name] for name in series}
     return ", ".join(
         value if isinstance(value, str) else f"{name.rpartition('.')[2]} {value}"
@@ -48,17 +52,17 @@ def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
 def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) -> Any:
     """Draw every measure of `rows` against the column `x`, one color per series.
 
-    Bars are the stated errors where the rows have them.
-    A measure that is the same everywhere, as the depth at the end of equal presses, is left out.
+    Bars are the expected errors where the rows have them. A constant measure, such as the depth at
+    the end of equal presses, is left out.
     """
-    known = [name for name in MEASURES if name not in skip and _varies(rows, name)]
-    count = max(-(-len(known) // 3), 1)
+    names = [name for name in MEASURES if name not in skip and _varies(rows, name)]
+    count = max(-(-len(names) // 3), 1)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.7 + 2.15 * count)
         axes = drawn.subplots(count, 3, squeeze=False, sharex=True)
-        for axis, name in zip(axes.flat, known, strict=False):
+        for axis, name in zip(axes.flat, names, strict=False):
             _panel(axis, rows, x, series, name)
-        for axis in axes.flat[len(known) :]:
+        for axis in axes.flat[len(names) :]:
             axis.set_axis_off()
         for column in axes.T:
             for axis in [axis for axis in column if axis.axison][-1:]:
@@ -69,7 +73,7 @@ def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) 
 
 
 def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> None:
-    """Draw one measure with its stated errors, and the same of the array and of Hertz."""
+    """Draw one measure with its expected errors, and the same of the array and of Hertz."""
     styles = [("-", name)]
     for prefix, (style, _, others) in SHARED.items():
         styles.append((style, others.get(name, prefix + name)))
@@ -77,10 +81,10 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
         color = PALETTE[number % len(PALETTE)]
         _bars(axis, group, x, name, number)
         for style, column in styles:
-            found = [row for row in group if _number(row, LINES.get(column, column))]
+            finite = [row for row in group if _number(row, LINES.get(column, column))]
             axis.plot(
-                [row[x] for row in found],
-                [row[LINES.get(column, column)] for row in found],
+                [row[x] for row in finite],
+                [row[LINES.get(column, column)] for row in finite],
                 style,
                 color=color,
                 marker="o" if style == "-" else None,
@@ -93,14 +97,14 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
 
 
 def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
-    """Draw what a measure may be by its stated error; caps grow with the series' number."""
-    known = [(row, bounds(row, name)) for row in group if _number(row, name)]
-    found = [(row[x], row[name], ends) for row, ends in known if ends is not None]
-    if not found:
+    """Draw the bounds of a measure by its expected error; caps grow with the series' number."""
+    limits = [(row, bounds(row, name)) for row in group if _number(row, name)]
+    bars = [(row[x], row[name], ends) for row, ends in limits if ends is not None]
+    if not bars:
         return
-    values, ends = (np.array([each[i] for each in found], float) for i in (1, 2))
+    values, ends = (np.array([each[i] for each in bars], float) for i in (1, 2))
     axis.errorbar(
-        [each[0] for each in found],
+        [each[0] for each in bars],
         values,
         yerr=[values - ends[:, 0], ends[:, 1] - values],
         fmt="none",
@@ -112,11 +116,11 @@ def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
 
 
 def grouped(rows: Rows, series: Sequence[str]) -> dict[str, list[Mapping[str, Any]]]:
-    """Return the rows of each series, in their order."""
-    found: dict[str, list[Mapping[str, Any]]] = {}
+    """Group the rows by series, in their order."""
+    groups: dict[str, list[Mapping[str, Any]]] = {}
     for row in rows:
-        found.setdefault(label(row, series), []).append(row)
-    return found
+        groups.setdefault(label(row, series), []).append(row)
+    return groups
 
 
 def _legend(drawn: Any, rows: Rows, series: Sequence[str]) -> None:
@@ -126,24 +130,24 @@ def _legend(drawn: Any, rows: Rows, series: Sequence[str]) -> None:
     handles = [
         Line2D([], [], color=PALETTE[i % len(PALETTE)], label=name) for i, name in enumerate(names)
     ]
-    for prefix, (style, said, _) in SHARED.items():
+    for prefix, (style, text, _) in SHARED.items():
         if any(_number(row, name) for row in rows for name in row if name.startswith(prefix)):
-            handles.append(Line2D([], [], color=figures.INK, linestyle=style, label=said))
+            handles.append(Line2D([], [], color=figures.INK, linestyle=style, label=text))
     if handles:
         drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4))
 
 
 def _number(row: Mapping[str, Any], name: str) -> bool:
-    """Return whether a row has a finite number in a column."""
+    """Whether a row has a finite number in a column."""
     value = row.get(name)
     return isinstance(value, int | float) and bool(np.isfinite(value))
 
 
 def _varies(rows: Rows, name: str) -> bool:
-    """Return whether a column has numbers, and not one and the same within SAME, nor NOTHING."""
-    found = [row[name] for row in rows if _number(row, name)]
-    most = max(SAME * np.abs(found).max(initial=0.0), NOTHING)
-    return len(found) == 1 or (len(found) > 1 and np.ptp(found) > most)
+    """Whether a column has numbers that vary by more than SAME and NOTHING, or only one."""
+    values = [row[name] for row in rows if _number(row, name)]
+    most = max(SAME * np.abs(values).max(initial=0.0), NOTHING)
+    return len(values) == 1 or (len(values) > 1 and np.ptp(values) > most)
 
 
 def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
@@ -154,17 +158,17 @@ def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
         axes = drawn.subplots(1, len(types), squeeze=False)
         for axis, kind in zip(axes[0], types, strict=True):
             for number, group in enumerate(grouped(rows, series).values()):
-                found = [row for row in group if _number(row, f"spikes_{kind}")]
-                counts = [row[f"spikes_{kind}"] for row in found]
+                counted = [row for row in group if _number(row, f"spikes_{kind}")]
+                counts = [row[f"spikes_{kind}"] for row in counted]
                 color = PALETTE[number % len(PALETTE)]
-                axis.plot([row[x] for row in found], counts, "o-", color=color, markersize=2.5)
+                axis.plot([row[x] for row in counted], counts, "o-", color=color, markersize=2.5)
             axis.set(title=f"{kind}: spikes", xlabel=words(x))
             axis.set_ylim(bottom=0)
         return drawn
 
 
 def isobars(rows: Rows, x: str, readings: str) -> Any:
-    """Draw what the 8 x 8 array reads at each row, tip up, as isobars 4 kPa apart.
+    """Draw the readings of the 8 x 8 array in each row, tip up, as isobars 4 kPa apart.
 
     Colors are the same in all panels. A cross marks first touch.
     """
@@ -180,11 +184,11 @@ def isobars(rows: Rows, x: str, readings: str) -> Any:
         axes = drawn.subplots(count, across, squeeze=False, sharex=True, sharey=True)
         for axis, row in zip(axes.flat, rows, strict=False):
             middle = row["sensor_middle_distal_mm"]
-            felt: Array = np.reshape(row[readings], (len(line), len(line)))
-            shown = levels[levels < felt.max()]
+            pressure: Array = np.reshape(row[readings], (len(line), len(line)))
+            shown = levels[levels < pressure.max()]
             if len(shown):
                 spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}
-                axis.contour(line, line + middle, felt.T, shown, linewidths=0.9, **spread)
+                axis.contour(line, line + middle, pressure.T, shown, linewidths=0.9, **spread)
             axis.plot(0, 0, "+", color="#D55E00", markersize=8)
             axis.set(aspect="equal", title=_named(row, x), xlim=(-7, 7), ylim=(-8, 8))
         for axis in axes.flat[len(rows) :]:
@@ -196,7 +200,7 @@ def isobars(rows: Rows, x: str, readings: str) -> Any:
 
 
 def _named(row: Mapping[str, Any], x: str) -> str:
-    """Return the value that a panel is of, with its unit."""
+    """Title of a panel: its value of `x` with the unit."""
     return f"{row[x]:g} {split(x)[1]}".strip()
 
 

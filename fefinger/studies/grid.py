@@ -1,4 +1,4 @@
-"""The grid of a study: which fields of a scene take which values, and what is told of each."""
+"""Grid of a study: the values of the fields of a scene, and the forces and depths of its rows."""
 
 import itertools
 import math
@@ -11,43 +11,44 @@ from fefinger.support.text import plain
 
 
 EACH = "each"
-"""Instead of a mechanics: the cheapest, scene by scene."""
+"""Value of `mechanics` that takes the cheapest one for each scene."""
 
 MOST = 10_000
-"""Scenes of one study: at seconds each they take hours."""
+"""Largest number of scenes of a study: at seconds each they take hours."""
 
 OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:60:13"
 
 AT = "expected a force or a depth, as in 1N or 0.5mm"
 
 DIGITS = 12
-"""Digits that the steps of a range keep, so that 0.1 steps by 0.1."""
+"""Significant digits of the values of a range, so that steps of 0.1 give 0.3 and not
+0.30000000000000004."""
 
 
 def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
-    """Return the values of each field, from texts such as "indenter.angle=0:60:13".
+    """Parse the values of each field, from texts such as "indenter.angle=0:60:13".
 
     Raises
     ------
     InputError
-        A text that is none, a field that comes twice, or the same value twice.
+        For a text of another form, or a field or value that appears twice.
     """
-    found: dict[str, tuple[Any, ...]] = {}
+    values: dict[str, tuple[Any, ...]] = {}
     for text in texts:
         field, equals, listed = (part.strip() for part in text.partition("="))
         if not field or not equals or not listed:
             msg = f"--over {text!r}: {OVER}"
             raise InputError(msg)
-        if field in found:
+        if field in values:
             msg = f"--over {text!r}: expected every field once, received {field} again"
             raise InputError(msg)
-        found[field] = _range(text, listed) if ":" in listed else _list(text, listed)
-    return checked(found)
+        values[field] = _range(text, listed) if ":" in listed else _list(text, listed)
+    return checked(values)
 
 
 def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
-    """Return the values of each field as plain Python, or raise InputError for none or twice."""
-    found: dict[str, tuple[Any, ...]] = {}
+    """Convert the values of each field to plain Python; InputError for none or duplicates."""
+    grid: dict[str, tuple[Any, ...]] = {}
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):
             msg = f"--over {field}: expected a list of values, received {values!r}"
@@ -66,8 +67,8 @@ def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
             what = f"{twice[0]!r} twice" if twice else "none"
             msg = f"--over {field}: expected different values, received {what}"
             raise InputError(msg)
-        found[field] = plain
-    return found
+        grid[field] = plain
+    return grid
 
 
 def _range(text: str, listed: str) -> tuple[float, ...]:
@@ -86,7 +87,7 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
 
 
 def _list(text: str, listed: str) -> tuple[Any, ...]:
-    """Return the values of a list: TOML, or else numbers and bare texts."""
+    """Parse a list: TOML, or else numbers and unquoted texts."""
     try:
         return tuple(tomllib.loads(f"values = [{listed}]")["values"])
     except tomllib.TOMLDecodeError:
@@ -98,16 +99,16 @@ def _list(text: str, listed: str) -> tuple[Any, ...]:
 
 
 def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return forces in N and depths in mm, from texts such as "1N" and "0.5 mm".
+    """Parse forces in N and depths in mm, from texts such as "1N" and "0.5 mm".
 
     Raises
     ------
     InputError
-            A text that is neither, or the same twice.
+        For a text that is neither, or a duplicate.
     """
-    found: dict[str, list[float]] = {"N": [], "mm": []}
+    levels: dict[str, list[float]] = {"N": [], "mm": []}
     for text in texts:
-        unit = next((unit for unit in found if text.strip().endswith(unit)), None)
+        unit = next((unit for unit in levels if text.strip().endswith(unit)), None)
         try:
             value = float(text.strip().removesuffix(unit or ""))
         except ValueError:
@@ -116,34 +117,34 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
             msg = f"--at {text!r}: {AT}"
             raise InputError(msg)
         level = number(f"--at {text!r}", value, above=0, unit=unit)
-        if f"{level:g}" in [f"{other:g}" for other in found[unit]]:
+        if f"{level:g}" in [f"{other:g}" for other in levels[unit]]:
             msg = f"--at {text!r}: expected every level once, received {level:g} {unit} again"
             raise InputError(msg)
-        found[unit].append(level)
-    return tuple(found["N"]), tuple(found["mm"])
+        levels[unit].append(level)
+    return tuple(levels["N"]), tuple(levels["mm"])
 
 
 def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
-    """Return every combination of the values, the last field changing fastest."""
+    """List every combination of the values, the last field changing fastest."""
     return [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
 
 
 def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
-    """Return sentences on forces and depths not reached, and on rows of different mechanics."""
-    found = list(_not_reached(rows, over))
+    """Sentences on forces and depths not reached, and on rows of different mechanics."""
+    sentences = list(_not_reached(rows, over))
     names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in rows if row.get("mechanics")]
     used = list(dict.fromkeys(name.strip() for name in names))
     if len(used) > 1:
-        found.append(
+        sentences.append(
             f"The rows are answers of {', '.join(used)}: what changes between them may be the "
             "mechanics or its mesh. --mechanics NAME takes one for all, on one mesh unless scenes "
             "state theirs; --set finger.resolution=NAME states it for all."
         )
-    return found
+    return sentences
 
 
 def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iterator[str]:
-    """Give a sentence for each level that some row did not reach."""
+    """Yield a sentence for each level that some row did not reach."""
     levels: dict[str, list[str]] = {}
     for row in rows:
         if row["status"].startswith("not reached"):

@@ -1,4 +1,4 @@
-"""Elliptic Hertz beside the rows of a study: a half-space with the curvatures at first touch."""
+"""Elliptic Hertz contact for comparison with a study: half-space with the skin's curvatures."""
 
 from typing import Any
 
@@ -15,24 +15,25 @@ from fefinger.theory.relaxation import hereditary_integral
 
 
 NODES = 64, 32
-"""Gauss points along the radius and over a quarter turn; more change the mean by less than 1e-6 for
-half axes of up to 50 mm."""
+"""Gauss points along the radius and over a quarter turn; more points change the mean by less than
+1e-6 for half axes of up to 50 mm."""
 
 
 def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
-    """Return the columns of elliptic Hertz on the curvatures at first touch, at the same depths.
+    """Make the columns of elliptic Hertz contact with the curvatures at first touch.
 
-    The half-space has the mean compliance of skin and pulp and relaxes as the finger does: its
-    modulus is the relaxed one, over G(infinity) at once. Nothing is told of a hollow skin, of an
-    object that is neither plate nor sphere, or once the contact has shrunk.
+    The depth over time is that of the result. The half-space has the mean compliance of skin and
+    pulp and relaxes as the finger does: its instantaneous modulus is the relaxed one over
+    G(infinity). There are no columns for a concave skin, an object that is neither plate nor
+    sphere, or once the contact has shrunk.
     """
     from fefinger.mechanics.hertz import tissue
 
     scene, indenter = result.scene, result.scene.indenter
     if indenter.flat is None and indenter.ball_radius is None:
         return {}
-    own = 1 / indenter.ball_radius if indenter.ball_radius is not None else 0.0
-    (low, high), axes = np.linalg.eigh(touch.curvature + own * np.eye(2))
+    curvature = 1 / indenter.ball_radius if indenter.ball_radius is not None else 0.0
+    (low, high), axes = np.linalg.eigh(touch.curvature + curvature * np.eye(2))
     depth = until(result.depth, where)
     if low <= 0 or high / low > LONGEST or (np.diff(depth) < -SAME * depth.max()).any():
         return {}
@@ -44,7 +45,7 @@ def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
         hereditary_integral(prony, time, elastic)[-1] / prony.long_time
         for elastic in (part**1.5, np.sqrt(part), mean)
     )
-    distal, side = (1 / (k + own) for k in np.diag(touch.curvature))
+    distal, side = (1 / (k + curvature) for k in np.diag(touch.curvature))
     return {
         "hertz_radius_distal_mm": float(distal),
         "hertz_radius_side_mm": float(side),
@@ -58,7 +59,7 @@ def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
 
 
 def share(semi_axes: Array) -> Array:
-    """Return the mean over 1 mm² about the middle, of the pressure there, for axes (n, 2) in mm.
+    """Mean pressure over 1 mm² about the center, over the peak pressure, for axes (n, 2) in mm.
 
     The mean is weighted by the Gaussian of `pressures.peaks`.
     """

@@ -1,6 +1,6 @@
-"""What a study tells of a result: force, shape and place of the contact, spikes, at some times.
+"""Rows of a study from a result: force, size, shape and place of the contact, and spikes.
 
-Places are in the plane of the object, from the first touch on the smooth skin: towards the tip
+Positions are in the plane of the object, from the first touch on the smooth skin: toward the tip
 (distal) and sideways.
 """
 
@@ -27,30 +27,30 @@ from fefinger.theory.contact.pressure_moments import moments as shape_of
 if TYPE_CHECKING:
     from fefinger.mesh.first_touch import FirstTouch
 
-FELT = 4.0
-"""Standard deviations of its noise above which an element of the array counts as touched."""
+THRESHOLD = 4.0
+"""Reading of an array element that counts as contact, in standard deviations of its noise."""
 
 LEVEL = 4.0
 """Pressure in kPa whose isobar bounds the contact, the step between those of Figure 3-3."""
 
 ROUNDING = 1e-9
-"""In mm, or as a share of the force: a shift or an asymmetry below it is that of rounding."""
+"""Shift in mm, or asymmetry, below which it is set to zero as rounding of a symmetric value."""
 
 READINGS = "readings_kPa"
-"""Key of what the array reads, element by element; a list, which tables leave out."""
+"""Column of the array's readings, element by element; a list, which tables leave out."""
 
 
 def rows(
     result: Result, *, forces: tuple[float, ...] = (), depths: tuple[float, ...] = ()
 ) -> list[dict[str, Any]]:
-    """Return what a study tells of a result at its peak and end, at forces in N and depths in mm.
+    """Make the rows of a result: at its peak and end, and at forces in N and depths in mm.
 
-    A force or depth is met where the loading reaches it first, between two time steps along
-    straight lines in time; one that is not reached has a row that says so in `status`.
+    The row of a force or depth is at its first crossing on the loading, by linear interpolation in
+    time; one that is not reached has a row whose `status` says so.
     """
     times = moments(result.response.force, result.depth, forces, depths)
     highest = _highest(result, [time.where for time in times if not time.missed])
-    seen, plan = _view(result), result.plan
+    view, plan = _view(result), result.plan
     about = {
         "mechanics": plan.mechanics,
         "mesh": (plan.settings and plan.settings.resolution) or "",
@@ -62,14 +62,14 @@ def rows(
         about["seed"] = result.scene.ask.population.seed
     return [
         {"at": time.name, "status": time.missed or "done"}
-        | ({} if time.missed else _row(result, seen, time, highest.get(time.where)))
+        | ({} if time.missed else _row(result, view, time, highest.get(time.where)))
         | about
         for time in times
     ]
 
 
 def _highest(result: Result, places: Sequence[float]) -> dict[float, float]:
-    """Return the highest pressure in kPa as a mean over 1 mm² at some places in time."""
+    """Highest mean pressure over 1 mm², in kPa, at some fractional time indices."""
     if result.pressure is None or result.pad is None:
         return {}
     then = np.array([at(result.pressure, where) for where in places])
@@ -77,9 +77,9 @@ def _highest(result: Result, places: Sequence[float]) -> dict[float, float]:
 
 
 def _row(
-    result: Result, seen: "View | None", moment: Moment, highest: float | None
+    result: Result, view: "PlaneView | None", moment: Moment, highest: float | None
 ) -> dict[str, Any]:
-    """Return the numbers at one time, by column."""
+    """Make the columns of one time."""
     where, control = moment.where, result.scene.motion.control
     slope = stiffness(result.time, result.depth, result.response.force, where, control=control)
     row: dict[str, Any] = {
@@ -100,29 +100,29 @@ def _row(
     row |= stated(result, where, moment.given or control)
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
-    if seen is not None and row["force_N"] > 0:
-        row |= _shape(seen, where) | _sensed(seen, where)
-    if seen is not None and seen.touch is not None:
-        row |= hertz(result, seen.touch, where)
+    if view is not None and row["force_N"] > 0:
+        row |= _shape(view, where) | _array(view, where)
+    if view is not None and view.touch is not None:
+        row |= hertz(result, view.touch, where)
     return row
 
 
 def _spikes(result: Result, time: float) -> dict[str, int]:
-    """Return how many spikes there were so far, of all units and of each type."""
+    """Count the spikes up to a time, of all units and of each type."""
     trains = result.spikes
     assert trains is not None
     counts = [int((times <= time).sum()) for times in trains.times]
-    found = {"spikes": sum(counts)}
+    row = {"spikes": sum(counts)}
     for kind, count in zip(trains.types, counts, strict=True):
-        found[f"spikes_{kind}"] = found.get(f"spikes_{kind}", 0) + count
-    return found
+        row[f"spikes_{kind}"] = row.get(f"spikes_{kind}", 0) + count
+    return row
 
 
 @dataclass(frozen=True)
-class View:
-    """The pad as its object sees it.
+class PlaneView:
+    """The pad projected onto the plane of the object.
 
-    places (n, 2) mm from first touch, towards the tip and sideways; areas (m,) mm² of the triangles
+    places (n, 2) mm from first touch, toward the tip and sideways; areas (m,) mm² of the triangles
     on the skin; touch: first touch on the smooth skin, where the finger has one.
     """
 
@@ -132,23 +132,23 @@ class View:
     touch: "FirstTouch | None"
 
 
-def _view(result: Result) -> View | None:
-    """Return the pad as its object sees it; None without a pressure or a known first touch."""
+def _view(result: Result) -> PlaneView | None:
+    """Project the pad onto the plane of the object; None without a pressure or a first touch."""
     from fefinger.mesh.first_touch import directions
 
-    pad, found = result.pad, _first_touch(result)
-    if pad is None or result.pressure is None or found is None:
+    pad, contact = result.pad, _first_touch(result)
+    if pad is None or result.pressure is None or contact is None:
         return None
-    origin, axis, touch = found
+    origin, axis, touch = contact
     a, b, c = np.moveaxis(pad.points[pad.triangles], 1, 0)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    return View(result, (pad.points - origin) @ directions(axis).T, areas, touch)
+    return PlaneView(result, (pad.points - origin) @ directions(axis).T, areas, touch)
 
 
 def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | None":
-    """Return the place (3,) mm of first touch, the travel (3,), and the skin there.
+    """Point (3,) mm of first touch, direction of travel (3,), and the curvature of the skin there.
 
-    On the finger's mesh it is that on its smooth skin; else the place above the end organs.
+    On a mesh it is the touch of the smooth skin; else the point above the end organs.
     """
     from fefinger.mesh.first_touch import first_touch
     from fefinger.mesh.recipe import Recipe
@@ -165,33 +165,33 @@ def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | No
     return sites.points[0] - sites.depths[0] * axis, axis, None
 
 
-def _sure(value: float) -> float:
-    """Return a value, 0 instead of the rounding of a symmetric one."""
+def _without_rounding(value: float) -> float:
+    """Replace a value within ROUNDING of zero by 0."""
     return 0.0 if abs(value) < ROUNDING else value
 
 
-def _named(prefix: str, found: Moments) -> dict[str, Any]:
+def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
     return {
-        f"{prefix}shift_distal_mm": _sure(float(found.center[0])),
-        f"{prefix}shift_side_mm": _sure(float(found.center[1])),
-        f"{prefix}asymmetry": _sure(found.asymmetry),
-        f"{prefix}ellipticity": found.ellipticity,
-        f"{prefix}long_axis_deg": found.long_axis,
+        f"{prefix}shift_distal_mm": _without_rounding(float(shape.center[0])),
+        f"{prefix}shift_side_mm": _without_rounding(float(shape.center[1])),
+        f"{prefix}asymmetry": _without_rounding(shape.asymmetry),
+        f"{prefix}ellipticity": shape.ellipticity,
+        f"{prefix}long_axis_deg": shape.long_axis,
     }
 
 
-def _shape(seen: View, where: float) -> dict[str, Any]:
-    """Return the columns on the shape of the contact as it is."""
-    pad, pressure = seen.result.pad, seen.result.pressure
+def _shape(view: PlaneView, where: float) -> dict[str, Any]:
+    """Make the columns of the shape of the contact."""
+    pad, pressure = view.result.pad, view.result.pressure
     assert pad is not None
     assert pressure is not None
     now = at(pressure, where)
-    found = shape_of(seen.places, pad.triangles, seen.areas, now)
-    return _named("", found) | _reach("", seen.places, pad.triangles, now)
+    shape = shape_of(view.places, pad.triangles, view.areas, now)
+    return _columns("", shape) | _reach("", view.places, pad.triangles, now)
 
 
 def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> dict[str, float]:
-    """Return how far the outermost isobar reaches from first touch; nothing without one."""
+    """Distance of the outermost isobar from first touch, distal and proximal; {} without one."""
     line = isobar(places, triangles, pressure, LEVEL)[..., 0]
     if not line.size:
         return {}
@@ -201,39 +201,39 @@ def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> 
     }
 
 
-def _sensed(seen: View, where: float) -> dict[str, Any]:
-    """Return the same columns as the array of the thesis would have them, without its noise.
+def _array(view: PlaneView, where: float) -> dict[str, Any]:
+    """Make the same columns from the readings of the thesis's array, without noise.
 
-    It lies on the plate with its middle under the center of the largest pressure, as in section
-    3.2.1 of the thesis, and is read in an instant.
+    It is centered on the center of pressure at the largest force, as in section 3.2.1 of the
+    thesis; all elements are read at the same time.
     """
-    sensor, pad, pressure = ArraySensor(), seen.result.pad, seen.result.pressure
+    sensor, pad, pressure = ArraySensor(), view.result.pad, view.result.pressure
     assert pad is not None
     assert pressure is not None
-    if seen.result.scene.indenter.flat is None:
+    if view.result.scene.indenter.flat is None:
         return {}
-    heaviest = pressure[int(np.argmax(seen.result.response.force))] * pad.areas
-    middle = heaviest @ seen.places / heaviest.sum()
+    heaviest = pressure[int(np.argmax(view.result.response.force))] * pad.areas
+    middle = heaviest @ view.places / heaviest.sum()
     try:
-        weights = response(sensor, pad, seen.places - middle)
+        weights = response(sensor, pad, view.places - middle)
     except ValueError as error:
         return {"sensor_note": f"not read: {error}"}
-    felt, element = weights @ at(pressure, where), sensor.pitch**2
+    readings, element = weights @ at(pressure, where), sensor.pitch**2
     places = sensor.positions + middle
     triangles = _both_ways(sensor)
     halves = np.full(len(triangles), element / 4)
     return {
-        "sensor_force_N": float(felt.sum() * element) * NEWTON_PER_MILLINEWTON,
-        "sensor_area_mm2": float((felt > FELT * sensor.noise).sum() * element),
-        "sensor_peak_kPa": float(felt.max()),
-        **_named("sensor_", shape_of(places, triangles, halves, felt)),
-        **_reach("sensor_", places, triangles, felt),
+        "sensor_force_N": float(readings.sum() * element) * NEWTON_PER_MILLINEWTON,
+        "sensor_area_mm2": float((readings > THRESHOLD * sensor.noise).sum() * element),
+        "sensor_peak_kPa": float(readings.max()),
+        **_columns("sensor_", shape_of(places, triangles, halves, readings)),
+        **_reach("sensor_", places, triangles, readings),
         "sensor_middle_distal_mm": float(middle[0]),
-        READINGS: [float(value) for value in felt],
+        READINGS: [float(value) for value in readings],
     }
 
 
 def _both_ways(sensor: ArraySensor) -> Integers:
-    """Return the triangles of an array with either diagonal of its squares, so that none leans."""
+    """Triangles of the array with both diagonals of each square, which keeps its symmetry."""
     mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
     return np.concatenate([sensor.triangles, mirrored[sensor.triangles]])

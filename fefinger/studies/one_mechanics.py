@@ -22,55 +22,55 @@ if TYPE_CHECKING:
     from fefinger.studies.tasks import Task
 
 MOST = 400
-"""Scenes that are asked which mechanics they take; of larger grids a part, evenly."""
+"""Largest number of scenes that are planned to choose a mechanics; larger grids are sampled."""
 
 TURNING = "indenter.angle", "indenter.tilt", "indenter.at"
-"""Fields of where the pad is touched."""
+"""Fields that change the place of contact on the pad."""
 
 ROUND = "hertz", "layered"
-"""Mechanics to which the pad is alike wherever it is touched: no answer to how that changes."""
+"""Mechanics of an axisymmetric pad, whose response does not depend on the place of contact."""
 
 
 ALL, SOME = "All scenes are", "The scenes that can be answered are"
 
 
 class Choice(NamedTuple):
-    """One mechanics and mesh for all scenes, None where each has its own, and what to say."""
+    """Common mechanics and mesh of all scenes, None where each has its own, with a sentence."""
 
     mechanics: str | None
     mesh: str | None
-    said: str
+    sentence: str
 
 
 def agreed(
     tasks: "Mapping[int, Task]", over: Collection[str] = (), folder: "Path | None" = None
 ) -> "tuple[dict[int, Task], str]":
-    """Return the tasks with one mechanics and mesh for all, and a sentence on it.
+    """Assign one mechanics and mesh to all tasks; also return a sentence on the choice.
 
-    It is the one that the tasks name, or the first on the ladder that refuses none of the scenes;
-    and the finest mesh that one of them takes of it, for those that do not state theirs. Where no
-    mechanics answers all, tasks are returned as they came. The choice is kept in a `folder`: what
-    is cheapest depends on what else is kept on this machine, and a study that goes on must not
-    start again for that. `over` are the fields of the grid.
+    The mechanics is the one named in the tasks, or the cheapest that refuses none of the scenes;
+    the mesh is the finest that one of them needs, for those that do not state theirs. Where no
+    mechanics can answer all, the tasks are unchanged. The choice is stored in a `folder`, because
+    the cheapest depends on the caches of this machine, and a continued study must not change it.
+    `over` are the fields of the grid.
     """
     place = folder / f"choice-{_digest(tasks)}.json" if folder else None
-    found = _kept(place)
-    if found is None:
+    choice = _stored(place)
+    if choice is None:
         named = next(iter(tasks.values()))["mechanics"]
-        found = _choice(tasks, over)
-        if place is not None and (named is None or found.mesh is not None):
-            write(place, json.dumps(found))
-    if found.mechanics is None:
-        return dict(tasks), found.said
-    return _with(tasks, found.mechanics, found.mesh), found.said
+        choice = _choice(tasks, over)
+        if place is not None and (named is None or choice.mesh is not None):
+            write(place, json.dumps(choice))
+    if choice.mechanics is None:
+        return dict(tasks), choice.sentence
+    return _with(tasks, choice.mechanics, choice.mesh), choice.sentence
 
 
 def _digest(tasks: "Mapping[int, Task]") -> str:
     return hashlib.sha256("".join(sorted(map(key, tasks.values()))).encode()).hexdigest()[:16]
 
 
-def _kept(place: "Path | None") -> Choice | None:
-    """Return the choice in a file, None without one; a damaged one counts as none."""
+def _stored(place: "Path | None") -> Choice | None:
+    """Read the choice from a file; None if it is missing or damaged."""
     try:
         return None if place is None else Choice(*json.loads(place.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
@@ -78,50 +78,52 @@ def _kept(place: "Path | None") -> Choice | None:
 
 
 def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
-    """Choose for all scenes."""
+    """Choose one mechanics and mesh for all scenes."""
     from fefinger.scene.scene import Scene
 
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
-    asked = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
-    used = list(dict.fromkeys(_label(scene, plan) for scene, plan in asked))
+    planned = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
+    used = list(dict.fromkeys(_label(scene, plan) for scene, plan in planned))
     if named is not None:
-        mesh = _finest(asked)
-        return Choice(named, mesh, _said_of_named(_named(named, mesh), used) if mesh else "")
-    first = max((names().index(plan.mechanics) for _, plan in asked), default=len(names()))
+        mesh = _finest(planned)
+        return Choice(named, mesh, _sentence_on_mesh(_named(named, mesh), used) if mesh else "")
+    first = max((names().index(plan.mechanics) for _, plan in planned), default=len(names()))
     barred = ROUND if set(over) & set(TURNING) else ()
     for name in names()[first:]:
-        own = [(scene, _plan(scene, name)) for scene, _ in asked] if name not in barred else []
-        able = [(scene, plan) for scene, plan in own if plan is not None and not plan.overridden]
-        if own and len(able) == len(own):
+        if name in barred:
+            continue
+        candidates = [(scene, _plan(scene, name)) for scene, _ in planned]
+        able = [(s, plan) for s, plan in candidates if plan is not None and not plan.overridden]
+        if candidates and len(able) == len(candidates):
             mesh = _finest(able)
-            scenes_ = ALL if len(asked) == len(sample) else SOME
-            return Choice(name, mesh, _said(_named(name, mesh), used, scenes_))
+            which = ALL if len(planned) == len(sample) else SOME
+            return Choice(name, mesh, _sentence(_named(name, mesh), used, which))
     return Choice(None, None, "")
 
 
-def _said(taken: str, used: Sequence[str], which: str) -> str:
+def _sentence(taken: str, used: Sequence[str], which: str) -> str:
     if used == [taken]:
         return ""
     cheapest = f"would be {', '.join(used)}, scene by scene (--mechanics {EACH})"
     if len(used) == 1:
-        cheapest = f"would be {used[0]}, which does not tell where the pad is touched"
-    return f"{which} answered by {taken}; the cheapest that is good enough {cheapest}."
+        cheapest = f"would be {used[0]}, which does not depend on the place of contact"
+    return f"{which} answered by {taken}; the cheapest accurate enough {cheapest}."
 
 
-def _said_of_named(taken: str, used: Sequence[str]) -> str:
+def _sentence_on_mesh(taken: str, used: Sequence[str]) -> str:
     others = [each for each in used if each != taken]
     if not others:
         return ""
     return (
         f"{ALL} answered by {taken}, the finest that one of them needs; for others "
-        f"{', '.join(others)} would do (--set finger.resolution=NAME takes another mesh)."
+        f"{', '.join(others)} would suffice (--set finger.resolution=NAME takes another mesh)."
     )
 
 
 def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
-    """Return the plan for a scene, None where it has none, which is told when it is answered."""
+    """Plan a scene; None where it has no plan: its error is reported when it is answered."""
     try:
         return choose(scene, mechanics)
     except InputError:
@@ -133,7 +135,7 @@ def _label(scene: "Scene", plan: "Plan") -> str:
 
 
 def _mesh(scene: "Scene", plan: "Plan") -> str | None:
-    """Return the mesh that a plan has chosen; None where there is none, or the scene states it."""
+    """Mesh chosen by a plan; None without a mesh or where the scene states its mesh."""
     stated = scene.finger.resolution != AUTO
     return None if stated or plan.settings is None else plan.settings.resolution
 
@@ -152,7 +154,7 @@ def _with(tasks: "Mapping[int, Task]", mechanics: str, mesh: str | None) -> "dic
 
 
 def _meshed(task: "Task", mesh: str | None) -> "Task":
-    """Return the scene of a task on a mesh, if it leaves that open."""
+    """Set the mesh of a task's scene, unless the scene states one."""
     from fefinger.scene.scene import Scene
 
     scene = Scene.from_dict(task["scene"])

@@ -1,4 +1,4 @@
-"""A Study as one self-contained HTML page."""
+"""Page of a study as self-contained HTML."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -15,21 +15,22 @@ if TYPE_CHECKING:
     from fefinger.studies.rows import StudyRows
 
 MEANING = (
-    "Places are from the first touch on the smooth skin, towards the tip (distal) in the plane of "
-    "the object. Asymmetry is the force distal of first touch less that proximal of it, over both; "
-    "ellipticity is 1 - b/a from the second moments of the pressure. Rows at a force or a depth "
-    "are met on the loading, between two time steps along straight lines in time. The highest "
-    "pressure is the largest mean over 1 mm² (by a Gaussian), not that of a point of the mesh; the "
-    "strain the root mean square, over the end organs, of the tensor's Frobenius norm. "
+    "Positions are from the first touch on the smooth skin, toward the tip (distal) in the plane "
+    "of the object. Asymmetry is the difference of the forces distal and proximal of first touch "
+    "over their sum; ellipticity is 1 - b/a from the second moments of the pressure. Rows at a "
+    "force or a depth are at its first crossing on the loading, by linear interpolation in time. "
+    "The highest pressure is the largest mean over 1 mm² (by a Gaussian), not that of a point of "
+    "the mesh; the strain is the root mean square, over the end organs, of the tensor's Frobenius "
+    "norm. "
     f"Stiffness is the slope of the force over the depth, fitted to the loading within a factor of "
-    f"{WINDOW:g} of the depth, to {POINTS} time steps at least; the column stiffness_note says why "
-    "there is none."
+    f"{WINDOW:g} of the depth, to at least {POINTS} time steps; the column stiffness_note gives "
+    "the reason where there is none."
 )
 
 ARRAY = (
     "The array of the thesis (8 x 8 elements 2 mm apart, a Gaussian of 0.96 mm, here without "
-    "noise) lies on the plate with its middle under the center of the largest pressure; the area "
-    "that it sees is that of the elements above 2 kPa. Hertz's ellipse follows from the curvatures "
+    "noise) lies on the plate, centered on the center of pressure at the largest force; its "
+    "contact area is that of the elements above 2 kPa. Hertz's ellipse follows from the curvatures "
     "of the skin, fitted within 2 mm of first touch, at the same depths, on a relaxing half-space."
 )
 
@@ -47,11 +48,11 @@ SHAPE = (
 """Columns of the tables on the page; the files have all."""
 
 MOST = 15
-"""Maps of the array on the page."""
+"""Largest number of maps of the array on the page."""
 
 
 def html(study: "StudyRows") -> str:
-    """Return the page on a study."""
+    """Render the page of a study."""
     done = study.scenes - len(study.failures)
     swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
     return page.render(
@@ -67,23 +68,23 @@ def html(study: "StudyRows") -> str:
 
 
 def _arrayed(rows: Sequence[Mapping[str, Any]]) -> bool:
-    """Return whether some row tells what an array on a plate reads."""
+    """Whether some row has readings of the array."""
     return any(row.get("sensor_peak_kPa") is not None for row in rows)
 
 
 def part(title: str, *texts: str, **more: Any) -> dict[str, Any]:
-    """Return a section of the page; `more` are a picture, bullets or a table."""
+    """Make a section of the page; `more`: a picture, bullets or a table."""
     return {"title": title, "texts": texts, **more}
 
 
 def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> dict[str, Any]:
-    """Return a table of those columns that have a value in some row."""
-    known = [name for name in columns if any(row.get(name) is not None for row in rows)]
-    return {"heading": known, "rows": [[text(row.get(name)) for name in known] for row in rows]}
+    """Make a table of those columns that have a value in some row."""
+    heading = [name for name in columns if any(row.get(name) is not None for row in rows)]
+    return {"heading": heading, "rows": [[text(row.get(name)) for name in heading] for row in rows]}
 
 
 def text(value: Any) -> str:
-    """Return a value with four digits at most."""
+    """Format a value with at most four digits."""
     if value is None:
         return ""
     if isinstance(value, float) and abs(value) < figures.NOTHING:
@@ -92,82 +93,83 @@ def text(value: Any) -> str:
 
 
 def errors(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return what the bars of the figures are, with the range of each stated error."""
-    told = [row for row in rows if row["status"] == "done"]
-    said, unknown = [], []
+    """Explain the error bars of the figures, with the range of each expected error."""
+    done = [row for row in rows if row["status"] == "done"]
+    ranges, unknown = [], []
     for name, column in ERRORS.items():
-        asked = [row for row in told if row.get(name) is not None and not _given(name, row)]
-        found = [row[column] for row in asked if row.get(column) is not None]
-        ends = dict.fromkeys(percent(end) for end in (min(found), max(found))) if found else ()
-        said += [f"{MEASURES[name]} {' to '.join(ends)}"] if found else []
-        less = len(asked) - len(found)
-        unknown += [f"{MEASURES[name]} in {less} of {len(told)} rows"] if less else []
-    known = (
-        f"A bar spans the true values that the stated errors leave open: {', '.join(said)}; one "
-        "that would go beyond twice the value told ends there. The errors are of mesh, time steps "
-        "and model (what the mechanics leaves out), not of the tissue or the shape of the finger. "
-        "While the force rises they are those of a press to the depth of the row. After its peak "
-        "they are those of the whole press; that of the force is then a share of the peak, and so "
-        "a larger one of the force that is left."
+        measured = [row for row in done if row.get(name) is not None and not _given(name, row)]
+        values = [row[column] for row in measured if row.get(column) is not None]
+        ends = dict.fromkeys(percent(end) for end in (min(values), max(values))) if values else ()
+        ranges += [f"{MEASURES[name]} {' to '.join(ends)}"] if values else []
+        missing = len(measured) - len(values)
+        unknown += [f"{MEASURES[name]} in {missing} of {len(done)} rows"] if missing else []
+    bars = (
+        f"A bar spans the range of the true value by its expected error: {', '.join(ranges)}. Bars "
+        "end at twice the value. The errors are of mesh, time steps and model (simplifications of "
+        "the mechanics), not of the tissue or the shape of the finger. While the force rises they "
+        "are those of a press to the depth of the row. After its peak they are those of the whole "
+        "press; the error of the force is then relative to the peak, and so larger relative to the "
+        "remaining force."
     )
-    some = f"No error is known of: {', '.join(unknown)}." if unknown else ""
-    return " ".join(filter(None, (known if said else "No error is stated of any row.", some)))
+    missing_errors = f"No error is known for: {', '.join(unknown)}." if unknown else ""
+    first = bars if ranges else "No error is known for any row."
+    return " ".join(filter(None, (first, missing_errors)))
 
 
 def _given(name: str, row: Mapping[str, Any]) -> bool:
-    """Return whether a measure is what the motion prescribes, and so has no error."""
+    """Whether a measure is prescribed by the motion, and so has no error."""
     if name == "depth_mm":
         return row.get(ERRORS[name]) is None
     return name == "force_N" and row.get(ERRORS["depth_mm"]) is not None
 
 
 def _values(name: str, values: Sequence[Any]) -> str:
-    said = [text(value) for value in values]
-    listed = ", ".join(said) if len(said) <= 4 else f"{said[0]} to {said[-1]} in {len(said)} steps"
-    return f"{name} {listed}"
+    texts = [text(value) for value in values]
+    span = f"{texts[0]} to {texts[-1]} in {len(texts)} steps"
+    return f"{name} {', '.join(texts) if len(texts) <= 4 else span}"
 
 
 def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
-    """Give the sections: what failed, figures at each time, maps, spikes, and the table."""
+    """Yield the sections: failures, figures at each time, spikes, maps and tables."""
     if study.failures:
         failed = [
             f"{', '.join(f'{field} = {value}' for field, value in values.items())}: {brief(error)}"
             for values, error in study.failures
         ]
-        yield part("What failed", "These scenes have no numbers.", bullets=failed)
-    told = [row for row in study.rows if row["status"] == "done"]
-    numeric = [name for name in study.over if not isinstance(told[0][name], str)] if told else []
+        yield part("Failed scenes", "These scenes have no numbers.", bullets=failed)
+    done = [row for row in study.rows if row["status"] == "done"]
+    numeric = [name for name in study.over if not isinstance(done[0][name], str)] if done else []
     x = (numeric or list(study.over))[0]
     series = [name for name in study.over if name != x]
-    for at in dict.fromkeys(row["at"] for row in told):
-        rows = [row for row in told if row["at"] == at]
+    for at in dict.fromkeys(row["at"] for row in done):
+        rows = [row for row in done if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
         where = {"peak": "at the largest force", "end": "at the end"}.get(at, f"at {at}")
         picture = page.svg(figures.panels(rows, x, series, skip))
         yield part(f"The contact {where}", picture=picture)
-    ends = [row for row in told if row["at"] == "end"]
+    ends = [row for row in done if row["at"] == "end"]
     if any("spikes" in row for row in ends):
         yield part("Spikes of the whole scene", picture=page.svg(figures.spikes(ends, x, series)))
-    yield from maps(told, x)
-    said = "All columns are in table.csv."
-    yield part("Rows: contact, and stated errors", said, table=table(told, (*study.over, *MAIN)))
-    yield part("Rows: shape, array, Hertz", said, table=table(told, (*study.over, *SHAPE)))
+    yield from maps(done, x)
+    more = "All columns are in table.csv."
+    yield part("Rows: contact, and expected errors", more, table=table(done, (*study.over, *MAIN)))
+    yield part("Rows: shape, array, Hertz", more, table=table(done, (*study.over, *SHAPE)))
 
 
 def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
-    """Give the section with what the array reads, of the first series at a force if there is."""
+    """Yield the section with the readings of the array, of the first series, at a force if any."""
     from fefinger.studies.measures import READINGS
 
-    felt = [row for row in rows if row.get(READINGS)]
-    times = sorted({row["at"] for row in felt}, key=lambda at: (not at.endswith("N"), at))
+    with_array = [row for row in rows if row.get(READINGS)]
+    times = sorted({row["at"] for row in with_array}, key=lambda at: (not at.endswith("N"), at))
     if not times:
         return
-    shown = {row[x]: row for row in reversed(felt) if row["at"] == times[0]}
+    shown = {row[x]: row for row in reversed(with_array) if row["at"] == times[0]}
     picked = [shown[value] for value in sorted(shown)][:MOST]
     if isinstance(picked[0][x], str):
         return
     yield part(
-        f"What the array reads at {times[0]}",
+        f"Readings of the array at {times[0]}",
         f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}, in the same colors "
         "in all panels; the tip is up, and the cross is first touch.",
         picture=page.svg(figures.isobars(picked, x, READINGS)),

@@ -1,4 +1,4 @@
-"""The record of a study: its rows, what failed, and what it takes to ask the same again."""
+"""Record of a study: its rows, its failures, and the inputs that reproduce it."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,8 +15,8 @@ class StudyRows:
     """The rows of a study in the order of its grid.
 
     name of the scene; over: the columns of the grid; rows: one per scene and time; failures:
-    (values of the grid, sentence); scenes: how many there are; reused: how many were finished
-    before; about: what it takes to ask the same again.
+    (values of the grid, sentence); scenes: their number; reused: the number that were finished
+    before; about: the inputs of the study and its provenance.
     """
 
     name: str
@@ -28,14 +28,14 @@ class StudyRows:
     about: dict[str, Any]
 
     def table(self) -> "pd.DataFrame":
-        """Return a table with one row per scene and time, units in the names of its columns.
+        """Make a table with one row per scene and time, and units in the names of its columns.
 
-        Its `attrs` say how to make it again.
+        Its `attrs` hold the inputs of the study.
         """
         import pandas as pd
 
         plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
         columns = list(dict.fromkeys(key for row in plain for key in row))
-        found = pd.DataFrame(plain, columns=columns)
-        found.attrs = {"scene": self.name, **dict(flat(self.about))}
-        return found
+        table = pd.DataFrame(plain, columns=columns)
+        table.attrs = {"scene": self.name, **dict(flat(self.about))}
+        return table

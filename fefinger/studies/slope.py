@@ -1,9 +1,9 @@
-"""Stiffness of a press: the slope of its force over its depth, from a fit to the loading around.
+"""Stiffness of a press: slope of force over depth, from a fit to the loading near a time.
 
-The logarithm of the force is fitted by a parabola of that of the depth. A power law of any exponent
-is met exactly, an exponential one within 1 % on the way and 3 % at its end, however the steps are
-spaced. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse mesh differs from the
-standard one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 and 5 %.
+The logarithm of the force is fitted by a parabola in that of the depth. The fit is exact for a
+power law, and within 1 % inside and 3 % at the end for an exponential one, for any spacing of the
+steps. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse mesh differs from the standard
+one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 and 5 %.
 """
 
 from typing import NamedTuple
@@ -16,21 +16,21 @@ from fefinger.studies.times import at
 
 
 WINDOW = 1.3
-"""Factor of the depth, less and more, within which the loading is fitted; where it ends before, as
-much more is taken below."""
+"""The fit covers depths from 1 / WINDOW to WINDOW times the depth; where the loading ends before,
+the window is extended below by as much."""
 
 POINTS = 5
-"""Time steps within it that a fit takes at least."""
+"""Fewest time steps of a fit."""
 
 MOVING = 0.5
-"""Part of its top rate below which the motion rests: the slope of the force over the depth is then
-that of relaxation."""
+"""Share of the top rate below which the motion counts as a hold: there the slope of force over
+depth would be that of relaxation."""
 
-RESTING = "not told: not on the loading, or slower than half the top rate of the motion"
+RESTING = "none: not on the loading, or slower than half the top rate of the motion"
 
 
 class Slope(NamedTuple):
-    """A slope in N/mm, how many time steps it is fitted to, and why it is nan where it is."""
+    """A slope in N/mm, the number of fitted time steps, and the reason where it is nan."""
 
     value: float
     points: int
@@ -38,7 +38,7 @@ class Slope(NamedTuple):
 
 
 def stiffness(time: Array, depth: Array, force: Array, where: float, *, control: str) -> Slope:
-    """Return the slope of the force over the depth at an index with a fraction.
+    """Fit the slope of force over depth at a fractional index.
 
     time (n_t,) s, depth (n_t,) mm, force (n_t,) N; control: "depth" or "force", whichever the
     motion prescribes. Only steps that follow each other on the loading are fitted, on which both
@@ -54,18 +54,18 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
     depth, force = depth[low:high], force[low:high]
     away = np.log(np.maximum(depth / here, 1e-300))
     above = min(np.log(WINDOW), away[-1])
-    # a part in 1e9: steps at the ends of the window count, to rounding
+    # The margin of 1e-9 includes steps at the ends of the window despite rounding.
     near = (away >= above - 2 * np.log(WINDOW) - 1e-9) & (away <= above + 1e-9) & (force > 0)
     points = int(near.sum())
     if points < POINTS:
-        note = f"not told: {points} steps of the loading within a factor of {WINDOW:g} of the depth"
+        note = f"none: {points} steps of the loading within a factor of {WINDOW:g} of the depth"
         return Slope(float("nan"), points, f"{note}, expected {POINTS}")
     size, power, _ = np.polynomial.polynomial.polyfit(away[near], np.log(force[near]), 2)
     return Slope(float(power * np.exp(size) / here), points, "")
 
 
 def _stretch(good: NDArray[np.bool_], step: int) -> tuple[int, int]:
-    """Return first and last + 1 of the times between which every step is good, around a step."""
+    """Range of times around a step between which every step is good: first, and last + 1."""
     bad = np.flatnonzero(~good)
     before, after = bad[bad < step], bad[bad > step]
     low = int(before[-1]) + 1 if before.size else 0

@@ -3,10 +3,10 @@
     study = ff.study("flat-press", {"indenter.angle": range(0, 61, 5)}, folder="out")
     study.table()                    # pandas, one row per scene and time
 
-Scenes that are finished stay in the folder, under the hash of all that decides them, and are not
-answered again; a scene that fails costs itself alone. `studies/grid.py` reads the grid,
-`tasks.py` beside it makes the scenes, `workers.py` answers them, `measures.py` says what is told of
-each, `tables.py` and `report.py` write the table and the page.
+Finished scenes are stored in the folder, under a hash of all their inputs, and not computed again;
+a scene that fails does not stop the others. `studies/grid.py` reads the grid, `tasks.py` makes the
+scenes, `workers.py` runs them, `measures.py` makes their rows, `tables.py` and `page.py` write the
+table and the page.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fefinger.scene.scene import Scene
-    from fefinger.studies.tasks import Answer, Asked, Task
+    from fefinger.studies.tasks import Answer, StudyRequest, Task
     from fefinger.support.progress import Progress
 
 AT = ("1N", "1mm")
-"""Force and depth that are told of by default, besides the peak and the end."""
+"""Default force and depth of the rows, besides the peak and the end."""
 
 
 @dataclass(frozen=True)
 class Study(StudyRows):
-    """The rows of a study, and the files that they are written to."""
+    """Rows of a study, with conversion to arrays and writing to files."""
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return the table as arrays over the fields of the grid and over `at`."""
+        """Convert the table to arrays over the fields of the grid and over `at`."""
         from fefinger.studies.tables import dataset
 
         return dataset(self)
@@ -51,9 +51,9 @@ class Study(StudyRows):
     def save(self, folder: str | Path) -> list[str]:
         """Write table.csv, study.json and report.html into a folder, and return their paths.
 
-        The table of other scenes that is there already, with its page, is moved into a folder
-        beside it, whose files are returned too. InputError where there is no room for the files,
-        none of which is then left.
+        An earlier table of other scenes in the folder, with its page, is moved into a subfolder,
+        and its new paths are returned too. InputError where the files cannot be written; none of
+        them is then left.
         """
         import json
 
@@ -86,7 +86,7 @@ def study(
     scheduler: str | None = None,
     progress: "Progress | None" = None,
 ) -> Study:
-    """Answer a grid of scenes side by side.
+    """Run a grid of scenes in parallel.
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def study(
     changes
         Values that all scenes have instead of their own; "ask.fields" is False by default.
     at
-        Forces and depths at which rows are told, as "1N" and "0.5mm", on the loading branch.
+        Forces and depths of the rows, as "1N" and "0.5mm", on the loading branch.
     mechanics
         Name of the mechanics; by default one for all scenes, the cheapest that refuses none of
         them. Either is on one mesh, the finest that one of the scenes needs, unless they state
         `finger.resolution`; "each" takes the cheapest for every scene, and its mesh.
     folder
-        Where finished scenes are kept and looked for; None keeps none.
+        Where finished scenes are stored and looked up; None stores none.
     workers
         Processes on this machine; by default one per core.
     scheduler
@@ -115,19 +115,19 @@ def study(
     Raises
     ------
     InputError
-        A grid or scenes that cannot be used at all; a single one that cannot is listed.
+        If the grid or all scenes are unusable; single unusable scenes are listed in `failures`.
     """
     from fefinger.mechanics import names
     from fefinger.studies.grid import EACH, checked
-    from fefinger.studies.tasks import Asked
+    from fefinger.studies.tasks import StudyRequest
     from fefinger.support.checks import InputError, choice, number
     from fefinger.support.outputs import output
 
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
-    asked = Asked(scene, checked(over), changes or {}, mechanics, at)
-    tasks, failed = asked.tasks()
+    request = StudyRequest(scene, checked(over), changes or {}, mechanics, at)
+    tasks, failed = request.tasks()
     if not tasks:
         raise InputError(next(iter(failed.values())))
     with ExitStack() as opened:
@@ -135,11 +135,11 @@ def study(
         if folder is not None:
             opened.enter_context(output(folder))
             place = opened.enter_context(output(Path(folder, "scenes")))
-        return _answers(asked, tasks, failed, place, progress, count, scheduler)
+        return _answers(request, tasks, failed, place, progress, count, scheduler)
 
 
 def _answers(
-    asked: "Asked",
+    request: "StudyRequest",
     tasks: "Mapping[int, Task]",
     failed: Mapping[int, str],
     place: Path | None,
@@ -147,69 +147,69 @@ def _answers(
     workers: int | None,
     scheduler: str | None,
 ) -> Study:
-    """Answer what is not kept in `place` already, and keep it there."""
+    """Run the scenes that are not stored in `place` yet, and store their answers there."""
     from fefinger.studies.grid import EACH
     from fefinger.studies.one_mechanics import agreed
-    from fefinger.studies.tasks import keep, kept, made
+    from fefinger.studies.tasks import load, made, store
     from fefinger.support.checks import InputError
     from fefinger.support.text import finite
 
     answers: dict[int, Answer] = {}
     chosen = ""
-    if asked.mechanics != EACH:
-        tasks, chosen = agreed(tasks, asked.over, place)
+    if request.mechanics != EACH:
+        tasks, chosen = agreed(tasks, request.over, place)
     if place is not None:
-        found = ((i, kept(place, task)) for i, task in tasks.items())
-        answers = {i: answer for i, answer in found if answer is not None}
+        stored = ((i, load(place, task)) for i, task in tasks.items())
+        answers = {i: answer for i, answer in stored if answer is not None}
     reused = len(answers)
     for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), workers, scheduler):
         answers[i] = {**finite(answer), **made()}
         if place is not None and "rows" in answer:
-            with suppress(InputError):  # a disk that is full: the answer goes into the table still
-                keep(place, tasks[i], answers[i])
+            with suppress(InputError):  # on a full disk the answer still goes into the table
+                store(place, tasks[i], answers[i])
         if progress is not None:
-            progress("scenes", (len(answers) + len(failed)) / len(asked.points))
-    done = _collected(asked, tasks, failed, answers, reused)
+            progress("scenes", (len(answers) + len(failed)) / len(request.points))
+    done = _collected(request, tasks, failed, answers, reused)
     return replace(done, about={**done.about, "chosen": chosen}) if chosen else done
 
 
 def _answered(
     tasks: "Mapping[int, Task]", left: set[int], workers: int | None, scheduler: str | None
 ) -> "Iterator[tuple[int, Answer]]":
-    """Give the answers to those tasks that are left, as they come."""
+    """Run the tasks numbered `left`; yield their answers as they finish."""
     from fefinger.studies.workers import cluster, local
 
     places = sorted(left)
-    asked = [tasks[i] for i in places]
+    remaining = [tasks[i] for i in places]
     if scheduler is None:
-        answers = local(asked, workers)
+        answers = local(remaining, workers)
     else:
-        answers = cluster(asked, scheduler)
-    for i, found in answers:
-        yield places[i], found
+        answers = cluster(remaining, scheduler)
+    for i, answer in answers:
+        yield places[i], answer
 
 
 def _collected(
-    asked: "Asked",
+    request: "StudyRequest",
     tasks: "Mapping[int, Task]",
     unusable: Mapping[int, str],
     answers: "Mapping[int, Answer]",
     reused: int,
 ) -> Study:
-    """Return the rows in the order of the grid, with what each scene is."""
+    """Collect the rows in the order of the grid, with the values and the hash of each scene."""
     from fefinger.studies.tasks import key, provenance
 
-    one, points = next(iter(tasks.values()))["scene"], asked.points
-    columns = asked.columns(one["motion"]["kind"])
+    one, points = next(iter(tasks.values()))["scene"], request.points
+    columns = request.columns(one["motion"]["kind"])
     lost = {i: answer["error"] for i, answer in answers.items() if "error" in answer}
     failed = {**unusable, **lost}
     rows: list[dict[str, Any]] = []
     for i, values in enumerate(points):
-        own = {columns[field]: _entry(value) for field, value in values.items()}
+        first = {columns[field]: _entry(value) for field, value in values.items()}
         none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
-        told = none if i in failed else answers[i]["rows"]
+        of_scene = none if i in failed else answers[i]["rows"]
         last = {"scene": key(tasks[i])} if i in tasks else {}
-        rows += [{**own, **row, **last} for row in told]
+        rows += [{**first, **row, **last} for row in of_scene]
     return Study(
         name=one["name"],
         over=tuple(columns.values()),
@@ -217,10 +217,10 @@ def _collected(
         failures=tuple((points[i], failed[i]) for i in sorted(failed)),
         scenes=len(points),
         reused=reused,
-        about={**asked.told(), **provenance(list(answers.values()), reused)},
+        about={**request.record(), **provenance(list(answers.values()), reused)},
     )
 
 
 def _entry(value: Any) -> Any:
-    """Return a value of a field as an entry of a table: a list as text."""
+    """Convert a value of a field to an entry of a table: a list becomes text."""
     return str(value) if isinstance(value, list | tuple | dict) else value

@@ -1,6 +1,6 @@
-"""The table of a study as a file, by its ending: CSV, Parquet or netCDF; and what was there before.
+"""Write the table of a study as CSV, Parquet or netCDF, and set an earlier table aside.
 
-CSV has the numbers alone; Parquet and netCDF have with them what it takes to make them again.
+CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study.
 """
 
 import json
@@ -47,8 +47,8 @@ def check(path: str | PathLike[str], option: str) -> None:
         raise InputError(msg)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
         msg = (
-            f"{option}: a Parquet file needs pyarrow, which is not installed; "
-            "run `pip install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
+            f"{option}: expected pyarrow to be installed for a Parquet file, found none; run `pip "
+            "install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
         )
         raise InputError(msg)
 
@@ -76,7 +76,7 @@ def write(study: "StudyRows", path: str | PathLike[str], option: str = "table") 
 
 
 def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Return the table with columns of one type each: those that are no numbers are texts."""
+    """Give every column one type: columns that are not numeric become texts."""
     from pandas.api.types import is_numeric_dtype
 
     for name in table:
@@ -86,9 +86,9 @@ def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def dataset(study: "StudyRows") -> "xr.Dataset":
-    """Return the rows of a study as arrays over the fields of its grid and over `at`.
+    """Convert the rows of a study to arrays over the fields of its grid and over `at`.
 
-    What a scene that failed would have told is nan or empty.
+    Entries of a failed scene are nan or empty.
     """
     import pandas as pd
     import xarray as xr
@@ -98,18 +98,18 @@ def dataset(study: "StudyRows") -> "xr.Dataset":
     axes = {name: _axis(study.rows if name != "at" else rows, name) for name in keys}
     every = pd.MultiIndex.from_product(axes.values())
     table = study.table()
-    told = table[table["at"] != ""]
-    told = told.drop(columns=keys).set_axis(pd.MultiIndex.from_frame(told[keys])).reindex(every)
-    told["status"] = told["status"].fillna("failed")
+    done = table[table["at"] != ""]
+    done = done.drop(columns=keys).set_axis(pd.MultiIndex.from_frame(done[keys])).reindex(every)
+    done["status"] = done["status"].fillna("failed")
     shape = tuple(len(values) for values in axes.values())
-    arrays = {name: (keys, _plain(told[name]).reshape(shape), _about(name)) for name in told}
-    read = [row for row in rows if row.get(READINGS)]
-    if read:
-        felt = np.full((*shape, len(read[0][READINGS])), np.nan)
-        for row in read:
-            felt[tuple(axes[name].index(row[name]) for name in keys)] = row[READINGS]
-        about = {"units": "kPa", "long_name": "what the array reads, row by row of its elements"}
-        arrays[READINGS] = ([*keys, "element"], felt, about)
+    arrays = {name: (keys, _plain(done[name]).reshape(shape), _about(name)) for name in done}
+    with_array = [row for row in rows if row.get(READINGS)]
+    if with_array:
+        readings = np.full((*shape, len(with_array[0][READINGS])), np.nan)
+        for row in with_array:
+            readings[tuple(axes[name].index(row[name]) for name in keys)] = row[READINGS]
+        about = {"units": "kPa", "long_name": "readings of the array, row by row of its elements"}
+        arrays[READINGS] = ([*keys, "element"], readings, about)
     coordinates = {name: (name, values, _about(name)) for name, values in axes.items()}
     return xr.Dataset(arrays, coordinates, table.attrs)
 
@@ -136,10 +136,10 @@ def _about(name: str) -> dict[str, str]:
 
 
 def set_aside(study: "StudyRows", folder: Path) -> list[str]:
-    """Move the table of other scenes out of the way of that of a study; return the new paths.
+    """Move an earlier table of other scenes into a subfolder; return the new paths.
 
-    One whose scenes are all among those of the study, as when it is asked again or grows, stays
-    and will be replaced.
+    A table whose scenes are all in the present study, as when it is repeated or extended, is not
+    moved, and will be replaced.
     """
     try:
         before = json.loads((folder / "study.json").read_text(encoding="utf-8"))

@@ -1,7 +1,6 @@
-"""The scenes of a study as tasks of plain values, under the hash of all that decides their answer.
+"""Scenes of a study as tasks of plain values, stored under a hash of all their inputs.
 
-A task is what a process of this machine or of a cluster is given; its answer has "rows", or
-"error", a sentence.
+A task is the input of a worker process; its answer has "rows", or "error", a sentence.
 """
 
 import hashlib
@@ -22,21 +21,21 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
 
 FORMAT = 3
-"""Raised when the measures change, so that scenes are answered again."""
+"""Version of the measures in the hash; increased when they change, to compute scenes again."""
 
 LEAN = {"ask.fields": False}
-"""A study has no use for fields on the mesh."""
+"""Changes to every scene: a study does not use fields on the mesh."""
 
 WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
-"""Fields that decide others, which a Scene has already written out."""
+"""Fields that determine others, which a Scene object has already resolved."""
 
 Task = dict[str, Any]
 Answer = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a study is of: a scene, the values of its fields, and what all its scenes share."""
+class StudyRequest:
+    """Inputs of a study: a scene, the grid of field values, and the settings of all scenes."""
 
     scene: "Scene | str | Path"
     over: Mapping[str, Sequence[Any]]
@@ -50,7 +49,7 @@ class Asked:
         return product(self.over)
 
     def tasks(self) -> tuple[dict[int, Task], dict[int, str]]:
-        """Return the tasks by their place in the grid, and why the others are none."""
+        """Make the tasks by their number in the grid; also the errors of unusable scenes."""
         forces, depths = parse_at(self.at)
         named = None if self.mechanics == EACH else self.mechanics
         shared = {"mechanics": named, "forces": list(forces), "depths": list(depths)}
@@ -69,8 +68,8 @@ class Asked:
         """Return the columns of the fields, for a kind of motion."""
         return {field: column(field, kind) for field in self.over}
 
-    def told(self) -> dict[str, Any]:
-        """Return what it takes to ask the same again."""
+    def record(self) -> dict[str, Any]:
+        """Record the inputs of the study as plain values."""
         grid = {field: list(values) for field, values in self.over.items()}
         return {
             "grid": grid,
@@ -81,12 +80,12 @@ class Asked:
 
 
 def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene":
-    """Return a scene, by its name, file or itself, with changes.
+    """Load a scene by its name or file, or take a Scene, and apply changes.
 
     Raises
     ------
     InputError
-        No such scene, a change that cannot be used, or one that a Scene has already followed.
+        For an unknown scene, an invalid change, or a field that a Scene has already resolved.
     """
     from fefinger.scene import builtin
     from fefinger.scene.scene import Scene
@@ -96,15 +95,15 @@ def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene
     for field in WHOLE:
         if field in overrides:
             msg = (
-                f"{field}: expected the name or the file of a scene to change it in, received a "
-                "Scene, which has all that follows from it written out"
+                f"{field}: expected the name or file of a scene to change this field in, received "
+                "a Scene, in which it is already resolved to other fields"
             )
             raise InputError(msg)
     return Scene.from_dict(builtin.changed(scene.to_dict(), overrides))
 
 
 def key(task: Task) -> str:
-    """Return the hash of all that decides the answer to a task: files and versions included."""
+    """Hash of all inputs of a task, surface files and versions included."""
     parts = {**task, "fefinger": VERSION, "format": FORMAT}
     for name in ("surface", "bone_surface"):
         file = task["scene"]["finger"].get(name)
@@ -113,23 +112,23 @@ def key(task: Task) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def keep(folder: Path, task: Task, answer: Answer) -> None:
-    """Write the answer to a task into a folder."""
+def store(folder: Path, task: Task, answer: Answer) -> None:
+    """Write the answer of a task into a folder."""
     write(folder / f"{key(task)}.json", json.dumps(answer, allow_nan=False))
 
 
-def kept(folder: Path, task: Task) -> Answer | None:
-    """Return the answer to a task that a folder has; a damaged one counts as none."""
+def load(folder: Path, task: Task) -> Answer | None:
+    """Read the answer of a task from a folder; None if it is missing or damaged."""
     try:
-        found = json.loads((folder / f"{key(task)}.json").read_text(encoding="utf-8"))
+        answer = json.loads((folder / f"{key(task)}.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    whole = isinstance(found, dict) and {"rows", "date", "commit"} <= found.keys()
-    return found if whole else None
+    complete = isinstance(answer, dict) and {"rows", "date", "commit"} <= answer.keys()
+    return answer if complete else None
 
 
 def made() -> dict[str, str]:
-    """Return when and by which commit answers are made, which is kept with them."""
+    """Date and commit of new answers, which are stored with them."""
     from fefinger.support.provenance import software
 
     now = software()
@@ -137,10 +136,10 @@ def made() -> dict[str, str]:
 
 
 def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
-    """Return what made the answers of a study, the last of them now: program, dates and seeds."""
+    """Provenance of a study's answers: software, dates, commits and seeds."""
     from fefinger.support.provenance import software
 
-    told: dict[str, Any] = software()
+    record: dict[str, Any] = software()
     dates = sorted(answer["date"] for answer in answers)
     commits = sorted({answer["commit"] for answer in answers})
     seeds = sorted(
@@ -151,16 +150,16 @@ def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
             if row.get("seed") is not None
         }
     )
-    told["answers"] = {
+    record["answers"] = {
         "finished_before": f"{reused} of {len(answers)}",
         "dates": " to ".join(dict.fromkeys(dates[:1] + dates[-1:])),
         "commits": ", ".join(filter(None, commits)),
         "seeds": ", ".join(map(str, seeds)) or "none: nothing is drawn at random",
     }
-    return told
+    return record
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file, which appears complete or not at all."""
+    """Write a text file atomically."""
     with in_place(path) as new:
         new.write_text(text, encoding="utf-8")

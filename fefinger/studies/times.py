@@ -1,4 +1,4 @@
-"""Times of a result that a study tells of: its peak and end, and forces and depths on the way."""
+"""Times of the rows of a study: peak, end, and the first crossing of forces and depths."""
 
 from typing import NamedTuple
 
@@ -12,9 +12,9 @@ SAME = 1e-9
 
 
 class Moment(NamedTuple):
-    """A time by its name, as an index with a fraction; nan where `missed` says why.
+    """A named time as a fractional index; nan, with the reason in `missed`, if never reached.
 
-    given: "force" or "depth" for the level it is told at, or "" for what the motion prescribes.
+    given: "force" or "depth" for a time at a given level, "" for peak and end.
     """
 
     name: str
@@ -26,12 +26,12 @@ class Moment(NamedTuple):
 def moments(
     force: Array, depth: Array, forces: tuple[float, ...], depths: tuple[float, ...]
 ) -> list[Moment]:
-    """Return peak and end of a force (n_t,) in N and depth (n_t,) in mm, and where levels are met.
+    """Find peak and end of a force (n_t,) in N and depth (n_t,) in mm, and crossings of levels.
 
-    A level is met where the loading reaches it first, between two steps along a straight line.
+    A crossing is the first on the loading, by linear interpolation between two steps.
     """
     top, deepest = first(force, force.max()), first(depth, depth.max())
-    found = [Moment("peak", float(top), ""), Moment("end", float(len(force) - 1), "")]
+    times = [Moment("peak", float(top), ""), Moment("end", float(len(force) - 1), "")]
     for name, unit, signal, levels in (
         ("force", "N", force[: top + 1], forces),
         ("depth", "mm", depth[: deepest + 1], depths),
@@ -40,17 +40,17 @@ def moments(
             where = _reached(signal, level)
             reason = f"not reached: {name} = {signal[-1]:.4g} {unit} at most"
             missed = reason if np.isnan(where) else ""
-            found.append(Moment(f"{level:g} {unit}", where, missed, given=name))
-    return found
+            times.append(Moment(f"{level:g} {unit}", where, missed, given=name))
+    return times
 
 
 def first(signal: Array, level: float) -> int:
-    """Return the index at which a signal first reaches a level, to rounding."""
+    """Index at which a signal first reaches a level, within rounding."""
     return int(np.argmax(signal >= level - SAME * abs(level)))
 
 
 def _reached(signal: Array, level: float) -> float:
-    """Return where a signal first reaches a level, as an index with a fraction, or nan."""
+    """Fractional index at which a signal first reaches a level; nan if it does not."""
     if signal.max() < level * (1 - SAME):
         return float("nan")
     after = first(signal, level)
@@ -61,11 +61,11 @@ def _reached(signal: Array, level: float) -> float:
 
 
 def at(signal: Array, where: float) -> Array:
-    """Return a signal (n_t, ...) at an index with a fraction."""
+    """Interpolate a signal (n_t, ...) at a fractional index."""
     low, part = int(where), where - int(where)
     return signal[low] if part == 0 else (1 - part) * signal[low] + part * signal[low + 1]
 
 
 def until(signal: Array, where: float) -> Array:
-    """Return a signal (n_t,) up to an index with a fraction, and there."""
+    """Cut a signal (n_t,) off at a fractional index, with the interpolated value as its last."""
     return np.append(signal[: int(where) + 1], at(signal, where))

@@ -1,4 +1,4 @@
-"""Who answers the scenes of a study: processes of this machine, or a Dask cluster."""
+"""Run the scenes of a study in processes of this machine or on a Dask cluster."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,7 +9,7 @@ from fefinger.support.processes import cores
 
 
 def answer(task: Task) -> Answer:
-    """Run the scene of a task with one BLAS thread and measure it; an error is a sentence."""
+    """Run the scene of a task with one BLAS thread; return its rows, or its error as a sentence."""
     try:
         from threadpoolctl import threadpool_limits
 
@@ -22,22 +22,21 @@ def answer(task: Task) -> Answer:
             return {"rows": rows(result, forces=task["forces"], depths=task["depths"])}
     except (InputError, ConvergenceError) as error:
         return {"error": str(error)}
-    except Exception as error:  # of one scene: the others go on
+    except Exception as error:  # an error of one scene must not stop the others
         return {"error": f"unexpected {type(error).__name__}: {error}"}
 
 
 def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[int, Answer]]:
-    """Give the number of every task and its answer, as they come.
+    """Run tasks in local processes; yield the number and answer of each as it finishes.
 
-    They come from processes of this machine, by default one per core; one that dies costs the scene
-    it was on.
+    By default one process per core; a process that dies loses only its current scene.
     """
-    for number, found in processes.each(answer, tasks, workers or cores()):
-        yield number, {"error": str(found)} if isinstance(found, processes.Died) else found
+    for number, outcome in processes.each(answer, tasks, workers or cores()):
+        yield number, {"error": str(outcome)} if isinstance(outcome, processes.Died) else outcome
 
 
 def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]:
-    """Give the same from the workers of the Dask scheduler at `address`.
+    """Run tasks on the Dask cluster at `address`; yield as `local`.
 
     Raises
     ------
@@ -61,6 +60,6 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
     with client:
         futures = {client.submit(answer, task, pure=False): i for i, task in enumerate(tasks)}
         for done in completed(futures):
-            lost = done.exception()
-            found = {"error": f"the cluster lost it: {lost}"} if lost else done.result()
-            yield futures[done], found
+            failure = done.exception()
+            lost = {"error": f"the cluster lost this scene: {failure}"}
+            yield futures[done], lost if failure else done.result()

@@ -1,4 +1,4 @@
-"""The color bars of all stages of a plotter, in a column of their own beside them."""
+"""Color bars of all stages of a plotter, in a separate column on the right."""
 
 from collections.abc import Sequence
 from typing import Any

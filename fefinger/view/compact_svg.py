@@ -50,7 +50,7 @@ def _rename_links(root: Element) -> None:
         for key in [key for key in element.attrib if key.endswith("}href")]:
             element.set("href", element.attrib.pop(key))
     values = [value for element in elements for value in element.attrib.values()]
-    targets = {found for value in values for found in re.findall(r"(?:^|url\()#([^)]+)", value)}
+    targets = {link for value in values for link in re.findall(r"(?:^|url\()#([^)]+)", value)}
     ids = [element.get("id", "") for element in elements]
     short = dict(zip((i for i in ids if i in targets), _short_names(), strict=False))
     for element in elements:
@@ -65,7 +65,7 @@ def _rename_links(root: Element) -> None:
 def _linked(value: str, short: dict[str, str]) -> str:
     """Return the value of an attribute with its links to the short ids."""
     return re.sub(
-        r"(^|url\()#([^)]+)", lambda found: f"{found[1]}#{short.get(found[2], found[2])}", value
+        r"(^|url\()#([^)]+)", lambda match: f"{match[1]}#{short.get(match[2], match[2])}", value
     )
 
 
@@ -98,7 +98,7 @@ def _unwrapped(parent: Element) -> Iterator[Element]:
 
 
 def _mergeable(first: Element, second: Element) -> bool:
-    """Return whether two groups may be one: both only clip, in the same way."""
+    """Check that both are groups with the same clip path and no other attribute."""
     groups = _name(first) == _name(second) == "g"
     return groups and first.attrib == second.attrib and set(second.attrib) == {"clip-path"}
 
@@ -114,7 +114,7 @@ def _round(element: Element) -> None:
         element.set("d", path(element.attrib["d"]))
     if "style" in element.attrib:
         style = re.sub(r"\s*([:;,])\s*", r"\1", element.attrib["style"].replace("'", "")).strip(";")
-        element.set("style", re.sub(r"\d+\.\d{4,}", lambda found: f"{float(found[0]):.3f}", style))
+        element.set("style", re.sub(r"\d+\.\d{4,}", lambda match: f"{float(match[0]):.3f}", style))
     if "transform" in element.attrib:
         element.set("transform", _transform(element.attrib["transform"]))
         if not element.attrib["transform"]:
@@ -125,7 +125,7 @@ def _transform(text: str) -> str:
     """Return a transform with rounded shifts and turns; scales keep their digits."""
     rounded = re.sub(
         r"(translate|rotate)\(([^)]*)\)",
-        lambda found: f"{found[1]}({' '.join(map(_rounded, re.split('[ ,]+', found[2].strip())))})",
+        lambda match: f"{match[1]}({' '.join(map(_rounded, re.split('[ ,]+', match[2].strip())))})",
         text,
     )
     return re.sub(r"rotate\(0 [^)]*\)", "", rounded).strip()

@@ -1,4 +1,4 @@
-"""What is drawn of a Result in space, before any renderer: surfaces, lines, end organs, colors.
+"""Drawing of a Result in space, independent of the renderer: surfaces, lines, marks, colors.
 
 PyVista (`plot3d`) and the page for a browser (`fefinger.pages.viewer`) draw the same record.
 """

@@ -20,7 +20,7 @@ from fefinger.view.compact_svg import compact
 
 Curves = list[tuple[str, str, Array]]
 
-# Okabe and Ito (2008): told apart with every color vision.
+# Okabe and Ito (2008): distinguishable with every type of color vision.
 COLORS = {"SAI": "#0072B2", "SAII": "#009E73", "FAI": "#D55E00", "FAII": "#AA4499"}
 INK, STEEL, BONE = "#1f2933", "#8b98a5", "#efe6d6"
 STYLE: Any = {
@@ -89,7 +89,7 @@ def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
     last cycles of a vibration of many.
     """
     spans = [("whole stimulus", 0.0, end)]
-    frequency = getattr(scene.motion, "frequency", None)
+    frequency = scene.motion.wave_frequency
     if frequency is not None and end * frequency > 20:
         spans.insert(0, ("last four cycles", end - 4 / frequency, end))
     # A wave begins a movement of its own, so the ramp ends at the first break in the middle.

@@ -1,10 +1,11 @@
-"""Which of the stored times is shown for the time that was asked for."""
+"""Stored times nearest to a requested time, and fields mirrored to the whole finger."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from fefinger.geometry.mirror import Halves
 from fefinger.geometry.section import is_half
 from fefinger.results.records import Fields, ResultRecord
 from fefinger.support.checks import InputError, number
@@ -29,8 +30,8 @@ def check(name: str, results: Sequence[ResultRecord], time: float | None) -> Non
         raise InputError(message)
 
 
-def told(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:
-    """Return a sentence for each result that is shown at another time than asked."""
+def deviations(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:
+    """Return a sentence for each result whose nearest stored time differs from `time`."""
     sentences = []
     for result, name in zip(results, names, strict=True):
         fields = quantities.fields_of(result)
@@ -40,12 +41,6 @@ def told(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> 
             of = f"the {which} of its {len(fields.times)} stored times"
             sentences.append(f"{name}: shown at {shown:.6g} s, {of}")
     return sentences
-
-
-_MIRROR = np.array([1.0, -1.0, 1.0])
-
-
-_MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 
 
 def nearest_frame(fields: Fields, time: float) -> int:
@@ -63,19 +58,15 @@ def whole(fields: Fields) -> Fields:
     points = fields.points
     if not is_half(points):
         return fields
-    off = np.flatnonzero(points[:, 1] > 1e-9 * np.ptp(points))
-    image = np.arange(len(points))
-    image[off] = len(points) + np.arange(len(off))
+    halves = Halves.of(points, tolerance=1e-9 * float(np.ptp(points)))
     return replace(
         fields,
-        points=np.concatenate([points, points[off] * _MIRROR]),
-        cells=np.concatenate([fields.cells, image[fields.cells][:, [0, 2, 1, 3]]]),
+        points=halves.vectors(points),
+        cells=halves.cells(fields.cells),
         region=np.concatenate([fields.region, fields.region]),
-        displacement=np.concatenate(
-            [fields.displacement, fields.displacement[:, off] * _MIRROR], axis=1
-        ),
-        strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
-        pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
+        displacement=halves.vectors(fields.displacement),
+        strain=halves.six(fields.strain),
+        pressure=halves.values(fields.pressure, axis=1),
     )
 
 

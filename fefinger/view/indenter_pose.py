@@ -1,7 +1,4 @@
-"""What pictures of a finger need and no drawing library knows: mirror images, cuts, the indenter.
-
-numpy only, so that a picture of the medial section exists where no renderer does.
-"""
+"""Pose of the indenter for pictures: position, direction, surface, outline in the medial plane."""
 
 from typing import NamedTuple
 
@@ -77,7 +74,7 @@ class Pose(NamedTuple):
 
 
 def pose(result: ResultRecord, depth: float) -> Pose:
-    """Return where the indenter is after `depth` mm of travel."""
+    """Return the pose of the indenter after `depth` mm of travel."""
     indenter = result.scene.indenter
     plate, roll = indenter.plate, indenter.turn
     if plate is not None:

@@ -37,11 +37,11 @@ def in_section(result: ResultRecord) -> Marks | None:
     sites = result.sites
     if sites is None:
         return None
-    kept = np.arange(len(sites.types))
-    if len(kept) > FEW:
-        kept = np.flatnonzero(np.abs(sites.points[:, 1]) <= OFF_PLANE)
+    chosen = np.arange(len(sites.types))
+    if len(chosen) > FEW:
+        chosen = np.flatnonzero(np.abs(sites.points[:, 1]) <= OFF_PLANE)
     unit = np.arange(len(sites.types)) if sites.unit is None else sites.unit
-    return _marks(result, sites.points[kept], kept, unit[kept])
+    return _marks(result, sites.points[chosen], chosen, unit[chosen])
 
 
 def on_skin(result: ResultRecord) -> Marks | None:
@@ -66,14 +66,14 @@ def highest_rate(result: ResultRecord) -> float:
 
 
 def _marks(result: ResultRecord, points: Array, sites: Integers, units: Integers) -> Marks | None:
-    known = result.sites
-    assert known is not None
+    all_sites = result.sites
+    assert all_sites is not None
     if not len(points):
         return None
     return Marks(
         followed=surfaces.follow(quantities.fields_of(result), points),
-        types=tuple(known.types[i] for i in sites),
-        labels=tuple(f"{known.types[i]} {known.depths[i]:g} mm" for i in sites),
+        types=tuple(all_sites.types[i] for i in sites),
+        labels=tuple(f"{all_sites.types[i]} {all_sites.depths[i]:g} mm" for i in sites),
         units=units,
         trains=result.spikes,
     )

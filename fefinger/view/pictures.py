@@ -103,7 +103,7 @@ def movie(
 ) -> None:
     """Draw a film of all stored times, one picture each, to the GIF or MP4 file `path`.
 
-    Otherwise as `screenshot`. Times are not evenly spaced; every picture says its own.
+    Otherwise as `screenshot`. Times are not evenly spaced; every picture shows its time.
     """
     film.check(path, "--movie")
     shown = [results] if isinstance(results, ResultRecord) else list(results)

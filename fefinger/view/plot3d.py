@@ -14,7 +14,7 @@ from fefinger.view.markers import Marks
 
 
 PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
-"""What can be shown or hidden; rates color the end organs by what their units fire."""
+"""Parts that can be shown or hidden; "rates" colors the end organs by the rates of their units."""
 
 BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad are seen from there
 CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does not flicker
@@ -53,7 +53,7 @@ class Scales(NamedTuple):
 class Stage:
     """A finger in the active part of a plotter, which `at` and `show` change.
 
-    `keys`: what its colors stand for, by the title of the bar, the field first.
+    `keys`: mapper and parts of every color bar by its title, the field first.
     """
 
     def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
@@ -110,20 +110,20 @@ class Stage:
     @property
     def parts(self) -> list[str]:
         """Return the parts that there are, in the order of PARTS."""
-        found = {part for prop in self.props for part in prop.needs}
-        return [part for part in PARTS if part in found]
+        present = {part for prop in self.props for part in prop.needs}
+        return [part for part in PARTS if part in present]
 
     def words(self) -> str:
-        """Return what is shown, in three lines."""
+        """Return the title, the mechanics with the field, and the state, in three lines."""
         result, now = self.shown.result, float(self.shown.fields.times[self.frame])
-        said = [f"t = {now:.4g} s", f"depth {self._depth(now):.3g} mm"]
+        state = [f"t = {now:.4g} s", f"depth {self._depth(now):.3g} mm"]
         if result.force is not None:
-            said.append(f"force {np.interp(now, result.time, result.force):.3g} N")
+            state.append(f"force {np.interp(now, result.time, result.force):.3g} N")
         kind = f" ({quantities.measure(result)})" if quantities.unit(self.field) == "%" else ""
         beyond = self.scales.field.beyond(quantities.unit(self.field))
-        said += [beyond] if beyond else []
+        state += [beyond] if beyond else []
         return (
-            f"{self.shown.title}\n{result.plan.mechanics}: {self.field}{kind}\n{',  '.join(said)}"
+            f"{self.shown.title}\n{result.plan.mechanics}: {self.field}{kind}\n{',  '.join(state)}"
         )
 
     def _say(self) -> None:
@@ -297,11 +297,11 @@ class Stage:
         self.moves.append(move)
         leaders = self.plotter.add_mesh(lines, color=figures.INK, line_width=1.5, lighting=False)
         _bring_forward(leaders.mapper)
-        told = self.plotter.add_point_labels(
+        labels_actor = self.plotter.add_point_labels(
             column, words, font_size=16, text_color=figures.INK, shape=None, margin=2,
             show_points=False, always_visible=True, bold=False, justification_vertical="center",
         )  # fmt: skip
-        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, told)]
+        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, labels_actor)]
 
     def _add_length(self) -> None:
         """Add a line of LENGTH mm below the finger, in the plane of the cut, to measure it by."""
@@ -313,12 +313,12 @@ class Stage:
         line = self.plotter.add_mesh(
             pv.Line(start, end), color=figures.INK, line_width=3, lighting=False
         )
-        told = self.plotter.add_point_labels(
+        labels_actor = self.plotter.add_point_labels(
             end[None], [f"   {LENGTH:g} mm"], font_size=16, text_color=figures.INK,
             shape=None, margin=8, show_points=False, always_visible=True, bold=False,
             justification_vertical="center",
         )  # fmt: skip
-        self.props += [Prop(actor, ()) for actor in (line, told)]
+        self.props += [Prop(actor, ()) for actor in (line, labels_actor)]
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass where it would hide what is shown."""

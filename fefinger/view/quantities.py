@@ -1,4 +1,4 @@
-"""What pictures color a finger by: fields by name, their units, limits and color maps.
+"""Fields that pictures are colored by: names, units, limits and color maps.
 
 Strain is small strain, or of `solid` the logarithmic one, in the directions of the undeformed
 finger. The maps are even to the eye and keep their order with every color vision.
@@ -69,7 +69,7 @@ class Span(NamedTuple):
     extend: str
 
     def beyond(self, unit: str) -> str:
-        """Return what the ends of the bar stand for too, where values lie beyond them."""
+        """Return a sentence on values beyond the ends of the bar, empty if there are none."""
         low, high = f"first color: {self.low:.3g} {unit} and less", f"last color: {self.high:.3g}"
         high = f"{high} {unit} and more"
         return {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
@@ -97,9 +97,9 @@ def named(name: str, field: str) -> str:
     meant = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
     if meant is None:
         return choice(name, field, FIELDS)
-    known, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, meant))
-    known = known.replace(" or ", ", ")
-    message = f"{name}: expected one of {known}, received {field!r}. Did you mean {nearest}?"
+    options, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, meant))
+    options = options.replace(" or ", ", ")
+    message = f"{name}: expected one of {options}, received {field!r}. Did you mean {nearest}?"
     raise InputError(message)
 
 
@@ -115,12 +115,12 @@ def label(field: str) -> str:
 
 
 def signed(field: str) -> bool:
-    """Return whether a field has both signs."""
+    """Check that a field can have both signs."""
     return field in PRINCIPAL or field.removeprefix("strain ") in COMPONENTS
 
 
 def measure(result: ResultRecord) -> str:
-    """Return which strain the fields of a result hold."""
+    """Return the strain measure of a result's fields: logarithmic or small strain."""
     return "logarithmic strain" if result.response.finite else "small strain"
 
 

@@ -1,4 +1,4 @@
-"""Whether VTK can draw here, and an empty plotter."""
+"""Check for a VTK renderer, and an empty plotter."""
 
 import functools
 import os

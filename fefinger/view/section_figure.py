@@ -84,7 +84,7 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
     """Return the end organs, moved with the nearest vertex of the section."""
     if result.sites is None:
         return []
-    found = []
+    organs = []
     for point, depth, kind in zip(
         result.sites.points, result.sites.depths, result.sites.types, strict=True
     ):
@@ -92,8 +92,8 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
         place = (point + moved[nearest])[[0, 2]]
         label = f"{kind}  {depth:g} mm"
         color = figures.COLORS.get(kind, figures.INK)
-        found.append((place, label, color, bool(abs(point[1]) <= OFF_PLANE)))
-    return found
+        organs.append((place, label, color, bool(abs(point[1]) <= OFF_PLANE)))
+    return organs
 
 
 def _figure(cut: Medial) -> Any:

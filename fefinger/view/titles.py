@@ -1,4 +1,4 @@
-"""What is written above results that are shown side by side: their names, and what differs."""
+"""Titles of results that are shown side by side: names, and differing values of the scenes."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
@@ -8,11 +8,11 @@ from typing import Any
 from fefinger.results.records import ResultRecord
 
 
-MOST = 3  # differences that a title has room for
-LONG = 24  # letters of a value that it has room for
-SHOWN = ("indenter.", "motion.", "finger.")  # what is asked of them is no matter of a picture
+MOST = 3  # differences in a title
+LONG = 24  # letters of a value in a title
+SHOWN = ("indenter.", "motion.", "finger.")  # the outputs of a scene do not change its picture
 SUBJECT = "finger.subject"
-SIZES = ("finger.width", "finger.thickness", "finger.pad_radius")  # which those of a subject are
+SIZES = ("finger.width", "finger.thickness", "finger.pad_radius")  # set by the subject
 
 
 def titles(
@@ -27,24 +27,25 @@ def titles(
         return tuple(names)
     if folders:
         ours = [Path(folder).resolve() for folder in folders]
-        own = [path.parent.name if path.suffix == ".nc" else path.name for path in ours]
+        folder_names = [path.parent.name if path.suffix == ".nc" else path.name for path in ours]
         names = [folder if folder == name else f"{folder}: {name}"
-                 for folder, name in zip(own, names, strict=True)]  # fmt: skip
+                 for folder, name in zip(folder_names, names, strict=True)]  # fmt: skip
     tables = [dict(_flat(result.scene.to_dict())) for result in results]
     every = dict.fromkeys(key for table in tables for key in table if key.startswith(SHOWN))
     varied = [key for key in every if len({repr(table.get(key)) for table in tables}) > 1]
     kinds = {key.removesuffix("kind") for key in varied if key.endswith(".kind")}
-    # What is of another kind has other values, and no need to name them.
+    # Other values of parts of different kinds are not comparable.
     varied = [key for key in varied if key.endswith(".kind") or not key.startswith(tuple(kinds))]
     if SUBJECT in varied:
         varied = [key for key in varied if key not in SIZES]
     varied.sort(key=lambda key: (not key.endswith(".kind"), SHOWN.index(key.split(".")[0] + ".")))
     return tuple(
-        ", ".join([name, *_told(table, varied)]) for name, table in zip(names, tables, strict=True)
+        ", ".join([name, *_differences(table, varied)])
+        for name, table in zip(names, tables, strict=True)
     )
 
 
-def _told(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[str]:
+def _differences(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[str]:
     for key in varied[:MOST]:
         value = table.get(key, "none")
         text = f"{value:g}" if isinstance(value, float) else str(value)

@@ -123,7 +123,7 @@ TABLES = {
     "time in ms": (lambda s: changed(s, 0, lambda t: t * 1e3), r"time: .*in ms;"),
     "the ramp alone": (lambda s: s[:200], r"time: .*, or ended before a hold;"),
     "pulling": (lambda s: changed(s, 2, lambda f: -f), "expected pressing to be positive"),
-    "outward": (lambda s: changed(s, 1, lambda x: -x), "change its sign"),
+    "outward": (lambda s: changed(s, 1, lambda x: -x), "change their sign"),
     "unsorted": (swap, r"line 103: expected a time above .* received an earlier time"),
     "repeated": (repeat, r"line 102: expected a time above .* received a repeated time"),
     "few": (lambda s: s[:30], "at least 40 rows of a ramp and hold, received 30"),

@@ -1,4 +1,4 @@
-"""The array that the thesis fits, felt and fitted again."""
+"""Pad radius by the fit of the thesis, on simulated frames of the array."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.calibration import pad_radius, targets
-from fefinger.calibration.slow_press import felt, pressed
+from fefinger.calibration.slow_press import array_pressure, pressed
 from fefinger.mechanics import hertz
 from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor
@@ -19,9 +19,11 @@ def test_the_thesis_finds_its_own_half_space(formula):
     one = formula(0.0, count=400)
     t = np.expm1(1.5 * x) / 1.5
     scale = 8e-3 / 3 * 3.0 * np.sqrt(14.0) * x**1.5 * t / one.force
-    own = replace(one, force=scale * one.force, felt=scale[:, None] * one.felt)
+    own = replace(one, force=scale * one.force, array_pressure=scale[:, None] * one.array_pressure)
     frames = targets.Frames(
-        np.repeat(x[20::20, None], 64, 1), own.felt[20::20], np.hypot(*ArraySensor().positions.T)
+        np.repeat(x[20::20, None], 64, 1),
+        own.array_pressure[20::20],
+        np.hypot(*ArraySensor().positions.T),
     )
     found = pad_radius.thesis_fit(frames)
     assert (found.radius, found.m, found.c0_b) == pytest.approx((14.0, 1.5, 3.0), rel=0.02)
@@ -49,7 +51,7 @@ def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_n
 def test_the_array_feels_the_whole_force_and_hertz(hertzian):
     scene = pressed(ff.Finger.subject("a.h."), 0.08)
     response = hertz.respond(scene)
-    read = felt(scene, response)
+    read = array_pressure(scene, response)
     assert read[-1].sum() * 4 == pytest.approx(1e3 * response.force[-1], rel=0.03)
     want = response.force[-1] * hertzian(14.0 * response.depth[-1])
     np.testing.assert_allclose(read[-1], want, atol=0.03 * want.max())

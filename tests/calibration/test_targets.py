@@ -145,7 +145,7 @@ def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
-    with pytest.raises(InputError, match="expected a record that also unloads"):
+    with pytest.raises(InputError, match="expected a record with unloading"):
         targets.unloading(write(tmp_path / "a.csv", trial()))
     back = trial()
     back[:, 1] = 1.5 - 0.5 * np.cos(4 * back[:, 0]) * (back[:, 0] > 0.2) - 1.5 * (back[:, 0] <= 0.2)
@@ -157,7 +157,7 @@ HEADS = "time,position," + ",".join(f"p{i}" for i in range(1, 65))
 
 def table_of_frames(one, factor=1.0):
     depth = one.depth
-    return np.column_stack([depth / 0.2, depth, factor * one.felt])
+    return np.column_stack([depth / 0.2, depth, factor * one.array_pressure])
 
 
 def test_frames_are_read_about_their_center(tmp_path, formula, write):
@@ -199,7 +199,7 @@ def test_what_is_missed_is_taken_apart_into_independent_errors():
         field[:, at] = kept * field[:, before] + np.sqrt(1 - kept**2) * field[:, at]
     noise = found.force_sd * rng.normal(size=field.shape)
     off = targets.MESH["coarse"] * model * field + noise
-    errors = np.array([found.missed(found.force + each) for each in off])
+    errors = np.array([found.residuals(found.force + each) for each in off])
     spread = errors.T @ errors / draws
     assert np.diag(spread) == pytest.approx(np.ones(len(model)), abs=0.2)
     assert np.abs(spread - np.diag(np.diag(spread))).max() < 0.15

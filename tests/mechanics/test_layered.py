@@ -10,6 +10,7 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
 from fefinger.mechanics.evidence import machine, reports
+from fefinger.mechanics.evidence.table import LAYERED, read
 from fefinger.mechanics.press.layered_contact import Layered
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
@@ -238,7 +239,7 @@ PRESSES = pytest.mark.parametrize("press", reports.LAYERED_PRESSES)
 @PRESSES
 def test_the_report_still_holds_for_what_it_measured(press):
     """Its forces are those of today's code, and its errors are those of its forces."""
-    row = reports.layered()["presses"][press]
+    row = read(LAYERED)["presses"][press]
     assert tuple(row["depth_mm"]) == evidence_layered.DEPTHS[press]
     assert tuple(row["subjects"]) == evidence_layered.SUBJECTS
     for subject, measured in row["subjects"].items():
@@ -248,7 +249,7 @@ def test_the_report_still_holds_for_what_it_measured(press):
         apart = np.abs(np.divide(measured["layered_N"], measured["linear_N"]) - 1)
         assert measured["force_error"] == pytest.approx(apart, abs=1e-5)
         assert (np.array(measured["force_error"]) <= row["force_error"]).all()
-    tissue = reports.layered()["tissue"]
+    tissue = read(LAYERED)["tissue"]
     assert tissue["skin_over_stack"] == pytest.approx(evidence_layered.tissue()["skin_over_stack"])
     assert {**tissue, "skin_over_stack": []} == {
         **evidence_layered.tissue(),
@@ -259,7 +260,7 @@ def test_the_report_still_holds_for_what_it_measured(press):
 @PRESSES
 def test_the_stated_error_is_linear_between_the_measured_depths_and_constant_beyond(press):
     indenter = evidence_layered.scene(press).indenter
-    row = reports.layered()["presses"][press]
+    row = read(LAYERED)["presses"][press]
     first, second, *_, last = row["force_error"]
     at = [0.1, 0.2, 0.35, row["depth_mm"][-1], 3.0]
     stated = [reports.layered_error(indenter, depth)[0] for depth in at]
@@ -282,7 +283,7 @@ def test_the_error_is_that_of_the_next_blunter_object(indenter, press):
 
 
 def test_the_expected_time_is_that_of_the_report():
-    measured, motion = reports.layered(), ff.RampHold(20, 0.5, hold=1.0)
+    measured, motion = read(LAYERED), ff.RampHold(20, 0.5, hold=1.0)
     setup = measured["setup_seconds"] * machine.slowness(measured)
     assert layered.cost(Situation.of(scene(motion=motion))) > setup
     more = layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=("FAII",)))))

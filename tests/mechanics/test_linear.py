@@ -13,7 +13,7 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.table import LINEAR, read
 from fefinger.mechanics.press import (
     constitutive,
     materials,
@@ -204,12 +204,12 @@ def test_what_is_not_asked_is_none() -> None:
 
 
 def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
-    for resolution, row in reports.linear().items():
+    for resolution, row in read(LINEAR)["resolutions"].items():
         mesh = ready(replace(FINGER, resolution=resolution), half=True)
         assert row["mesh"]["mesh_sha256"] == mesh.fingerprint
     motion = ff.RampHold(speed=60, depth=1.5, hold=5)
     pressed = linear.respond(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
-    stated = reports.linear()["coarse"]["peak_force_N"]["flat-30"]
+    stated = read(LINEAR)["resolutions"]["coarse"]["peak_force_N"]["flat-30"]
     assert pressed.force.max() == pytest.approx(stated, rel=1e-6)
 
 

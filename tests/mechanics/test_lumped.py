@@ -14,7 +14,7 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.commands.console import run_record, run_summary
 from fefinger.mechanics import lumped
-from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence import table
 from fefinger.mechanics.situation import Situation
 from fefinger.pages import report
 from fefinger.result import load
@@ -172,7 +172,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
 def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
     """Its relaxed force is that of `solid`, within twice what the spring of Eq. 2.1 leaves."""
     finger = ff.Finger.subject(subject)
-    row = reports.read("solid-force.json")["rows"][f"{subject}/flat-30"]
+    row = table.read("solid-force.json")["rows"][f"{subject}/flat-30"]
     depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))
     deepest = depth <= 0.18 * finger.thickness
     for x, known in zip(depth[deepest], force[deepest], strict=True):
@@ -183,7 +183,7 @@ def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
 
 
 def test_the_laws_are_those_of_the_presses_that_the_reports_hold():
-    kept = reports.read("lumped-force.json")
+    kept = table.read("lumped-force.json")
     for row, fresh in zip(kept["rows"], evidence_lumped.rows(), strict=True):
         for key, value in fresh.items():
             close = value if isinstance(value, str) else pytest.approx(value, rel=1e-3)

@@ -6,7 +6,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.studies import one_mechanics, workers
-from fefinger.studies.tasks import Asked
+from fefinger.studies.tasks import StudyRequest
 from fefinger.support.checks import InputError
 
 
@@ -15,7 +15,7 @@ ANGLES = {"indenter.angle": (15, 30, 45)}
 
 
 def tasks(over, mechanics=None, **changes):
-    asked = Asked("flat-press", over, LEAN | changes, mechanics, ())
+    asked = StudyRequest("flat-press", over, LEAN | changes, mechanics, ())
     return asked.tasks()[0]
 
 
@@ -76,7 +76,7 @@ def test_what_is_alike_at_all_angles_answers_no_study_of_them(monkeypatch, name)
     planned(monkeypatch, dict.fromkeys((15, 30, 45), (name, None)))
     found, said = one_mechanics.agreed(tasks(ANGLES), ANGLES)
     assert {task["mechanics"] for task in found.values()} == {"condensed"}
-    assert f"would be {name}, which does not tell where the pad is touched" in said
+    assert f"would be {name}, which does not depend on the place of contact" in said
     found, said = one_mechanics.agreed(tasks(ANGLES), ["motion.depth"])
     assert {task["mechanics"] for task in found.values()} == {name}
 
@@ -113,7 +113,7 @@ def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs
     assert {task["mechanics"] for task in found.values()} == {"linear"}
     assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh, the finest ")
-    assert "for others linear on the coarse mesh would do" in said
+    assert "for others linear on the coarse mesh would suffice" in said
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
     assert one_mechanics.agreed(tasks(ANGLES, "linear"))[1] == ""
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))

@@ -81,10 +81,10 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     top, _, rest = page.partition("<section")
     assert "2 scenes have no row at 50 N, the first of them: " in top
     assert "The rows are answers of linear, solid: " in top
-    assert "leave open: force 10 % to 20 %; one that would go beyond twice the value" in top
+    assert "by its expected error: force 10 % to 20 %. Bars end at twice the value." in top
     assert "The array of the thesis" not in top
     assert "not of the tissue" in top
-    assert "No error is known of: contact area in 2 of 2 rows." in top
+    assert "No error is known for: contact area in 2 of 2 rows." in top
     assert "force_<wbr>rel_<wbr>error" in rest
     assert "peak pressure" not in page
 

@@ -227,7 +227,7 @@ def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsy
     page = (tmp_path / "report.html").read_text()
     assert "4 of 4 scenes were answered" in page
     assert main(command) == 0
-    assert "4 of 4 scenes by lumped, 4 of them from before" in capsys.readouterr().out
+    assert "4 of 4 scenes by lumped, 4 of them reused" in capsys.readouterr().out
 
 
 def test_a_scene_that_fails_costs_itself_alone(capsys):
@@ -267,13 +267,13 @@ def test_what_cannot_be_used_at_all_is_refused_before_any_work(capsys):
     with pytest.raises(InputError, match="mechanics"):
         ff.study("flat-press", {"indenter.angle": (30,)}, mechanics="liner")
     scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(1, 1))
-    with pytest.raises(InputError, match="the name or the file of a scene"):
+    with pytest.raises(InputError, match="the name or file of a scene"):
         ff.study(scene, {"finger.subject": ("a.h.", "d.p.")})
 
 
 def test_a_key_follows_everything_that_decides_the_answer(tmp_path, monkeypatch):
     def key(**changes):
-        asked = tasks.Asked("flat-press", {"indenter.angle": (30,)}, changes, None, ("1N",))
+        asked = tasks.StudyRequest("flat-press", {"indenter.angle": (30,)}, changes, None, ("1N",))
         return tasks.key(asked.tasks()[0][0])
 
     assert key() == key()
@@ -320,7 +320,7 @@ def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch)
     found = dict(workers.local([0, 1, 2], 1))
     assert found[0] == found[2] == {"rows": []}
     assert "ended with status 3" in found[1]["error"]
-    assert "take fewer --workers" in found[1]["error"]
+    assert "use fewer --workers" in found[1]["error"]
 
 
 def test_an_error_of_the_program_is_a_sentence_too():

@@ -128,8 +128,8 @@ def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
     assert main([*command, "-o", str(tmp_path)]) == 0
     out, err = capsys.readouterr()
     assert "2 of 2 scenes" in out
-    assert ", 2 of them from before" in out
-    assert f"kept: the table of other scenes that was there is now in {tmp_path}/earlier-1" in err
+    assert ", 2 of them reused" in out
+    assert f"moved: the table of other scenes that was there is now in {tmp_path}/earlier-1" in err
     assert (tmp_path / "earlier-1" / "table.csv").read_text() == before
     assert (tmp_path / "earlier-1" / "report.html").exists()
     asked({"motion.depth": (0.4, 0.3, 0.1)}, folder=tmp_path).save(tmp_path)

@@ -9,7 +9,7 @@ import pytest
 from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.contact_angle import study
 
-from fefinger.studies.tasks import Asked
+from fefinger.studies.tasks import StudyRequest
 from fefinger.studies.workers import answer
 
 
@@ -33,7 +33,7 @@ def rows():
 
 def test_the_table_is_of_this_code(rows):
     scene, changes, mechanics, _ = study.STUDIES[CASE]
-    asked = Asked(scene, {"indenter.angle": (30.0,)}, changes, mechanics, study.AT)
+    asked = StudyRequest(scene, {"indenter.angle": (30.0,)}, changes, mechanics, study.AT)
     ((_, task),) = asked.tasks()[0].items()
     again = {row["at"]: row for row in answer(task)["rows"]}
     kept = [row for row in rows if row["case"] == CASE and row["indenter.angle_deg"] == 30]

@@ -15,8 +15,8 @@ from fefinger.validation.tradeoff.held_out import summary
 
 from fefinger import plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.stated_errors import stated
+from fefinger.mechanics.evidence.table import TRADEOFF, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.records import Rung
@@ -200,7 +200,7 @@ def test_what_was_not_measured_is_not_stated():
 def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
     error, source = get("solid").error(Situation.of(on(indenter, 0.3)))
     assert source.endswith(f"(reports/tradeoff.json has none for {said})")
-    assert error > tradeoff.rules()["steps"]["solid"]["force"]
+    assert error > read(TRADEOFF)["rules"]["steps"]["solid"]["force"]
 
 
 @pytest.mark.parametrize(

@@ -379,7 +379,7 @@ def test_a_time_after_the_end_is_refused(
 def test_a_time_a_step_after_the_end_is_that_of_the_end(synthetic: Result) -> None:
     step = synthetic.time[-1] - synthetic.time[-2]
     frames.check("time", [synthetic], synthetic.time[-1] + 0.9 * step)
-    assert "the last of its 3" in frames.told([synthetic], ["out"], 5.0 + 0.5 * step)[0]
+    assert "the last of its 3" in frames.deviations([synthetic], ["out"], 5.0 + 0.5 * step)[0]
 
 
 @pytest.mark.parametrize("limits", [(-2.0, 6.0), (-6.0, 2.0), (-3.0, 3.0), (0.0, 5.0)])

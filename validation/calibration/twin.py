@@ -85,7 +85,7 @@ def twin(mesh: str = COARSE) -> Twin:
     scene = slow_press.pressed(finger(mesh))
     response = own.run(Ramp(SLOW, PRESS, corner=0.0))
     chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
-    read = slow_press.felt(scene, response)[chosen]
+    read = slow_press.array_pressure(scene, response)[chosen]
     return Twin(
         time,
         position,

@@ -18,7 +18,7 @@ from fefinger.validation.evidence.linear import PRESSES, costs
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import condensed
-from fefinger.mechanics.evidence.reports import CONDENSED_REPORT, linear
+from fefinger.mechanics.evidence.table import CONDENSED, LINEAR, read
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
@@ -66,7 +66,7 @@ def force_error(resolution: str, press: str) -> float | None:
     The operator is that of the 30 degree plate, whose mesh does not follow the touch. The error is
     the difference to `linear` on the fine mesh that does, and the error that is known of that.
     """
-    fine = linear()["fine"]
+    fine = read(LINEAR)["resolutions"]["fine"]
     settings = {"finger.resolution": resolution, "ask.fields": False, **PRESSES[press]}
     try:
         force = float(condensed.respond(builtin.load("flat-press", settings)).force.max())
@@ -92,8 +92,8 @@ def _row(resolution: str, cache: Path) -> dict[str, Any]:
 
 def main(folder: str, *asked: str) -> None:
     """Write the report, or only the errors in it."""
-    target = Path(folder) / CONDENSED_REPORT
-    old = json.loads(reported(CONDENSED_REPORT))
+    target = Path(folder) / CONDENSED
+    old = json.loads(reported(CONDENSED))
     if asked == ("errors",):
         new = {**old, "force_error": errors()}
     else:

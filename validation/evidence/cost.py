@@ -14,7 +14,7 @@ from typing import Any
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.solid_cost import REPORT
+from fefinger.mechanics.evidence.table import SOLID_COST
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Bar, Flat, Indenter, Sphere
@@ -95,5 +95,5 @@ def report() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / REPORT
+    target = Path(sys.argv[1]) / SOLID_COST
     target.write_text(json.dumps(report(), indent=1) + "\n", encoding="utf-8")

@@ -13,7 +13,8 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import layered, linear
-from fefinger.mechanics.evidence.reports import LAYERED_PRESSES, LAYERED_REPORT
+from fefinger.mechanics.evidence.reports import LAYERED_PRESSES
+from fefinger.mechanics.evidence.table import LAYERED
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
@@ -112,6 +113,6 @@ def report() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / LAYERED_REPORT
+    target = Path(sys.argv[1]) / LAYERED
     target.write_text(json.dumps(report(), indent=1) + "\n", encoding="utf-8")
     print(target.read_text(encoding="utf-8"))

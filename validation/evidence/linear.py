@@ -16,7 +16,7 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence.reports import LINEAR_REPORT
+from fefinger.mechanics.evidence.table import LINEAR
 from fefinger.mechanics.press.time_steps import moving
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -142,9 +142,9 @@ def _drives(response: Response) -> list[float]:
 
 def main(folder: str, *asked: str) -> None:
     """Write the report, or only the costs in it."""
-    target = Path(folder) / LINEAR_REPORT
+    target = Path(folder) / LINEAR
     if asked == ("costs",):
-        old = json.loads(reported(LINEAR_REPORT))
+        old = json.loads(reported(LINEAR))
         made = provenance("python -m fefinger.validation.evidence.linear reports costs")
         of_errors = old.get("errors", {name: old[name] for name in made if name in old})
         rows = {name: {**old["resolutions"][name], **row} for name, row in spent().items()}

@@ -18,10 +18,8 @@ from fefinger.validation.tradeoff.errors import law, spring
 from numpy.typing import NDArray
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.reached_depth import REPORT
-from fefinger.mechanics.evidence.reports import SOLID_REPORT, SOLID_SUBJECT, read
-from fefinger.mechanics.evidence.tradeoff import REPORT as TRADEOFF
-from fefinger.mechanics.evidence.tradeoff import rules
+from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
+from fefinger.mechanics.evidence.table import LUMPED, SOLID, TRADEOFF, read
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -70,16 +68,16 @@ def row(subject: str, angle: float, depth: Array, force: Array, source: str) -> 
 
 def rows() -> Iterator[dict[str, Any]]:
     """Give the laws of every finger and plate of which a press of `solid` is kept."""
-    for name, press in rules()["presses"].items():
+    for name, press in read(TRADEOFF)["rules"]["presses"].items():
         if press["angle"] is not None:
             depth, force = (np.array(press[key]) for key in ("depth_mm", "force_N"))
             source = f"reports/{TRADEOFF}, {name}"
             yield row(SOLID_SUBJECT, press["angle"], depth, force, source)
-    for name, press in read(SOLID_REPORT)["rows"].items():
+    for name, press in read(SOLID)["rows"].items():
         subject, _, kind = name.partition("/")
         if kind == f"flat-{ANGLE:g}" and subject != SOLID_SUBJECT:
             depth, force = np.array(press["depth_mm"]), np.array(press["force_N"]["solid"])
-            yield row(subject, ANGLE, depth, force, f"reports/{SOLID_REPORT}, {name}")
+            yield row(subject, ANGLE, depth, force, f"reports/{SOLID}, {name}")
 
 
 def misfit(subject: str) -> dict[str, list[float]]:
@@ -137,7 +135,7 @@ def main(folder: Path) -> None:
         },
     }
     text = json.dumps(report, indent=1) + "\n"
-    (folder / REPORT).write_text(text, encoding="utf-8")
+    (folder / LUMPED).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

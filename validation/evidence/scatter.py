@@ -19,7 +19,7 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import runs
 from fefinger.validation.tradeoff.runs import Run
 
-from fefinger.mechanics.evidence.mesh_scatter import REPORT
+from fefinger.mechanics.evidence.table import SCATTER
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results import pressure
 
@@ -77,7 +77,7 @@ def main(folder: Path) -> None:
     with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
         rows = {mesh: {name: row(name, mesh, pool) for name in PLATES} for mesh in MESHES}
     report = provenance(command) | {"draws": DRAWS, "rows": rows}
-    (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    (folder / SCATTER).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,8 @@ from fefinger.validation.problems.chain import (
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.reports import SOLID_REPORT, SOLID_SUBJECT
+from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
+from fefinger.mechanics.evidence.table import SOLID
 from fefinger.results.records import Response
 from fefinger.support.checks import ConvergenceError, InputError
 
@@ -156,7 +157,7 @@ def report(rows: dict[str, Any]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / SOLID_REPORT
+    target = Path(sys.argv[1]) / SOLID
     solid.respond(scene(SOLID_SUBJECT, "sphere-5", "coarse"))  # compiles
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, Array, models, scene
 
-from fefinger.mechanics.evidence.reports import SOLID_REPORT
+from fefinger.mechanics.evidence.table import SOLID
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
@@ -26,7 +26,7 @@ AT = {"flat-30": 6, "sphere-5": 6, "sphere-2": DEPTHS}
 @cache
 def rows() -> dict[str, Any]:
     """Return the rows of the report by subject and press."""
-    found: dict[str, Any] = json.loads(report(SOLID_REPORT))["rows"]
+    found: dict[str, Any] = json.loads(report(SOLID))["rows"]
     return found
 
 
@@ -193,6 +193,6 @@ def _range(value: Callable[[str], float], digits: str) -> str:
     values = [value(subject) for subject in SUBJECTS]
     if not np.isfinite(values).all():
         missing = [subject for subject, each in zip(SUBJECTS, values, strict=True) if each != each]
-        message = f"reports/{SOLID_REPORT}: expected the forces of all subjects, none of {missing}"
+        message = f"reports/{SOLID}: expected the forces of all subjects, none of {missing}"
         raise InputError(message)
     return f"{digits.format(min(values))} to {digits.format(max(values))}"

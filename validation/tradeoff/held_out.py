@@ -13,7 +13,7 @@ from fefinger.validation.tradeoff import motion, scenes
 from fefinger.validation.tradeoff.errors import Press, converged
 from fefinger.validation.tradeoff.rules import answers, off
 
-from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.table import TRADEOFF, read
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.plan import rungs
 from fefinger.results.records import Rung
@@ -43,7 +43,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
         actual = off(name, motion.passage(found[name], scene), reference)
-        paced = tradeoff.rules()["steps"][rung.mechanics]
+        paced = read(TRADEOFF)["rules"]["steps"][rung.mechanics]
         known = {"force": rung.error, **rung.errors}
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),

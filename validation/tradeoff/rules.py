@@ -5,7 +5,7 @@ out) in presses to each depth. The stated error is their sum, between the neighb
 a margin for what lies between the presses and one for motions.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports, tradeoff
 from fefinger.mechanics.evidence.lumped_law import between
+from fefinger.mechanics.evidence.table import SOLID, Measured, Table, presses_of_tradeoff, read
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
@@ -160,16 +161,33 @@ def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     largest share of its error that a press tells too little of its base scenes, by press.
     """
     names = sorted({name for each in presses.values() for name in each["candidates"]})
+    others = {name: _without(presses, name) for name in presses}
     return {
-        name: {quantity: _margins(presses, motions, name, quantity) for quantity in _of(name)}
+        name: {
+            quantity: _margins(presses, others, motions, name, quantity) for quantity in _of(name)
+        }
         for name in names
     }
 
 
+def _without(presses: dict[str, Any], left_out: str) -> Table:
+    """Return the table of all presses but one."""
+    rows = {name: row for name, row in presses.items() if name != left_out}
+    return Table(presses_of_tradeoff(rows))
+
+
 def _margins(
-    presses: dict[str, Any], motions: dict[str, Any], candidate: str, quantity: str
+    presses: dict[str, Any],
+    others: dict[str, Table],
+    motions: dict[str, Any],
+    candidate: str,
+    quantity: str,
 ) -> dict[str, Any]:
-    missed = [each for name in presses for each in _missed(presses, name, candidate, quantity)]
+    missed = [
+        each
+        for name, row in presses.items()
+        for each in _missed(row, others[name], candidate, quantity)
+    ]
     alike = candidate.replace("fine", "standard")
     moving: dict[str, float] = {}
     for each in motions.values():
@@ -208,41 +226,43 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     return factors | {"condensed": factors["linear"]}
 
 
-def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -> Iterator[float]:
+def _missed(own: dict[str, Any], others: Table, candidate: str, quantity: str) -> Iterator[float]:
     """Give the error in a press less that which the other presses tell, at every depth."""
-    own = presses[name]
-    others = {key: value for key, value in presses.items() if key != name}
-    place = tradeoff.place(own["angle"], own["radius"])
-    if candidate not in own["candidates"] or len(tradeoff.neighbors(others, place)) < 2:
+    place, forces = tradeoff.place(own["angle"], own["radius"]), tradeoff.forces(others)
+    if candidate not in own["candidates"] or len(tradeoff.neighbors(forces, place)) < 2:
         return
     if candidate == "lumped":
-        actual = _between(own, others)
+        actual = _between(own, forces)
     else:
-        actual = tradeoff.total(own["candidates"][candidate], quantity)
+        actual = total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = tradeoff.interpolated(
-            others, candidate, place, depth / own["thickness_mm"], quantity
-        )
-        if told is not None:
-            yield error - sum(told)
+        part = depth / own["thickness_mm"]
+        expected = tradeoff.interpolated(others, Candidate.of(candidate), place, part, quantity)
+        if expected is not None:
+            yield error - sum(expected)
 
 
-def _between(own: dict[str, Any], others: dict[str, Any]) -> Array:
+def _between(own: dict[str, Any], others: dict[str, Measured]) -> Array:
     """Return the error of `lumped` at every depth of a press, with b and m from its neighbors."""
     rows = []
-    for row in others.values():
-        if row["angle"] is not None:
-            b, m = spring(*(np.array(row[key]) for key in ("depth_mm", "force_N")))
-            rows.append({"angle": row["angle"], "b": b, "m": m})
+    for other in others.values():
+        if other.conditions["angle"] is not None:
+            b, m = spring(np.asarray(other.depth), other.values)
+            rows.append({"angle": other.conditions["angle"], "b": b, "m": m})
     found = between(rows, own["angle"])
     assert found is not None
     depth, force = (np.array(own[key]) for key in ("depth_mm", "force_N"))
     return np.asarray(np.maximum.accumulate(np.abs(law(found, depth) - force)) / force)
 
 
+def total(candidate: Mapping[str, Any], quantity: str) -> Array:
+    """Return the sum (n,) of numerical and model error of a candidate in a press."""
+    return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
+
+
 def _own(row: dict[str, Any], candidate: str, moved: dict[str, Any], quantity: str) -> float:
     """Return the error of a quantity in a press at the depth of a motion."""
-    errors_ = tradeoff.total(row["candidates"][candidate], quantity)
+    errors_ = total(row["candidates"][candidate], quantity)
     return float(np.interp(moved["depth_mm"], row["depth_mm"], errors_))
 
 
@@ -280,7 +300,7 @@ def fingers() -> dict[str, float]:
     The largest over presses and depths at which it is above LEAST on the measured finger, of the
     force; of the rest none is known.
     """
-    rows = reports.read(reports.SOLID_REPORT)["rows"]
+    rows = read(SOLID)["rows"]
     found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
     for mechanics in found:
         for kind in ("flat-30", "sphere-5"):

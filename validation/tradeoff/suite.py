@@ -19,7 +19,7 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import held_out, runs, scenes, study
 from fefinger.validation.tradeoff import rules as tradeoff_rules
 
-from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.plan_text import SAID
 from fefinger.support.atomic_write import moved
@@ -95,7 +95,7 @@ def fresh() -> dict[str, Any]:
 @cache
 def committed() -> dict[str, Any]:
     """Return the report that the planner reads."""
-    return tradeoff.read()
+    return table.read(table.TRADEOFF)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
@@ -254,7 +254,7 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
             known = old["presses"][name]["candidates"][candidate]
             for quantity in STATED:
                 if quantity in own["model"]:
-                    totals = [tradeoff.total(each, quantity) for each in (own, known)]
+                    totals = [tradeoff_rules.total(each, quantity) for each in (own, known)]
                     largest = max(largest, float(np.abs(totals[0] - totals[1]).max()))
     return largest
 
@@ -282,13 +282,14 @@ def write(folder: Path) -> None:
     complete(lambda stage, fraction: print(f"{100 * fraction:3.0f} % {stage}", file=sys.stderr))
     made = {"provenance": provenance(COMMAND)}
     said = {"rules_read": RULES, "shared": SHARED, "rules": tradeoff_rules.rules()}
-    target = folder / tradeoff.REPORT
+    target = folder / table.TRADEOFF
     _put(target, made | said)
-    for kept in (tradeoff.read, committed, fresh):
-        kept.cache_clear()
+    table.forget()
+    committed.cache_clear()
+    fresh.cache_clear()
     said |= fresh()
     _put(target, made | said)
-    tradeoff.read.cache_clear()
+    table.forget()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
     record = suites.as_json({"tradeoff": outcomes}) | finite(said)

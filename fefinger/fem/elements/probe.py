@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.geometry.locate import around
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import INSIDE, SHARED
 
@@ -16,9 +17,6 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 Rows = Callable[[Space, Integers, Array], sparse.csr_matrix]
 """From a space, cells (n,) and reference coordinates (n, 3) to rows for each point."""
-
-ODD = (3, 4)
-"""Components that change sign in the mirror y = 0."""
 
 
 def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
@@ -121,7 +119,8 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
         If a point (n_points, 3) mm lies outside the body.
     """
     owners, cells, local = [], [], []
-    for k, (near, inner, least) in enumerate(_coordinates(space, points)):
+    for k, (near, weights) in enumerate(_around(space, points)):
+        least = weights.min(axis=1)
         if not (least >= -INSIDE).any():
             listed = ", ".join(f"{x:.3g}" for x in points[k])
             message = (
@@ -132,7 +131,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
         holding = np.flatnonzero(least >= min(least.max(), -SHARED))
         owners.append(np.full(len(holding), k))
         cells.append(near[holding])
-        local.append(inner[holding])
+        local.append(weights[holding, 1:])
     if not cells:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3))
     return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
@@ -140,26 +139,13 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
 
 def inside(space: Space, points: Array) -> NDArray[np.bool_]:
     """Whether points (n, 3) mm lie in the body, with the tolerance of `locate`."""
-    flags = [(least >= -INSIDE).any() for _, _, least in _coordinates(space, points)]
+    flags = [(weights.min(axis=1) >= -INSIDE).any() for _, weights in _around(space, points)]
     return np.array(flags, dtype=np.bool_)
 
 
-def _coordinates(space: Space, points: Array) -> Iterator[tuple[Integers, Array, Array]]:
-    """Compute the reference coordinates of each point in the cells near it.
-
-    Yields per point: cells (m,), coordinates (m, 3), and the least of the four barycentric ones
-    (m,), which is 0 or more inside a cell. Only cells whose circumscribed sphere about the
-    centroid contains the point are tested.
-    """
-    corners = space.points[space.vertices]
-    centers, inverse = corners.mean(axis=1), _inverse_jacobians(space)
-    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
-    reach = ((1 + 8 * INSIDE) * radii) ** 2
-    for point in points:
-        apart = centers - point
-        near = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= reach)
-        inner = np.einsum("eij,ej->ei", inverse[near], point - corners[near, 0])
-        yield near, inner, np.minimum(inner.min(axis=1), 1 - inner.sum(axis=1))
+def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:
+    """Yield, per point, the cells near it and its barycentric coordinates (m, 4) in each."""
+    return around(space.points[space.vertices], points, margin=8 * INSIDE)
 
 
 def _inverse_jacobians(space: Space) -> Array:

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.evidence.tradeoff import rules
+from fefinger.mechanics.evidence.table import Measured
+from fefinger.mechanics.evidence.tradeoff import forces
 from fefinger.mechanics.situation import Situation
 
 
@@ -27,13 +27,13 @@ def steepness(case: Situation) -> float:
     """
     if case.place is None or not case.measured_tissue:
         return 1.0
-    rows = rules()["presses"]
-    return max(1.0, min(_power(rows[name], case.deepest(name)) for name in case.neighbors))
+    presses = forces()
+    return max(1.0, min(_power(presses[name], case.deepest(name)) for name in case.neighbors))
 
 
-def _power(press: Mapping[str, Any], part: float) -> float:
+def _power(force: Measured, part: float) -> float:
     """Return the least power of the force over depth beside a depth over thickness in a press."""
-    depth = np.array(press["depth_mm"])
-    powers = np.diff(np.log(press["force_N"])) / np.diff(np.log(depth))
-    at = int(np.searchsorted(depth, part * press["thickness_mm"]))
+    depth = np.asarray(force.depth)
+    powers = np.diff(np.log(force.values)) / np.diff(np.log(depth))
+    at = int(np.searchsorted(depth, part * force.conditions["thickness_mm"]))
     return float(powers[max(at - 2, 0) : at + 1].min(initial=powers[-1]))

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import reached_depth, reports
-from fefinger.mechanics.evidence.reached_depth import REPORT
-from fefinger.mechanics.evidence.stated_errors import moving, stated
-from fefinger.mechanics.evidence.tradeoff import measured_tissue, rules
+from fefinger.mechanics.evidence import reached_depth
+from fefinger.mechanics.evidence.stated_errors import motion_shares, moving, stated
+from fefinger.mechanics.evidence.table import LUMPED, table
+from fefinger.mechanics.evidence.tradeoff import measured_tissue
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene import library
@@ -22,6 +22,8 @@ from fefinger.support.text import percent
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
+
+LAW = Candidate("lumped")
 
 MEANS = "means"
 """Row of Table 2.1 for whom the thesis did not measure."""
@@ -51,21 +53,22 @@ class Law(NamedTuple):
 def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
     fitted = reached_depth.calibrated(case.finger)
-    if fitted is not None:
-        return _table(case, *_misfit(case, fitted))
-    rows = [row for row in reports.read(REPORT)["rows"] if _same(case.finger, row)]
+    if fitted:
+        return _printed(case, *_misfit(case, fitted))
+    laws = table().all(LUMPED, "law", LAW)
+    rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
     if not rows:
-        return _table(case, doubt=_strange(case.finger))
+        return _printed(case, doubt=_strange(case.finger))
     flat = case.indenter.flat
     if flat is not None and not flat.tilt:
         found = between(rows, flat.angle)
         if found is not None:
             return _own(case, rows, *found)
     angles = sorted(row["angle"] for row in rows)
-    return _table(case, doubt=f"its law is known under plates at {_listed(angles)} degrees")
+    return _printed(case, doubt=f"its law is known under plates at {_listed(angles)} degrees")
 
 
-def _table(
+def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
 ) -> Law:
     rows, subject = library.pawluk_bulk(), case.finger.subject_name
@@ -82,11 +85,11 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
     stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
-    source = f"reports/{REPORT}: identified from {' and '.join(row['source'] for row in rows)}"
-    measured = stated(Candidate("lumped"), case)
+    source = f"reports/{LUMPED}: identified from {' and '.join(row['source'] for row in rows)}"
+    measured = stated(LAW, case)
     if measured is None:
         return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
-    evidence = f"{measured.source}, identified from presses of the same finger (reports/{REPORT})"
+    evidence = f"{measured.source}, identified from presses of the same finger (reports/{LUMPED})"
     return Law(spring, finger.prony, source, False, measured.error, evidence)
 
 
@@ -112,20 +115,23 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     return measured_tissue(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
-def _misfit(case: Situation, row: Mapping[str, Any]) -> tuple[float, str]:
+def _misfit(case: Situation, press: str) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    angle, unknown = reached_depth.read()["angle"], float("nan")
+    force, error = (
+        table().presses(LUMPED, quantity, LAW)[press] for quantity in ("force", "error of force")
+    )
+    angle, unknown = force.conditions["angle"], float("nan")
     if case.indenter.flat != (angle, 0.0):
         return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
-    depth = case.finger.thickness * case.depth_over_thickness(row, row["force_N"])
-    if depth > row["depth_mm"][-1]:
-        return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
-    error = float(np.interp(depth, row["depth_mm"], row["error"]))
-    shares = rules()["margins"]["lumped"]["force"]["motion"]
-    error *= 1 + moving(shares, (f"flat-{angle:g}",))
-    more = float(row["relaxing"]) if case.finger.prony.v else 0.0
-    source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
-    return error + more, f"{source}, and {percent(more)} for what relaxation adds"
+    depth = case.finger.thickness * case.depth_over_thickness(force)
+    if depth > force.deepest:
+        return unknown, f"not known: its finger was calibrated to {force.deepest:g} mm"
+    shares = motion_shares(LAW, "force")
+    misfit = error.at(depth) * (1 + moving(shares, (f"flat-{angle:g}",)))
+    relaxing = table().value(LUMPED, "relaxing error", LAW, press)
+    more = relaxing if case.finger.prony.v else 0.0
+    source = f"reports/{LUMPED}: Table 2.1 against the finger that was fitted to it"
+    return misfit + more, f"{source}, and {percent(more)} for what relaxation adds"
 
 
 def _strange(finger: Finger) -> str:

@@ -1,21 +1,21 @@
 """What the reports have measured of each mechanics: the source of its stated cost and error."""
 
-import json
 from collections.abc import Mapping
-from functools import cache
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.table import Measured, read
 from fefinger.mechanics.press.operator_cache import at_hand
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import RESOLUTIONS
-from fefinger.scene.indenter import (
-    Indenter,
-)
+from fefinger.scene.indenter import Indenter
 from fefinger.support.checks import InputError
-from fefinger.support.package_data import report
 from fefinger.support.text import percent
 
 
@@ -32,19 +32,11 @@ FEWEST = 1.0
 """Facets per contact radius, below which the force is off by 10 % and more: on the coarse mesh,
 against the standard one, -65 % at 0.3 facets, 10 % at 0.5, -1 to -3 % at 0.8 to 0.9."""
 
-LINEAR_REPORT = "linear-mesh.json"
-
-LAYERED_REPORT = "layered-force.json"
-
-SOLID_REPORT = "solid-force.json"
-
 SOLID_SUBJECT = "a.h."
 """The subject on whose finger the errors of `solid` and `linear` are measured."""
 
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
-
-CONDENSED_REPORT = "condensed-cost.json"
 
 STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
@@ -58,35 +50,33 @@ WHOLE = 3.0
 """Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
 
 
-@cache
-def read(name: str) -> dict[str, Any]:
-    """Return a report."""
-    measured: dict[str, Any] = json.loads(report(name))
-    return measured
+LINEAR, CONDENSED, LAYERED, SOLID = map(Candidate, ("linear", "condensed", "layered", "solid"))
 
-
-def linear() -> dict[str, Any]:
-    """Return the mesh convergence and timing of `linear`, by resolution."""
-    resolutions: dict[str, Any] = read(LINEAR_REPORT)["resolutions"]
-    return resolutions
+MESH_ERROR = "numerical error of force"
+"""Error of the force against the extrapolated mesh."""
 
 
 def linear_seconds(case: Situation) -> float:
     """Return the expected wall time of `linear` in s, from the times in the report."""
-    whole = _spent(linear()[case.mesh], case, 1.0 if case.half else WHOLE)
-    return whole * slowness(read(LINEAR_REPORT)) + mesh_seconds(case)
+    whole = _spent(table.LINEAR, LINEAR, case, 1.0 if case.half else WHOLE)
+    return whole * slowness(read(table.LINEAR)) + mesh_seconds(case)
 
 
-def _spent(row: Mapping[str, Any], case: Situation, bodies: float) -> float:
-    """Return the expected time in s of a press as that of a row, on so many times its body.
+def _seconds(report: str, candidate: Candidate, stage: str) -> float:
+    """Return the measured CPU seconds of a stage."""
+    return table.table().value(report, f"{stage} seconds", candidate)
+
+
+def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) -> float:
+    """Return the expected time in s of a press as in a report, on so many times its body.
 
     The area is that of the whole pad, and read where contact changes.
     """
-    setup, fields = float(row["setup_seconds"]), float(row["fields_seconds"])
+    seconds = partial(_seconds, report, replace(mechanics, resolution=case.mesh))
+    setup, fields = seconds("setup"), seconds("fields")
     spent = bodies * (setup + fields if case.ask.fields else setup)
-    spent += len(case.times) * float(row["step_seconds"])
-    areas = case.changes * float(row["area_seconds"])
-    return spent + areas if case.ask.pressure else spent
+    spent += len(case.times) * seconds("step")
+    return spent + case.changes * seconds("area") if case.ask.pressure else spent
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
@@ -104,19 +94,13 @@ def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
     return MESH_SECONDS[case.mesh] * slowness({})
 
 
-def condensed() -> dict[str, Any]:
-    """Return the cost of the operator of `condensed` and of its use, by resolution."""
-    resolutions: dict[str, Any] = read(CONDENSED_REPORT)["resolutions"]
-    return resolutions
-
-
 def condensed_seconds(case: Situation) -> float:
     """Return the expected wall time of `condensed` in s: more, if its operator is to be built.
 
     A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
     """
-    whole = _spent(condensed()[case.mesh], case, 1.0 if case.half else 2.0)
-    whole = whole * slowness(read(CONDENSED_REPORT)) + condensed_once(case)
+    whole = _spent(table.CONDENSED, CONDENSED, case, 1.0 if case.half else 2.0)
+    whole = whole * slowness(read(table.CONDENSED)) + condensed_once(case)
     plate = case.indenter.plate
     steep = plate is not None and plate.angle > STEEPEST
     return whole + linear_seconds(case) if steep else whole
@@ -126,8 +110,8 @@ def condensed_once(case: Situation) -> float:
     """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
     spent = mesh_seconds(case, follow=False)
     if not at_hand(case.finger, half=case.half):
-        build = float(condensed()[case.mesh]["build_seconds"])
-        spent += (1 if case.half else 2) * build * slowness(read(CONDENSED_REPORT))
+        build = _seconds(table.CONDENSED, replace(CONDENSED, resolution=case.mesh), "build")
+        spent += (1 if case.half else 2) * build * slowness(read(table.CONDENSED))
     return spent
 
 
@@ -137,7 +121,7 @@ def linear_error(case: Situation) -> tuple[float, str]:
     It is the sum of the errors of the mesh and of small strain, which do not know of each other.
     """
     mesh, press = linear_mesh_error(case)
-    return _with_small_strain(case, mesh, f"reports/{LINEAR_REPORT}, {press}")
+    return _with_small_strain(case, mesh, f"reports/{table.LINEAR}, {press}")
 
 
 def condensed_error(case: Situation) -> tuple[float, str]:
@@ -145,18 +129,29 @@ def condensed_error(case: Situation) -> tuple[float, str]:
 
     Its mesh is that of the 30 degree plate and does not follow the touch.
     """
-    measured: dict[str, dict[str, float | None]] = read(CONDENSED_REPORT)["force_error"]["presses"]
-    press = linear_press(case.indenter, tuple(measured[case.mesh]))
-    mesh = _of_mesh({name: row[press] for name, row in measured.items()}, case.mesh)
-    return _with_small_strain(case, mesh, f"reports/{CONDENSED_REPORT}, {press}")
+    mesh, press = _mesh_error(table.CONDENSED, CONDENSED, case)
+    return _with_small_strain(case, mesh, f"reports/{table.CONDENSED}, {press}")
 
 
-def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
-    """Return the error of a mesh, at least that of the finer ones: a small one may be by chance."""
-    if errors[resolution] is None:
-        return float("inf")
-    finer = RESOLUTIONS[RESOLUTIONS.index(resolution) :]
-    return max(errors.get(name) or 0.0 for name in finer)
+def linear_mesh_error(case: Situation) -> tuple[float, str]:
+    """Return the measured error of the force against the extrapolated mesh, and on which press."""
+    return _mesh_error(table.LINEAR, LINEAR, case)
+
+
+def _mesh_error(report: str, mechanics: Candidate, case: Situation) -> tuple[float, str]:
+    """Return the error of a mesh, at least that of the finer ones, and on which press.
+
+    The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
+    round indenter. A small error may be by chance; infinite where the mesh is too coarse for it.
+    """
+    finer = RESOLUTIONS[RESOLUTIONS.index(case.mesh) :]
+    candidates = [replace(mechanics, resolution=name) for name in finer]
+    rows = [table.table().presses(report, MESH_ERROR, candidate) for candidate in candidates]
+    press = linear_press(case.indenter, tuple(rows[0]))
+    errors = [row[press].value for row in rows if press in row]
+    if np.isnan(errors[0]):
+        return float("inf"), press
+    return max(0.0 if np.isnan(error) else error for error in errors), press
 
 
 def _with_small_strain(case: Situation, mesh: float, source: str) -> tuple[float, str]:
@@ -164,21 +159,10 @@ def _with_small_strain(case: Situation, mesh: float, source: str) -> tuple[float
     if np.isinf(mesh):
         return mesh, f"{source}: the mesh is too coarse for it"
     both = (
-        f"{source}: {percent(mesh)} of the mesh; reports/{SOLID_REPORT}, {solid_press(case)}: "
+        f"{source}: {percent(mesh)} of the mesh; reports/{table.SOLID}, {solid_press(case)}: "
         f"{percent(strain)} of small strain"
     )
     return mesh + strain, both
-
-
-def linear_mesh_error(case: Situation) -> tuple[float, str]:
-    """Return the measured error of the force against the extrapolated mesh, and on which press.
-
-    The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
-    round indenter.
-    """
-    press = linear_press(case.indenter, tuple(linear()[case.mesh]["force_error"]))
-    errors = {name: row["force_error"][press] for name, row in linear().items()}
-    return _of_mesh(errors, case.mesh), press
 
 
 def linear_radius(case: Situation) -> float:
@@ -197,16 +181,10 @@ def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
     return "sphere-5" if indenter.least_radius >= 5 else "sphere-2"
 
 
-def layered() -> dict[str, Any]:
-    """Return the force of `layered` against `linear`, by press and depth, and its timing."""
-    return read(LAYERED_REPORT)
-
-
 def layered_seconds(case: Situation) -> float:
     """Return the expected wall time of `layered` in s, from the times in the report."""
-    steps = len(case.times)
-    whole = float(layered()["setup_seconds"]) + steps * float(layered()["step_seconds"])
-    return whole * slowness(layered())
+    seconds = partial(_seconds, table.LAYERED, LAYERED)
+    return (seconds("setup") + len(case.times) * seconds("step")) * slowness(read(table.LAYERED))
 
 
 def layered_error(indenter: Indenter, depth: float) -> tuple[float, str]:
@@ -215,16 +193,25 @@ def layered_error(indenter: Indenter, depth: float) -> tuple[float, str]:
     It is that of the subject whose finger is worst; linear between the measured depths, and
     constant beyond their ends.
     """
-    press = layered_press(indenter)
-    row = layered()["presses"][press]
-    depths, errors = row["depth_mm"], row["force_error"]
-    source = f"reports/{LAYERED_REPORT}, {press}: against linear, the worst of four fingers"
-    return float(np.interp(depth, depths, errors)), source
+    measured = _layered_curve(indenter)
+    source = f"reports/{table.LAYERED}, {measured.press}: against linear, the worst of four fingers"
+    return measured.at(depth), source
 
 
 def layered_depth(indenter: Indenter) -> float:
     """Return the largest depth in mm at which `layered` was measured under such an indenter."""
-    return float(layered()["presses"][layered_press(indenter)]["depth_mm"][-1])
+    return _layered_curve(indenter).deepest
+
+
+def layered_tissue() -> Mapping[str, Any]:
+    """Return the tissue of the fingers on which `layered` was measured."""
+    return table.table().all(table.LAYERED, "error of force", LAYERED)[0].conditions
+
+
+def _layered_curve(indenter: Indenter) -> Measured:
+    """Return the error of `layered` over the depth under an indenter."""
+    curves = table.table().presses(table.LAYERED, "error of force", LAYERED)
+    return curves[layered_press(indenter)]
 
 
 def layered_press(indenter: Indenter) -> str:
@@ -234,11 +221,11 @@ def layered_press(indenter: Indenter) -> str:
     return min(blunter, key=LAYERED_PRESSES.__getitem__)
 
 
-def solid() -> dict[str, Any]:
-    """Return the forces of `solid` and of everything cheaper, by press, of one subject."""
-    rows: dict[str, Any] = read(SOLID_REPORT)["rows"]
+def _forces(mechanics: Candidate, quantity: str = "force") -> dict[str, Measured]:
+    """Return the forces of a mechanics on the finger of SOLID_SUBJECT, by object."""
+    curves = table.table().presses(table.SOLID, quantity, mechanics)
     own = {press: f"{SOLID_SUBJECT}/{press}" for press in LAYERED_PRESSES}
-    return {press: rows[name] for press, name in own.items() if name in rows}
+    return {press: curves[name] for press, name in own.items() if name in curves}
 
 
 def solid_press(case: Situation) -> str:
@@ -248,22 +235,22 @@ def solid_press(case: Situation) -> str:
     """
     if case.indenter.sharp:
         return "flat-30"
-    radius = case.indenter.least_radius
-    for press in sorted(solid(), key=LAYERED_PRESSES.__getitem__):
-        if LAYERED_PRESSES[press] >= radius and _part(case, press) <= solid_reach(press):
+    radius, forces = case.indenter.least_radius, _forces(SOLID)
+    for press in sorted(forces, key=LAYERED_PRESSES.__getitem__):
+        deep_enough = case.depth_over_thickness(forces[press]) <= solid_reach(press)
+        if LAYERED_PRESSES[press] >= radius and deep_enough:
             return press
     return "flat-30"
 
 
 def solid_reach(press: str) -> float:
     """Return the largest depth over the finger's thickness at which a press was measured."""
-    row = solid()[press]
-    return float(row["depth_mm"][-1] / row["thickness_mm"])
+    return float(_forces(SOLID)[press].part[-1])
 
 
 def small_strain_part(case: Situation) -> float:
     """Return the depth of the scene over the finger's thickness, which small strain errs by."""
-    return _part(case, solid_press(case))
+    return case.depth_over_thickness(_forces(SOLID)[solid_press(case)])
 
 
 def small_strain_error(case: Situation) -> float:
@@ -273,18 +260,13 @@ def small_strain_error(case: Situation) -> float:
     beyond them, and none at first touch; of tissue that relaxes, where that was measured.
     """
     press = solid_press(case)
-    row = solid()[press]
-    parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
-    told = (row["relaxing_N"], row["force_N"])
-    forces = next(each for each in told if each and None not in each["solid"])
-    small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
-    apart = np.maximum.accumulate(np.abs(small - finite)) / finite
-    return float(np.interp(_part(case, press), parts, [0.0, *apart]))
-
-
-def _part(case: Situation, press: str) -> float:
-    row = solid()[press]
-    return case.depth_over_thickness(row, row["force_N"]["solid"])
+    relaxing = _forces(SOLID, "relaxing force").get(press)
+    complete = relaxing is not None and not np.isnan(relaxing.values).any()
+    quantity = "relaxing force" if complete else "force"
+    small, finite = (_forces(mechanics, quantity)[press] for mechanics in (LINEAR, SOLID))
+    differences = np.abs(small.values - finite.values)
+    errors = np.maximum.accumulate(differences) / finite.values
+    return float(np.interp(small_strain_part(case), [0.0, *finite.part], [0.0, *errors]))
 
 
 def solid_error(case: Situation) -> tuple[float, str]:
@@ -294,12 +276,11 @@ def solid_error(case: Situation) -> tuple[float, str]:
     larger: measured under fewer objects and, for the fine mesh, on the standard one.
     """
     error, press = linear_mesh_error(case)
-    source = f"reports/{LINEAR_REPORT}, {press}"
-    own = linear_press(case.indenter, tuple(solid()))
-    errors = solid().get(own, {"mesh_error": None})["mesh_error"]
-    resolution = case.mesh
-    if errors is not None:
-        measured = errors["standard" if resolution == "fine" else resolution]
-        if measured > error:
-            error, source = measured, f"reports/{SOLID_REPORT}, {own}"
+    source = f"reports/{table.LINEAR}, {press}"
+    press = linear_press(case.indenter, tuple(_forces(SOLID)))
+    candidate = replace(SOLID, resolution=case.mesh).measured
+    errors = table.table().presses(table.SOLID, MESH_ERROR, candidate)
+    measured = errors.get(f"{SOLID_SUBJECT}/{press}")
+    if measured is not None and measured.value > error:
+        error, source = measured.value, f"reports/{table.SOLID}, {press}"
     return error, f"{source}: of the mesh, not of the model"

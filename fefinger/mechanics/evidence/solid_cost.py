@@ -7,16 +7,16 @@ import numpy as np
 
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.table import LINEAR, SOLID_COST, Measured, read, table
 from fefinger.mechanics.evidence.tradeoff import LAW
-from fefinger.mechanics.press.load_steps import memories, stride
+from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.scene.indenter import INDENTERS
 from fefinger.scene.motion import Motion
 from fefinger.theory.relaxation import Prony
 
-
-REPORT = "solid-cost.json"
 
 MESHES = ("coarse", "standard")
 """The measured ones; the fine one costs more as these do with their unknowns."""
@@ -42,45 +42,56 @@ class Cost(NamedTuple):
 @cache
 def cost(mesh: str) -> Cost:
     """Return the cost on a mesh: medians of the presses, of the steps by least squares."""
-    rows = reports.read(REPORT)["rows"]
+    every = table().entries
+    timed = [x for x in every if (x.report, x.quantity) == (SOLID_COST, "step seconds")]
     basis = [
         [
-            *(row["mesh"] == name for name in MESHES),
-            row["depth_mm"] / row["thickness_mm"],
-            INDENTERS[row["kind"]].sharp,
-            row["law"] != LAW,
+            *(each.candidate.resolution == name for name in MESHES),
+            _part(each),
+            INDENTERS[each.conditions["kind"]].sharp,
+            each.conditions["law"] != LAW,
         ]
-        for row in rows
+        for each in timed
     ]
-    steps = np.log([row["step_seconds"] for row in rows])
+    steps = np.log([each.value for each in timed])
     found = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
     growth, sharp, stiffening = found[len(MESHES) :].tolist()
     known = [
-        [np.median([row[stage] for row in rows if row["mesh"] == name]) for name in MESHES]
-        for stage in ("setup_seconds", "reference_seconds")
+        [_median(f"{stage} seconds", name) for name in MESHES] for stage in ("setup", "reference")
     ]
     costs = np.array([*known, np.exp(found[: len(MESHES)])])
-    sizes = np.log([reports.linear()[name]["unknowns"] for name in (*MESHES, mesh)])
+    meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
+    sizes = np.log([table().value(LINEAR, "unknowns", each) for each in meshes])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])
     setup, reference, step = (costs[:, 1] * np.exp(power * (sizes[2] - sizes[1]))).tolist()
-    deepest = max(row["depth_mm"] / row["thickness_mm"] for row in rows)
+    deepest = max(map(_part, timed))
     return Cost(setup, reference, step, growth, sharp, stiffening, deepest)
+
+
+def _part(timed: Measured) -> float:
+    """Return the depth of a press that was timed, over the finger's thickness."""
+    return float(timed.conditions["depth_mm"] / timed.conditions["thickness_mm"])
+
+
+def _median(quantity: str, mesh: str) -> float:
+    rows = table().all(SOLID_COST, quantity, Candidate("solid", mesh))
+    return float(np.median([row.value for row in rows]))
 
 
 @lru_cache(maxsize=8)
 def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
     """Return how many steps a motion is solved in."""
-    return len(stride(motion, time_grid(motion, fast=fast), relaxing).chosen)
+    return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 
 def seconds(case: Situation) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(case.mesh), case.finger
-    steps = _steps(case.motion, memories(finger), fast=case.fast)
+    steps = _steps(case.motion, tissue_relaxations(finger), fast=case.fast)
     deep = min(reports.small_strain_part(case), spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
     whole = spent.setup + steps * spent.step * np.exp(harder)
     whole += spent.reference if case.ask.spikes else 0.0
     whole *= 1.0 if case.half else reports.WHOLE
-    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(case)
+    return float(whole * slowness(read(SOLID_COST))) + reports.mesh_seconds(case)

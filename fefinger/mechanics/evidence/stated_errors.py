@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
-from fefinger.mechanics.evidence.tradeoff import REPORT, STATED, rules
+from fefinger.mechanics.evidence.table import table
+from fefinger.mechanics.evidence.tradeoff import REPORT, STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.scene.finger import Finger
+from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import Ramp
 from fefinger.support.text import percent
@@ -64,26 +65,36 @@ def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> St
     """
     if case.place is None or not case.measured_tissue:
         return None
-    known, mechanics = rules(), candidate.mechanics
-    names, rows = list(case.neighbors), known["presses"]
+    mechanics, names = Candidate(candidate.mechanics), list(case.neighbors)
     deepest = max(case.deepest(name) for name in names)
-    same_size = tradeoff.measured_size(case.finger, rows[names[0]])
+    same_size = tradeoff.measured_size(case.finger, tradeoff.forces()[names[0]])
     read = tradeoff.interpolated if same_size or quantity == "force" else tradeoff.largest
-    errors = read(rows, candidate.label, case.place, deepest, quantity)
+    errors = read(table(), candidate, case.place, deepest, quantity)
     if errors is None:
         return None
-    numerical = errors[0] + known["steps"][mechanics][quantity]
-    model = errors[1] * known["directs"][mechanics][quantity]
-    model *= known["fingers"][mechanics] if quantity == "force" and not same_size else 1.0
-    margins = known["margins"][candidate.label][quantity]
-    margin = moving(margins["motion"], names) * sum(errors)
-    margin += 0.0 if same_size and len(names) == 1 else margins["between"]
+    numerical = errors[0] + _rule(f"error of time steps, {quantity}", mechanics)
+    model = errors[1] * _rule(f"factor of direct runs, {quantity}", mechanics)
+    if quantity == "force" and not same_size:
+        model *= _rule("factor of other fingers", mechanics)
+    margin = moving(motion_shares(candidate, quantity), names) * sum(errors)
+    if not same_size or len(names) > 1:
+        margin += _rule(f"margin between presses, {quantity}", candidate)
     margin += DRAWN * scatter(candidate, deepest, quantity)
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
         f"{percent(model)} of the model, {percent(margin)} of margin"
     )
     return Stated(numerical + model + margin, numerical, model, source)
+
+
+def _rule(quantity: str, candidate: Candidate) -> float:
+    """Return a margin, a factor or an error of the trade-off."""
+    return table().value(REPORT, quantity, candidate)
+
+
+def motion_shares(candidate: Candidate, quantity: str) -> dict[str, float]:
+    """Return by which share presses tell too little of motions, by press."""
+    return table().values(REPORT, f"share of motion, {quantity}", candidate)
 
 
 def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
@@ -106,13 +117,14 @@ def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:
     """
     if case.place is None or not case.measured_tissue:
         return {}
-    label, scenes = candidate.measured.label, tradeoff.read()["scenes"].values()
-    rows = [each["candidates"].get(label, {}).get("spikes") for each in scenes]
-    known = [row for row in rows if row]
-    if not known:
+    counts, firsts = (
+        table().values(REPORT, f"spikes, {what}", candidate.measured).values()
+        for what in ("count", "first_ms")
+    )
+    if not counts:
         return {}
-    first = max(row["first_ms"] for row in known if row["first_ms"] is not None)
-    return {"spike count": max(row["count"] for row in known), "first spike": 1e-3 * first}
+    first = max(each for each in firsts if not math.isnan(each))
+    return {"spike count": max(counts), "first spike": 1e-3 * first}
 
 
 def without_press(
@@ -132,7 +144,7 @@ def without_press(
             f"measured to {deepest:.2g}"
         )
     error *= 1 + _largest_share(candidate.mechanics)
-    error += rules()["steps"][candidate.mechanics]["force"]
+    error += _rule("error of time steps, force", Candidate(candidate.mechanics))
     for bound in (stated(candidate, nearest), _least(candidate, case, nearest)):
         if bound is not None and bound.error > error:
             error, source = bound.error, bound.source
@@ -141,9 +153,9 @@ def without_press(
 
 def _largest_share(mechanics: str) -> float:
     """Return by which share presses tell too little of motions at most, on any mesh."""
-    every = rules()["margins"].items()
-    margins = [each["force"] for name, each in every if Candidate.of(name).mechanics == mechanics]
-    return max((share for each in margins for share in each["motion"].values()), default=0.0)
+    meshes = (None, *RESOLUTIONS)
+    shares = [motion_shares(Candidate(mechanics, mesh), "force") for mesh in meshes]
+    return max((share for each in shares for share in each.values()), default=0.0)
 
 
 def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated | None:
@@ -157,10 +169,10 @@ def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated 
     pressed = replace(nearest, finger=Finger.subject(PRESSED), indenter=indenter)
     if pressed.place is None:
         return None
-    rows = rules()["presses"]
+    presses = tradeoff.forces()
     deep = min(
         *(case.deepest(name) for name in pressed.neighbors),
-        *(tradeoff.reach(rows[name]) for name in pressed.neighbors),
+        *(tradeoff.reach(presses[name]) for name in pressed.neighbors),
     )
     motion = Ramp(60.0, deep * pressed.finger.thickness, corner=0.0)
     return stated(candidate, replace(pressed, motion=motion))
@@ -171,6 +183,6 @@ def _depths(case: Situation, nearest: Situation) -> tuple[float, float]:
 
     Of an object unlike all plates and balls, those of all presses.
     """
-    rows = rules()["presses"]
-    press = max(nearest.neighbors or rows, key=lambda name: tradeoff.reach(rows[name]))
-    return case.deepest(press), tradeoff.reach(rows[press])
+    presses = tradeoff.forces()
+    press = max(nearest.neighbors or presses, key=lambda name: tradeoff.reach(presses[name]))
+    return case.deepest(press), tradeoff.reach(presses[press])

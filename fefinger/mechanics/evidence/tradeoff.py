@@ -6,21 +6,21 @@ mechanics leaves out ("model").
 """
 
 from collections.abc import Mapping
-from functools import cache
-from json import loads
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.mechanics.evidence import table
+from fefinger.mechanics.evidence.table import Measured, Table
+from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.support.package_data import report
 
 
 Array = NDArray[np.float64]
 
-REPORT = "tradeoff.json"
+REPORT = table.TRADEOFF
 
 CONTRAST = 1.1
 """Factor of the ratio of the moduli within which a finger counts as measured, a convention."""
@@ -60,17 +60,15 @@ class Place(NamedTuple):
     value: float
 
 
-@cache
-def read() -> dict[str, Any]:
-    """Return the report."""
-    measured: dict[str, Any] = loads(report(REPORT))
-    return measured
+def forces(known: Table | None = None) -> dict[str, Measured]:
+    """Return the force of `solid` over the depth, by press: of those measured, or of a table."""
+    return (known or table.table()).presses(REPORT, "force", Candidate("solid"))
 
 
-def rules() -> dict[str, Any]:
-    """Return the rules of the report."""
-    found: dict[str, Any] = read()["rules"]
-    return found
+def _sizes(name: str) -> list[float]:
+    """Return the angles, or the radii, of the objects of the presses."""
+    values = [press.conditions[name] for press in forces().values()]
+    return [value for value in values if value is not None]
 
 
 def place(angle: float | None, radius: float | None) -> Place:
@@ -81,22 +79,18 @@ def place(angle: float | None, radius: float | None) -> Place:
     return Place("angle", angle)
 
 
-def total(candidate: Mapping[str, Any], quantity: str) -> Array:
-    """Return the sum (n,) of numerical and model error of a candidate in a press."""
-    return np.add(candidate["numerical"][quantity], candidate["model"][quantity])
-
-
-def neighbors(presses: Mapping[str, Any], where: Place) -> dict[str, float]:
+def neighbors(presses: Mapping[str, Measured], where: Place) -> dict[str, float]:
     """Return the presses on either side of a place, or the one at it, with their weights.
 
     Beyond all, that is the last.
     """
     known: dict[str, float] = {}
-    for name, row in presses.items():
-        own = place(row["angle"], row["radius"])
+    for name, press in presses.items():
+        angle, radius = press.conditions["angle"], press.conditions["radius"]
+        own = place(angle, radius)
         if own.axis == where.axis:
             known[name] = own.value
-        elif where.axis == "curvature" and row["angle"] == 30:
+        elif where.axis == "curvature" and angle == 30:
             known[name] = 0.0
     below = [name for name in known if known[name] <= where.value]
     above = [name for name in known if known[name] >= where.value]
@@ -109,63 +103,59 @@ def neighbors(presses: Mapping[str, Any], where: Place) -> dict[str, float]:
     return {low: 1 - part, high: part}
 
 
-def reach(row: Mapping[str, Any]) -> float:
+def reach(press: Measured) -> float:
     """Return the largest depth over thickness that a press was measured at."""
-    return float(row["depth_mm"][-1] / row["thickness_mm"])
+    return float(press.part[-1])
 
 
 def interpolated(
-    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str = "force"
+    known: Table, candidate: Candidate, where: Place, part: float, quantity: str = "force"
 ) -> tuple[float, float] | None:
     """Return numerical and model error of a quantity at a place, between those of its neighbors.
 
     None where no neighbor was pressed so deep; one that was not counts with those at its deepest.
     """
-    weights = neighbors(presses, where)
-    names = [name for name in weights if gives(presses[name], candidate, quantity)]
-    if not any(part <= BEYOND * reach(presses[name]) for name in names):
+    presses, errors = forces(known), _errors(known, candidate, quantity)
+    weights = {name: each for name, each in neighbors(presses, where).items() if name in errors[0]}
+    if not any(part <= BEYOND * reach(presses[name]) for name in weights):
         return None
-    whole = sum(weights[name] for name in names)
-    parts = [
-        weights[name] / whole * errors_at(presses[name], candidate, part, quantity)
-        for name in names
-    ]
+    whole = sum(weights.values())
+    parts = [each / whole * _errors_at(errors, name, part) for name, each in weights.items()]
     numerical, model = np.sum(parts, axis=0).tolist()
     return numerical, model
 
 
 def largest(
-    presses: Mapping[str, Any], candidate: str, where: Place, part: float, quantity: str
+    known: Table, candidate: Candidate, where: Place, part: float, quantity: str
 ) -> tuple[float, float] | None:
     """Return the largest errors over all measured plates for a plate, over two balls for a ball.
 
     An upper bound for fingers that were measured by their force alone: which points of their
     meshes bear the pressure of a rim, and how a flat pad is rounded, differs between fingers.
     """
-    if interpolated(presses, candidate, where, part, quantity) is None:
+    if interpolated(known, candidate, where, part, quantity) is None:
         return None
-    names = [name for name, row in presses.items() if row["radius"] is None]
+    presses, errors = forces(known), _errors(known, candidate, quantity)
+    names = [name for name, press in presses.items() if press.conditions["radius"] is None]
     if where.axis == "curvature":
         names = list(neighbors(presses, where))
-    rows = [presses[name] for name in names if gives(presses[name], candidate, quantity)]
-    numerical, model = max(
-        (errors_at(row, candidate, part, quantity) for row in rows), key=sum
-    ).tolist()
+    every = [_errors_at(errors, name, part) for name in names if name in errors[0]]
+    numerical, model = max(every, key=sum).tolist()
     return numerical, model
 
 
-def gives(row: Mapping[str, Any], candidate: str, quantity: str) -> bool:
-    """Return whether a candidate gave a quantity in a press."""
-    return quantity in row["candidates"].get(candidate, {}).get("model", ())
+def _errors(known: Table, candidate: Candidate, quantity: str) -> list[dict[str, Measured]]:
+    """Return numerical and model errors over the depth, by press."""
+    return [known.presses(REPORT, f"{kind} error of {quantity}", candidate) for kind in KINDS]
 
 
-def errors_at(row: Mapping[str, Any], candidate: str, part: float, quantity: str) -> Array:
+def _errors_at(errors: list[dict[str, Measured]], press: str, part: float) -> Array:
     """Return numerical and model error (2,) in a press at a depth over thickness.
 
     Beyond its deepest they grow on as before it, up to BEYOND.
     """
-    parts = np.array(row["depth_mm"]) / row["thickness_mm"]
-    known = np.array([row["candidates"][candidate][kind][quantity] for kind in KINDS])
+    parts = errors[0][press].part
+    known = np.array([each[press].values for each in errors])
     further = np.clip(part - parts[-1], 0.0, (BEYOND - 1) * parts[-1])
     growth = np.maximum(known[:, -1] - known[:, -2], 0.0) / (parts[-1] - parts[-2])
     return np.array([np.interp(part, parts, each) for each in known]) + growth * further
@@ -176,13 +166,11 @@ def place_of(indenter: Indenter) -> Place | None:
     if other_object(indenter):
         return None
     flat, radius = indenter.flat, indenter.ball_radius
-    presses = rules()["presses"].values()
     if flat is not None:
-        angles = [row["angle"] for row in presses if row["angle"] is not None]
+        angles = _sizes("angle")
         return place(flat.angle, None) if min(angles) <= flat.angle <= max(angles) else None
     assert radius is not None
-    smallest = min(row["radius"] for row in presses if row["radius"] is not None)
-    return place(None, radius) if radius >= smallest else None
+    return place(None, radius) if radius >= min(_sizes("radius")) else None
 
 
 def other_object(indenter: Indenter) -> str:
@@ -198,7 +186,7 @@ def other_object(indenter: Indenter) -> str:
 
 def measured_tissue(finger: Finger) -> bool:
     """Return whether the tissues of a finger are, up to one modulus, those that were measured."""
-    known = rules()["tissue"]
+    known = next(iter(forces().values())).conditions["tissue"]
     contrast = finger.skin.modulus / finger.subcutaneous.modulus / known["skin_over_subcutaneous"]
     layers = (finger.skin, finger.subcutaneous)
     nu = [known["poisson"][name] for name in ("skin", "subcutaneous")]
@@ -217,15 +205,15 @@ def measured_tissue(finger: Finger) -> bool:
 
 def nearest(indenter: Indenter) -> Indenter:
     """Return the plate or ball next to one that was not pressed; another object as it is."""
-    presses = rules()["presses"].values()
     if indenter.flat is not None:
-        return Flat(min(indenter.flat.angle, max(row["angle"] or 0.0 for row in presses)))
+        return Flat(min(indenter.flat.angle, max(_sizes("angle"))))
     if indenter.ball_radius is not None:
-        return Sphere(max(indenter.ball_radius, min(row["radius"] or np.inf for row in presses)))
+        return Sphere(max(indenter.ball_radius, min(_sizes("radius"))))
     return indenter
 
 
-def measured_size(finger: Finger, row: Mapping[str, Any]) -> bool:
+def measured_size(finger: Finger, press: Measured) -> bool:
     """Return whether a finger has the size of the one that was pressed."""
+    row = press.conditions
     size = (finger.width, finger.thickness, finger.pad_radius)
     return size == (row["width_mm"], row["thickness_mm"], row["pad_radius_mm"])

@@ -10,7 +10,7 @@ from fefinger.validation.evidence.linear import costs
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
-from fefinger.mechanics.evidence import machine, reports, solid_cost
+from fefinger.mechanics.evidence import machine, reports, table
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.build import SETTINGS
@@ -34,7 +34,7 @@ def test_facets_are_as_long_as_the_mesher_is_asked_to_make_them() -> None:
 
 
 def test_the_error_of_linear_is_that_of_its_mesh_and_of_small_strain() -> None:
-    row = reports.solid()["flat-30"]
+    row = table.read(table.SOLID)["rows"]["a.h./flat-30"]
     last = row["depth_mm"][-1]
     error, source = reports.linear_error(Situation.of(at(last)))
     small, finite = (row["relaxing_N"][name][-1] for name in ("linear", "solid"))
@@ -55,7 +55,7 @@ def test_small_strain_errs_by_depth_over_thickness_and_not_at_first_touch() -> N
 
 
 def test_a_force_is_turned_into_the_depth_of_the_finger_that_has_crept() -> None:
-    row = reports.solid()["flat-30"]
+    row = table.read(table.SOLID)["rows"]["a.h./flat-30"]
     force, depth = row["force_N"]["solid"][7], row["depth_mm"][7]
     motion = {"kind": "force-ramp-hold", "loading_rate": 1.0, "force": force, "hold": 1.0}
     pressed = scene(motion=motion)
@@ -118,40 +118,43 @@ def test_the_cost_of_solid_grows_with_the_mesh_the_depth_and_the_spikes() -> Non
     )
 
 
-@pytest.mark.parametrize("row", reports.read(solid_cost.REPORT)["rows"], ids=pressed_to)
+@pytest.mark.parametrize("row", table.read(table.SOLID_COST)["rows"], ids=pressed_to)
 def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str, Any]) -> None:
     kinds = {"flat": ff.Flat, "sphere": ff.Sphere, "bar": ff.Bar}
     indenter = kinds[row["kind"]](**row["indenter"])
     named = (row["mesh"], row["subject"], row["tissue"])
     pressed = cost.scene(*named, indenter, row["depth_mm"])
-    here = machine.slowness(reports.read(solid_cost.REPORT))
+    here = machine.slowness(table.read(table.SOLID_COST))
     built = reports.mesh_seconds(Situation.of(pressed))
     assert 1 / 1.4 < (solid.cost(Situation.of(pressed)) - built) / (here * row["seconds"]) < 1.4
 
 
 @pytest.mark.parametrize(
     ("mechanics", "name"),
-    [(linear, reports.LINEAR_REPORT), (condensed, reports.CONDENSED_REPORT)],
+    [(linear, table.LINEAR), (condensed, table.CONDENSED)],
 )
 def test_what_is_measured_of_flat_press_is_what_is_expected_of_it(
     mechanics: Any, name: str, monkeypatch: pytest.MonkeyPatch, operators: Path
 ) -> None:
     named = scene(finger__resolution="coarse")
     response = mechanics.respond(named)
-    report, whole = reports.read(name), sum(response.seconds.values())
-    monkeypatch.setitem(report["resolutions"], "coarse", costs(response, whole))
+    report, whole = table.read(name), sum(response.seconds.values())
+    row = report["resolutions"]["coarse"] | costs(response, whole)
+    monkeypatch.setitem(report["resolutions"], "coarse", row)
+    measured = table.table.__wrapped__()
+    monkeypatch.setattr(table, "table", lambda: measured)
     assert mechanics.cost(Situation.of(named)) == pytest.approx(
         machine.slowness(report) * whole, rel=0.01
     )
 
 
 def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_asked() -> None:
-    row = reports.linear()["coarse"]
+    row = table.read(table.LINEAR)["resolutions"]["coarse"]
     short = replace(at(1.0), motion=Ramp(60.0, 1.0, corner=0.0))
     short = replace(short, finger=replace(short.finger, resolution="coarse"))
     held = replace(short, motion=ff.RampHold(60.0, 1.0, hold=1.0, corner=0.0))
     alone = replace(short, ask=replace(short.ask, pressure=False, fields=False))
-    here = machine.slowness(reports.read(reports.LINEAR_REPORT))
+    here = machine.slowness(table.read(table.LINEAR))
     steps = [len(time_grid(each.motion, fast=True)) for each in (short, held)]
     assert linear.cost(Situation.of(held)) - linear.cost(Situation.of(short)) == pytest.approx(
         here * (steps[1] - steps[0]) * row["step_seconds"]
@@ -165,7 +168,7 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
 
 
 def test_the_error_of_solid_is_that_of_its_mesh() -> None:
-    errors = reports.solid()["flat-30"]["mesh_error"]
+    errors = table.read(table.SOLID)["rows"]["a.h./flat-30"]["mesh_error"]
     assert reports.solid_error(Situation.of(at(1.5)))[0] == errors["standard"]
     assert "of the mesh" in reports.solid_error(Situation.of(at(1.5)))[1]
     fine = replace(at(1.5), finger=replace(at(1.5).finger, resolution="fine"))

@@ -8,7 +8,8 @@ import pytest
 import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import force_control, tradeoff
+from fefinger.mechanics.evidence import force_control
+from fefinger.mechanics.evidence.table import TRADEOFF, read
 from fefinger.mechanics.situation import Situation
 
 
@@ -32,7 +33,7 @@ def pressed(name: str, force: float, **parts: object) -> ff.Scene:
 def test_the_depth_is_as_wrong_as_the_inverse_of_a_wrong_force_or_less(
     name: str, sign: int
 ) -> None:
-    row = tradeoff.rules()["presses"][name]
+    row = read(TRADEOFF)["rules"]["presses"][name]
     forces, depths = np.log(row["force_N"]), np.log(row["depth_mm"])
     for force in forces[3:-2]:
         for error in (0.01, 0.06):

@@ -1,0 +1,271 @@
+"""Every measured error and cost of the mechanics, from all reports, as one table of one shape.
+
+An entry says what was measured (`quantity`), of which candidate, in which press, under which
+conditions, and in which report it stands. The rules of refusal, error and cost read entries; no
+other module knows how a report is laid out.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.results.candidate import Candidate
+from fefinger.support.package_data import report
+
+
+Array = NDArray[np.float64]
+
+LINEAR = "linear-mesh.json"
+CONDENSED = "condensed-cost.json"
+LAYERED = "layered-force.json"
+SOLID = "solid-force.json"
+SOLID_COST = "solid-cost.json"
+SCATTER = "mesh-scatter.json"
+LUMPED = "lumped-force.json"
+TRADEOFF = "tradeoff.json"
+
+SECONDS = ("build", "setup", "fields", "step", "area", "reference")
+"""Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """One quantity of one candidate in one press.
+
+    values (n,): over the `depth` (n,) in mm, one where it is no curve, nan where the mesh is too
+    coarse for it. `conditions` hold sizes and tissue of what was pressed, and the object.
+    """
+
+    report: str
+    candidate: Candidate
+    quantity: str
+    press: str
+    values: Array
+    depth: Array | None = None
+    conditions: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def value(self) -> float:
+        """The value where it is no curve, else that at the largest depth."""
+        return float(self.values[-1])
+
+    @property
+    def deepest(self) -> float:
+        """Largest measured depth in mm."""
+        assert self.depth is not None
+        return float(self.depth[-1])
+
+    @cached_property
+    def part(self) -> Array:
+        """Depth (n,) over the thickness of the finger."""
+        assert self.depth is not None
+        return np.asarray(self.depth / self.conditions["thickness_mm"])
+
+    def at(self, depth: float) -> float:
+        """Return the value at a depth in mm: linear between the measured ones, constant beyond."""
+        assert self.depth is not None
+        return float(np.interp(depth, self.depth, self.values))
+
+
+class Table:
+    """Entries by report, quantity, candidate and press."""
+
+    def __init__(self, entries: Iterator[Measured]) -> None:
+        """Index the entries; of equal keys all are kept."""
+        self.entries = tuple(entries)
+        self._groups: dict[tuple[str, str, Candidate], list[Measured]] = {}
+        for each in self.entries:
+            key = each.report, each.quantity, each.candidate
+            self._groups.setdefault(key, []).append(each)
+        self._values: dict[tuple[str, str, Candidate], dict[str, float]] = {}
+        self._presses = {
+            key: {each.press: each for each in group} for key, group in self._groups.items()
+        }
+
+    def all(self, report: str, quantity: str, candidate: Candidate) -> list[Measured]:
+        """Return all entries of a quantity of a candidate."""
+        return self._groups.get((report, quantity, candidate), [])
+
+    def presses(self, report: str, quantity: str, candidate: Candidate) -> dict[str, Measured]:
+        """Return the entries of a quantity of a candidate by press."""
+        return self._presses.get((report, quantity, candidate), {})
+
+    def values(self, report: str, quantity: str, candidate: Candidate) -> dict[str, float]:
+        """Return the single values of a quantity of a candidate, by press."""
+        key = report, quantity, candidate
+        if key not in self._values:
+            rows = self.presses(report, quantity, candidate)
+            self._values[key] = {press: row.value for press, row in rows.items()}
+        return self._values[key]
+
+    def value(self, report: str, quantity: str, candidate: Candidate, press: str = "") -> float:
+        """Return a single value."""
+        return self.values(report, quantity, candidate)[press]
+
+
+@cache
+def read(name: str) -> dict[str, Any]:
+    """Return a report as it is written."""
+    measured: dict[str, Any] = json.loads(report(name))
+    return measured
+
+
+@cache
+def table() -> Table:
+    """Return the table of all reports."""
+    return Table(each for name, entries in READERS.items() for each in entries(name))
+
+
+def forget() -> None:
+    """Forget all reports, so that they are read again."""
+    read.cache_clear()
+    table.cache_clear()
+
+
+def _entry(
+    report: str,
+    candidate: Candidate,
+    quantity: str,
+    press: str,
+    values: Any,
+    depth: Any = None,
+    conditions: Mapping[str, Any] | None = None,
+) -> Measured:
+    """Return an entry; None among its values becomes nan."""
+    array = np.atleast_1d(np.array(values, dtype=float))
+    depths = None if depth is None else np.array(depth, dtype=float)
+    return Measured(report, candidate, quantity, press, array, depths, conditions or {})
+
+
+def _costs(
+    name: str,
+    candidate: Candidate,
+    row: Mapping[str, Any],
+    conditions: Mapping[str, Any] | None = None,
+) -> Iterator[Measured]:
+    """Give the seconds of each stage that a row holds."""
+    for stage in SECONDS:
+        if f"{stage}_seconds" in row:
+            seconds = row[f"{stage}_seconds"]
+            yield _entry(name, candidate, f"{stage} seconds", "", seconds, None, conditions)
+
+
+def _linear(name: str) -> Iterator[Measured]:
+    for mesh, row in read(name)["resolutions"].items():
+        candidate = Candidate("linear", mesh)
+        yield from _costs(name, candidate, row)
+        yield _entry(name, candidate, "unknowns", "", row["unknowns"])
+        for press, error in row["force_error"].items():
+            yield _entry(name, candidate, "numerical error of force", press, error)
+
+
+def _condensed(name: str) -> Iterator[Measured]:
+    for mesh, row in read(name)["resolutions"].items():
+        yield from _costs(name, Candidate("condensed", mesh), row)
+    for mesh, errors in read(name)["force_error"]["presses"].items():
+        for press, error in errors.items():
+            candidate = Candidate("condensed", mesh)
+            yield _entry(name, candidate, "numerical error of force", press, error)
+
+
+def _layered(name: str) -> Iterator[Measured]:
+    candidate, tissue = Candidate("layered"), read(name)["tissue"]
+    yield from _costs(name, candidate, read(name))
+    for press, row in read(name)["presses"].items():
+        error, depth = row["force_error"], row["depth_mm"]
+        yield _entry(name, candidate, "error of force", press, error, depth, tissue)
+
+
+def _solid(name: str) -> Iterator[Measured]:
+    for press, row in read(name)["rows"].items():
+        conditions = {key: row.get(key) for key in ("thickness_mm", "subcutaneous_kPa")}
+        for quantity, key in (("force", "force_N"), ("relaxing force", "relaxing_N")):
+            for model, force in (row.get(key) or {}).items():
+                depth, candidate = row["depth_mm"], Candidate(model)
+                yield _entry(name, candidate, quantity, press, force, depth, conditions)
+        for mesh, error in (row.get("mesh_error") or {}).items():
+            candidate = Candidate("solid", mesh)
+            yield _entry(name, candidate, "numerical error of force", press, error)
+
+
+def _solid_cost(name: str) -> Iterator[Measured]:
+    for row in read(name)["rows"]:
+        yield from _costs(name, Candidate("solid", row["mesh"]), row, row)
+
+
+def _scatter(name: str) -> Iterator[Measured]:
+    for mesh, presses in read(name)["rows"].items():
+        for press, row in presses.items():
+            for quantity in row.keys() - {"part"}:
+                values, conditions = row[quantity], {"thickness_mm": 1.0}
+                candidate, label = Candidate("linear", mesh), f"scatter of {quantity}"
+                yield _entry(name, candidate, label, press, values, row["part"], conditions)
+
+
+def _lumped(name: str) -> Iterator[Measured]:
+    candidate = Candidate("lumped")
+    for row in read(name)["rows"]:
+        yield _entry(name, candidate, "law", row["source"], (row["b"], row["m"]), None, row)
+    for subject, row in read(name)["calibrated"].items():
+        for quantity, key in (("force", "force_N"), ("error of force", "error")):
+            press, depth = f"calibrated {subject}", row["depth_mm"]
+            conditions = {"angle": read(name)["angle"]}
+            yield _entry(name, candidate, quantity, press, row[key], depth, conditions)
+        relaxing = row["relaxing"]
+        yield _entry(name, candidate, "relaxing error", f"calibrated {subject}", relaxing)
+
+
+def presses_of_tradeoff(
+    rows: Mapping[str, Mapping[str, Any]], tissue: Mapping[str, Any] | None = None
+) -> Iterator[Measured]:
+    """Give force and errors of every candidate over the depth of presses, in rows by name."""
+    sizes = ("angle", "radius", "width_mm", "thickness_mm", "pad_radius_mm", "subcutaneous_kPa")
+    for press, row in rows.items():
+        depth = row["depth_mm"]
+        conditions = {key: row[key] for key in sizes} | {"tissue": tissue}
+        force = row["force_N"]
+        yield _entry(TRADEOFF, Candidate("solid"), "force", press, force, depth, conditions)
+        for label, errors in row["candidates"].items():
+            for part, curves in errors.items():
+                for name, values in curves.items():
+                    quantity, candidate = f"{part} error of {name}", Candidate.of(label)
+                    yield _entry(TRADEOFF, candidate, quantity, press, values, depth, conditions)
+
+
+def _tradeoff(name: str) -> Iterator[Measured]:
+    rules = read(name)["rules"]
+    yield from presses_of_tradeoff(rules["presses"], rules["tissue"])
+    for kind, quantity in (("steps", "error of time steps"), ("directs", "factor of direct runs")):
+        for mechanics, row in rules[kind].items():
+            for what, value in row.items():
+                yield _entry(name, Candidate(mechanics), f"{quantity}, {what}", "", value)
+    for mechanics, value in rules["fingers"].items():
+        yield _entry(name, Candidate(mechanics), "factor of other fingers", "", value)
+    for label, row in rules["margins"].items():
+        candidate = Candidate.of(label)
+        for what, margins in row.items():
+            yield _entry(name, candidate, f"margin between presses, {what}", "", margins["between"])
+            for press, share in margins["motion"].items():
+                yield _entry(name, candidate, f"share of motion, {what}", press, share)
+    for scene, row in read(name)["scenes"].items():
+        for label, found in row["candidates"].items():
+            for what, value in (found.get("spikes") or {}).items():
+                yield _entry(name, Candidate.of(label), f"spikes, {what}", scene, value)
+
+
+READERS = {
+    LINEAR: _linear,
+    CONDENSED: _condensed,
+    LAYERED: _layered,
+    SOLID: _solid,
+    SOLID_COST: _solid_cost,
+    SCATTER: _scatter,
+    LUMPED: _lumped,
+    TRADEOFF: _tradeoff,
+}
+"""How each report is laid out."""

@@ -1,0 +1,89 @@
+"""The table of evidence against the reports that it is read from."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fefinger.mechanics.evidence import table
+from fefinger.mechanics.evidence.table import Measured, read
+from fefinger.results.candidate import Candidate
+
+
+def curve(report: str, quantity: str, label: str, press: str) -> Measured:
+    return table.table().presses(report, quantity, Candidate.of(label))[press]
+
+
+def test_every_report_is_in_the_table_and_every_entry_has_numbers() -> None:
+    assert {each.report for each in table.table().entries} == set(table.READERS)
+    for each in table.table().entries:
+        assert each.values.dtype == float
+        assert each.depth is None or each.depth.shape == each.values.shape
+        keyed = table.table().all(each.report, each.quantity, each.candidate)
+        assert any(each is other for other in keyed)
+
+
+ENTRIES = [
+    (table.LINEAR, "setup seconds", "linear coarse", "", "resolutions > coarse > setup_seconds"),
+    (
+        *(table.CONDENSED, "numerical error of force", "condensed fine", "edge"),
+        "force_error > presses > fine > edge",
+    ),
+    (
+        *(table.SOLID, "numerical error of force", "solid coarse", "a.h./flat-30"),
+        "rows > a.h./flat-30 > mesh_error > coarse",
+    ),
+    (
+        *(table.LUMPED, "relaxing error", "lumped", "calibrated a.h."),
+        "calibrated > a.h. > relaxing",
+    ),
+    (
+        *(table.TRADEOFF, "share of motion, strain", "solid fine", "flat-30"),
+        "rules > margins > solid fine > strain > motion > flat-30",
+    ),
+    (table.LAYERED, "error of force", "layered", "flat-30", "presses > flat-30 > force_error"),
+    (table.SOLID, "force", "linear", "d.p./flat-30", "rows > d.p./flat-30 > force_N > linear"),
+    (table.SCATTER, "scatter of area", "linear coarse", "flat-0", "rows > coarse > flat-0 > area"),
+    (
+        *(table.TRADEOFF, "model error of strain", "linear standard", "flat-15"),
+        "rules > presses > flat-15 > candidates > linear standard > model > strain",
+    ),
+]
+"""Report, quantity, candidate and press of entries, and where the report has their numbers."""
+
+
+@pytest.mark.parametrize(("report", "quantity", "label", "press", "place"), ENTRIES)
+def test_an_entry_holds_the_numbers_of_its_report(
+    report: str, quantity: str, label: str, press: str, place: str
+) -> None:
+    written: Any = read(report)
+    for key in place.split(" > "):
+        written = written[key]
+    found = curve(report, quantity, label, press)
+    assert found.values.tolist() == np.atleast_1d(written).tolist()
+
+
+def test_seconds_of_solid_are_one_entry_per_press_in_their_order() -> None:
+    every = [each for each in table.table().entries if each.report == table.SOLID_COST]
+    steps = [each.value for each in every if each.quantity == "step seconds"]
+    assert steps == [row["step_seconds"] for row in read(table.SOLID_COST)["rows"]]
+
+
+def test_a_mesh_that_is_too_coarse_for_a_press_has_no_number() -> None:
+    error = curve(table.LINEAR, "numerical error of force", "linear coarse", "sphere-2")
+    assert np.isnan(error.value)
+
+
+def test_between_measured_depths_a_value_is_linear_and_beyond_them_constant() -> None:
+    error = curve(table.LAYERED, "error of force", "layered", "flat-30")
+    assert error.depth is not None
+    middle = (error.depth[0] + error.depth[1]) / 2
+    assert error.at(middle) == pytest.approx((error.values[0] + error.values[1]) / 2)
+    assert error.at(2 * error.deepest) == error.value
+
+
+def test_no_other_module_of_the_mechanics_opens_a_report() -> None:
+    room = Path(table.__file__).parents[1]
+    readers = [path for path in room.rglob("*.py") if "package_data" in path.read_text("utf-8")]
+    assert readers == [Path(table.__file__)]

@@ -1,0 +1,83 @@
+"""A press as the solvers see it: what of a scene is placed on a body, and what is left out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.fem.contact.patch import smooth_places
+from fefinger.fem.elements.spaces import trace
+from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
+from fefinger.mechanics.press.operator import METHOD
+from fefinger.mechanics.press.problem import FORCE_DEPTH, Press
+from fefinger.mechanics.press.small_strain import WHOLE_MESH
+from fefinger.support.progress import Stages
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+LEAN = ff.Ask(pressure=False, strain=False, fields=False)
+
+
+def press(method=FINITE_STRAIN, indenter=None, motion=None, ask=LEAN, **options) -> Press:
+    scene = ff.Scene(
+        finger=FINGER,
+        indenter=indenter or ff.Flat(30),
+        motion=motion or ff.RampHold(20, 0.4, hold=0.1),
+        ask=ask,
+    )
+    return Press.of(scene, method, Stages(), mechanics="linear", notes=("a note",), **options)
+
+
+def test_sites_are_placed_for_strain_and_the_reference_plate_for_spikes() -> None:
+    lean = press()
+    assert (lean.sites, lean.reference, lean.pressure, lean.fields) == (None, None, False, False)
+    strained = press(ask=replace(LEAN, strain=True))
+    assert len(strained.sites.types) == 4
+    assert strained.reference is None
+    fired = press(ask=replace(LEAN, spikes=("SAI",)), indenter=ff.Sphere(5, at=(2.0, 1.0)))
+    assert fired.sites.types == fired.reference.sites.types == ("SAI",)
+    assert not np.allclose(fired.sites.points, fired.reference.sites.points)
+    assert not fired.standard
+
+
+def test_the_indenter_is_at_first_touch() -> None:
+    placed = press(indenter=ff.Sphere(5, at=(2.0, 1.0)))
+    body = placed.body
+    places = smooth_places(body.space.points, body.normals, trace(body.space, body.pad))
+    assert placed.obstacle.gap(places)[0].min() == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(placed.obstacle.origin[:2], (2.0, 1.0), atol=0.05)
+
+
+def test_loads_are_those_of_the_meshed_part() -> None:
+    by_force = ff.ForceRamp(1.0, 0.5)
+    half, whole = (press(motion=by_force, indenter=ff.Flat(30, tilt)) for tilt in (0.0, 10.0))
+    assert (half.sides, half.load_unit) == (2, 500.0)
+    assert (whole.sides, whole.load_unit) == (1, 1000.0)
+    assert half.expected_depth == FORCE_DEPTH * FINGER.thickness
+    by_depth = press()
+    assert (by_depth.load_unit, by_depth.expected_depth) == (1.0, 0.4)
+
+
+def test_refining_divides_every_time_step() -> None:
+    once, twice = press().time, press(refine=2).time
+    np.testing.assert_array_equal(once, twice[::2])
+
+
+@pytest.mark.usefixtures("operators")
+def test_every_mechanics_makes_its_press_in_the_same_way() -> None:
+    ask = replace(LEAN, spikes=("SAI", "FAI"))
+    whole, finite, reduced = (press(each, ask=ask) for each in (WHOLE_MESH, FINITE_STRAIN, METHOD))
+    for other in (finite, reduced):
+        np.testing.assert_array_equal(other.time, whole.time)
+        np.testing.assert_allclose(other.sites.points, whole.sites.points, atol=1e-12)
+        np.testing.assert_allclose(other.obstacle.origin, whole.obstacle.origin, atol=1e-12)
+        assert other.notes == whole.notes
+        assert other.notes[0] == "a note"
+
+
+@pytest.mark.usefixtures("operators")
+def test_a_reduced_body_has_no_system() -> None:
+    assert press().system.name
+    with pytest.raises(TypeError, match="expected a Body with a system, received Operator"):
+        _ = press(METHOD).system
