@@ -23,7 +23,7 @@ SENTENCES = {
     130: "interrupted; nothing was left half-written\n",
     143: "terminated; nothing was left half-written\n",
 }
-GOES_ON = "; the same command goes on from the scenes that are finished\n"
+GOES_ON = "; the same command continues from the finished scenes\n"
 PATIENCE = 60.0  # s that an ended command may take at the most
 GRACE = 1.0  # s after which no process of an ended command may be left
 

@@ -28,7 +28,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.theory.contact.stack import Stack
-from fefinger.theory.contact.subsurface import below
+from fefinger.theory.contact.subsurface import subsurface_field
 
 
 Array = NDArray[np.float64]
@@ -242,7 +242,7 @@ def stack_row(kind: Kind, level: int) -> dict[str, Any]:
     r, z = (axis.ravel() for axis in np.meshgrid(a * np.array([0, 0.5, 1.0]), INTERFACE_DEPTHS))
     turn = np.array([np.cos(hertz.AZIMUTH), np.sin(hertz.AZIMUTH)])
     assert isinstance(truth.body, Stack)
-    strain = turned(below(truth.body, [truth], r, z=z).strain[0], turn)
+    strain = turned(subsurface_field(truth.body, [truth], r, z=z).strain[0], turn)
     points = np.column_stack([np.multiply.outer(r, turn), z])
     return _row(kind, found.body, found.exact, points, strain)
 

@@ -19,7 +19,7 @@ from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 from fefinger.theory.contact.indentation import Contact, over_edge, paraboloid
 from fefinger.theory.contact.stack import Stack
-from fefinger.theory.contact.subsurface import below
+from fefinger.theory.contact.subsurface import subsurface_field
 
 
 LEVELS = 48
@@ -94,7 +94,7 @@ class Table:
         """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
 
         r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for
-        points that `below` rejects under the widest contact. The last fields are cached.
+        points that `subsurface_field` rejects under the widest contact. The last fields are cached.
         """
         depth = np.atleast_1d(self._within(depth))
         r, z = (np.atleast_1d(np.asarray(place, np.float64)) for place in (r, z))
@@ -162,7 +162,7 @@ def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) 
 
     It tends to that of a point force with zero slope in a.
     """
-    solved = below(table.stack, table.contacts, r, z=z).strain
+    solved = subsurface_field(table.stack, table.contacts, r, z=z).strain
     wide = np.array([contact.contact_radius for contact in table.contacts])
     force = np.array([contact.force for contact in table.contacts])
     return CubicSpline(wide, solved / force[:, None, None], bc_type=("clamped", "not-a-knot"))

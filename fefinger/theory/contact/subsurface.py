@@ -40,20 +40,22 @@ class Field:
     stress: Array
 
 
-def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLike) -> Field:
+def subsurface_field(
+    stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLike
+) -> Field:
     """Compute the field below `contacts` on one `stack` at points r (n_p,), z (n_p,) in mm.
 
     ValueError for a contact on another body, r < 0, or z outside 0.02 a to the base.
     """
-    r, z = elastic.points("below", r, z)
+    r, z = elastic.points("subsurface_field", r, z)
     r, z = np.atleast_1d(r), np.atleast_1d(z)
     if not contacts or any(contact.body != stack for contact in contacts):
-        msg = "below: expected at least one contact, and only contacts with this stack"
+        msg = "subsurface_field: expected at least one contact, and only contacts with this stack"
         raise ValueError(msg)
     widest = max(contact.contact_radius for contact in contacts)
     if np.any(z < SHALLOWEST * widest):
         msg = (
-            f"below: expected points at least {SHALLOWEST} contact radii = "
+            f"subsurface_field: expected points at least {SHALLOWEST} contact radii = "
             f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
             f"pressure of the contact"
         )

@@ -9,7 +9,7 @@ from fefinger.theory.contact.contact_table import STEP, tabulate, tabulate_to
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import paraboloid, paraboloid_at
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.contact.subsurface import below
+from fefinger.theory.contact.subsurface import subsurface_field
 
 
 FINGER = Stack((Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48)))
@@ -55,7 +55,7 @@ def test_strain_is_that_of_the_contacts_solved_there():
     r, z = np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.5, 0.7, 1.2, 2.0])
     actual = TABLE.strain(DEPTHS, r, z=z)
     contacts = [paraboloid_at(FINGER, 10.0, depth=depth) for depth in DEPTHS]
-    solved = below(FINGER, contacts, r, z=z).strain
+    solved = subsurface_field(FINGER, contacts, r, z=z).strain
     scale = np.abs(solved).max(axis=(1, 2))
     assert np.max(np.abs(actual - solved).max(axis=(1, 2)) / scale) < 1.5e-4
 

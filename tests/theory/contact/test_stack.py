@@ -13,7 +13,7 @@ from fefinger.theory.contact.indentation import flat_punch, paraboloid
 from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.quadrature import panels
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.contact.subsurface import below
+from fefinger.theory.contact.subsurface import subsurface_field
 
 
 XI = np.geomspace(1e-3, 60.0, 40)
@@ -195,7 +195,7 @@ def test_the_field_in_a_half_space_is_hubers(poisson):
         Stack((one, one, Layer(math.inf, 34.0, poisson))),
     ):
         contact = paraboloid(stack, 10.0, contact_radius=2.0)
-        field = below(stack, [contact], r, z=z)
+        field = subsurface_field(stack, [contact], r, z=z)
         np.testing.assert_allclose(field.strain[0], h.strain(r, z), atol=1e-12)
         np.testing.assert_allclose(field.stress[0], h.stress(r, z), atol=1e-10)
         np.testing.assert_allclose(field.displacement[0], h.displacement(r, z), atol=1e-12)
@@ -212,7 +212,7 @@ def test_the_field_is_in_equilibrium_and_the_gradient_of_its_displacement(stack,
     r, z = points(2, stack)
 
     def field(r, z):
-        return below(stack, [contact], r, z=z)
+        return subsurface_field(stack, [contact], r, z=z)
 
     def both(r, z):
         computed = field(r, z)
@@ -245,7 +245,7 @@ def test_every_plane_carries_the_force(stack):
     cuts = np.concatenate([[0.0, 1.0, 2.0, 3.0], np.geomspace(4.0, 400.0, 8)])
     half = np.diff(cuts)[:, None] / 2
     r, step = (cuts[:-1, None] + half * (nodes + 1)).ravel(), (half * weights).ravel()
-    axial = below(stack, [contact], r, z=np.full(len(r), 2.5)).stress[0, 2]
+    axial = subsurface_field(stack, [contact], r, z=np.full(len(r), 2.5)).stress[0, 2]
     carried = -2 * np.pi * np.sum(axial * r * step)
     # A half-space carries z³ / rho³ = 2e-7 of the force beyond 400 mm, a stiff layer above it
     # spreads the force and makes that ten times as much.
@@ -255,10 +255,10 @@ def test_every_plane_carries_the_force(stack):
 def test_shallow_points_have_the_pressure_and_the_axis_its_limit():
     contact = paraboloid(FINGER, 10.0, contact_radius=2.0)
     r = np.array([0.0, 0.5, 1.0, 1.5])
-    shallow = below(FINGER, [contact], r, z=np.full(4, 0.04))
+    shallow = subsurface_field(FINGER, [contact], r, z=np.full(4, 0.04))
     # sigma_z departs from the surface with the square of the depth.
     np.testing.assert_allclose(-shallow.stress[0, 2], contact.pressure(r), rtol=3e-3)
-    on, near = (below(FINGER, [contact], [x], z=[0.7]) for x in (0.0, 1e-7))
+    on, near = (subsurface_field(FINGER, [contact], [x], z=[0.7]) for x in (0.0, 1e-7))
     np.testing.assert_allclose(on.strain, near.strain, atol=1e-8)
     assert on.strain[0, 0, 0] == pytest.approx(on.strain[0, 1, 0], rel=1e-12)
 
@@ -299,10 +299,10 @@ def test_what_is_out_of_range_is_refused(make, sentence):
 def test_points_and_contacts_that_do_not_belong_are_refused():
     contact = paraboloid(FINGER, 10.0, contact_radius=2.0)
     with pytest.raises(ValueError, match="only contacts with this stack"):
-        below(THREE, [contact], [0.0], z=[1.0])
+        subsurface_field(THREE, [contact], [0.0], z=[1.0])
     with pytest.raises(ValueError, match=r"at least 0\.02 contact radii"):
-        below(FINGER, [contact], [0.0], z=[0.03])
+        subsurface_field(FINGER, [contact], [0.0], z=[0.03])
     with pytest.raises(ValueError, match="depths in 0 to 5"):
-        below(FINGER, [contact], [0.0], z=[5.2])
+        subsurface_field(FINGER, [contact], [0.0], z=[5.2])
     with pytest.raises(ValueError, match="at least one contact"):
-        below(FINGER, [], [0.0], z=[1.0])
+        subsurface_field(FINGER, [], [0.0], z=[1.0])
