@@ -16,7 +16,9 @@ from fefinger import mechanics, plan
 from fefinger.commands import console
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import machine
+from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
+from fefinger.results.candidate import MESHED, Candidate
 from fefinger.results.records import Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.support import package_data, text
@@ -26,17 +28,18 @@ from fefinger.support.checks import InputError
 def rung(name, *, seconds, error, refusals=()):
     """Return a mechanics that takes 1, 10 and 100 times `seconds` and errs 4, 1 and 0.5 times."""
 
-    def measured(scene):
+    def measured(case):
         if any(refusal.about == "ability" for refusal in refusals):
             pytest.fail("the cost of what cannot be done was asked")
-        return seconds * {"coarse": 0.1, "standard": 1.0, "fine": 10.0}[scene.finger.mesh]
+        return seconds * {"coarse": 0.1, "standard": 1.0, "fine": 10.0}[case.mesh]
 
     factors = {"coarse": 4.0, "standard": 1.0, "fine": 0.5}
     return SimpleNamespace(
         name=name,
-        refuse=lambda scene: refusals,
+        refuse=lambda case: refusals,
         cost=measured,
-        error=lambda scene: (error * factors[scene.finger.mesh], f"reports/{name}.json"),
+        once=lambda case: 0.0,
+        error=lambda case: (error * factors[case.mesh], f"reports/{name}.json"),
     )
 
 
@@ -127,7 +130,7 @@ def test_spikes_are_trusted_as_far_as_they_were_right_in_the_base_scenes(name):
     report = json.loads(package_data.report("tradeoff.json"))["scenes"].values()
     known = [row["candidates"].get(name.replace("fine", "standard")) for row in report]
     count, first = (max(r["spikes"][k] for r in known if r) for k in ("count", "first_ms"))
-    mechanics_, _, mesh = name.partition(" ")
+    mechanics_, mesh = Candidate.of(name).mechanics, Candidate.of(name).resolution
     asked = {"spikes": ["SAI"], "rel_error": 0.99}
     like = replace(scene(**asked).finger, resolution=mesh or "auto")
     found = plan.choose(replace(scene(**asked, fields=False), finger=like), mechanics_)
@@ -187,6 +190,18 @@ def test_when_nobody_answers_the_ladder_is_shown_with_what_to_relax():
     relaxed = plan.explain(scene(rel_error=0.031, seconds=50))
     assert relaxed.mechanics == "linear"
     assert plan.explain(scene(rel_error=0.01, seconds=60.5)).mechanics == "solid"
+
+
+@pytest.mark.usefixtures("four")
+def test_what_to_relax_is_read_from_the_field_of_a_refusal_and_not_from_its_sentence(monkeypatch):
+    reason = "expected relative error = 0.03 > 0.01 (ask.rel_error)"
+    other = Refusal("linear", "accuracy", reason, "indenter.radius")
+    barred = rung("linear", seconds=30.0, error=0.0001, refusals=(other,))
+    monkeypatch.setitem(LADDER, "linear", barred)
+    with pytest.raises(InputError) as caught:
+        plan.explain(scene(rel_error=0.01, seconds=5))
+    assert "Relax ask.rel_error" not in str(caught.value)
+    assert "Relax ask.seconds to 60 and solid on the coarse mesh answers." in str(caught.value)
 
 
 def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_is_offered():
@@ -309,8 +324,8 @@ def test_no_mesh_is_asked_after_where_a_force_law_will_do():
     assert [rung.mechanics for rung in found.rungs] == ["lumped", "hertz", "layered"]
     assert "Not asked, because slower and not needed: condensed, linear, solid." in found.sentence
     shortest = asked(resolution="coarse")
-    for name in mechanics.MESHED:
-        assert get(name).cost(shortest) > mechanics.QUICKEST
+    for name in MESHED:
+        assert get(name).cost(Situation.of(shortest)) > mechanics.QUICKEST
 
 
 def loaded(code):
@@ -352,13 +367,13 @@ def test_a_scene_without_spikes_loads_no_membrane():
 
 @pytest.mark.parametrize("name", ["hertz", "linear"])
 def test_strain_is_computed_only_where_it_is_asked(name, monkeypatch):
-    from fefinger.mechanics.press import axisymmetric, finite_strain, reference, small_strain
+    from fefinger.mechanics.press import axisymmetric, problem, reference
 
     def forbidden(*args, **kwargs):
         pytest.fail("sites were placed without being asked for")
 
-    for module in (axisymmetric, small_strain, finite_strain):
-        monkeypatch.setattr(module, "organs", forbidden)
+    for module in (axisymmetric, problem):
+        monkeypatch.setattr(module, "end_organ_sites", forbidden)
     monkeypatch.setattr(reference, "reference_press", forbidden)
     result = ff.run(asked(pressure=True, depth=0.2, resolution="coarse"), mechanics=name)
     assert result.pressure is not None
@@ -378,9 +393,9 @@ def test_the_press_that_scales_spikes_is_made_for_spikes_alone(name):
 
 def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
     ask = asked(resolution="coarse", pressure=True, strain=True)
-    before = {name: get(name).cost(ask) for name in mechanics.names()}
+    before = {name: get(name).cost(Situation.of(ask)) for name in mechanics.names()}
     monkeypatch.setattr(machine, "kept", lambda: 3 * machine.REPORTED)
-    after = {name: get(name).cost(ask) for name in mechanics.names()}
+    after = {name: get(name).cost(Situation.of(ask)) for name in mechanics.names()}
     assert after == pytest.approx({name: 3 * cost for name, cost in before.items()})
     assert "takes 0.2 s for a piece of work that took 0.068 s" in machine.sentence()
 
@@ -402,4 +417,4 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
 def test_under_a_steep_plate_condensed_is_expected_to_solve_the_whole_mesh():
     steep = asked(rel_error=0.4, pressure=True, resolution="coarse")
     steep = replace(steep, indenter=ff.Flat(60))
-    assert get("condensed").cost(steep) > get("linear").cost(steep)
+    assert get("condensed").cost(Situation.of(steep)) > get("linear").cost(Situation.of(steep))

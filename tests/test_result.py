@@ -90,15 +90,19 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
 
     def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
         found = encode(value, place, variables)
-        late = {"Rung": "errors", "Plan": "trust"}
+        late = {"Rung": "errors", "Plan": "trust", "Refusal": "field"}
         if isinstance(found, dict) and found.get("record") in late:
             del found[late[found["record"]]]
         return found
 
     monkeypatch.setattr(netcdf, "_encode", former)
-    synthetic.save(tmp_path)
+    refusal = dataclasses.replace(synthetic.plan.overridden[0], field="motion.depth")
+    dataclasses.replace(
+        synthetic, plan=dataclasses.replace(synthetic.plan, overridden=(refusal,))
+    ).save(tmp_path)
     found = load(tmp_path).plan
     assert found.trust == ""
+    assert found.overridden == (dataclasses.replace(refusal, field=""),)
     assert [rung.errors for rung in found.rungs] == [{}, {}]
     assert found.chosen.error == synthetic.plan.chosen.error
 

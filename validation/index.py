@@ -5,10 +5,8 @@ with `--pages` it first writes the page of every suite anew from its JSON, witho
 """
 
 import json
-import re
 import sys
 from collections.abc import Iterator
-from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +40,7 @@ ABOUT = suites.ABOUT | {
 
 def html(folder: Path) -> str:
     """Return the page on the JSON files of a folder."""
-    kept = [path for kind in ("json", "csv") for path in sorted(folder.glob(f"*.{kind}"))]
-    records = {path.stem: _read(path) for path in kept}
+    records = {path.stem: _read(path) for path in sorted(folder.glob("*.json"))}
     suites = [_suite(folder, name, record) for name, record in records.items() if _cases(record)]
     others = {name: record for name, record in records.items() if not _cases(record)}
     benches = [name for name in others if name.startswith("bench-")]
@@ -89,13 +86,7 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
 
 
 def _read(path: Path) -> Any:
-    """Return a JSON file, or of a table what the page beside it says of its making."""
-    if path.suffix == ".json":
-        return json.loads(path.read_text(encoding="utf-8"))
-    beside = path.with_suffix(".html")
-    text = beside.read_text(encoding="utf-8") if beside.exists() else ""
-    cells = re.findall(r'<tr><th>(\w+)</th><td class="long">([^<]*)</td>', text)
-    return {"data": path.name} | {name: unescape(value) for name, value in cells}
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def _cases(record: Any) -> list[dict[str, Any]]:
@@ -112,15 +103,19 @@ def _suite(folder: Path, name: str, record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _row(folder: Path, name: str, record: Any) -> dict[str, Any]:
-    """Return what the page says of one file: what it is, when and from which code it was made."""
-    known = record if isinstance(record, dict) else {}
-    made = known | known.get("provenance", {})
-    pages = [f"{name}.html"] if (folder / f"{name}.html").exists() else []
+    """Return the cells of one record: its files, and when and from which code it was made.
+
+    A record whose numbers are in a file of their own names it in its entry `data`.
+    """
+    entries = record if isinstance(record, dict) else {}
+    made = entries | entries.get("provenance", {})
+    page = f"{name}.html" if (folder / f"{name}.html").exists() else ""
+    record_file = f"{name}.json"
     return {
         "name": name,
-        "about": ABOUT.get(name) or str(known.get("about", "")),
-        "page": pages[0] if pages else "",
-        "data": str(known.get("data", f"{name}.json")),
+        "about": ABOUT.get(name) or str(entries.get("about", "")),
+        "page": page,
+        "data": list(dict.fromkeys([str(entries.get("data", record_file)), record_file])),
         "date": str(made.get("date", ""))[:10],
         "commit": str(made.get("commit", "")),
         "command": str(made.get("command", "")),

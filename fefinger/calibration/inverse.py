@@ -155,13 +155,13 @@ def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) ->
     return np.stack(columns, axis=1)
 
 
-def taylor(residual: Residual, unknowns: Sequence[Unknown], values: Values, seed: int = 0) -> Array:
+def taylor(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
     """Taylor test of the Jacobian: first-order remainders (3,) at steps of 0.02, 0.01, 0.005.
 
     With a correct Jacobian each is a quarter of the one before.
     """
     matrix = jacobian(residual, unknowns, values)
-    way = np.random.default_rng(seed).normal(size=len(unknowns))
+    way = np.random.default_rng(0).normal(size=len(unknowns))
     here, out = residual(values), []
     for size in (0.02, 0.01, 0.005):
         moved = values | {

@@ -22,6 +22,7 @@ from fefinger.calibration.force import (
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import Calibration, Stage, correlations_of, parameters_of, tissue
 from fefinger.calibration.targets import Bulk, Record
+from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import RampSinusoid
 from fefinger.scene.tissue import Tissue
@@ -93,7 +94,7 @@ def outcome(
     """
     solution = result.solution
     factor, exponent, sentences = 1.0, None, list(early)
-    if mechanics == "solid":
+    if MECHANICS[mechanics].finite:
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
         exponent = round(solution.values[SHAPE], 4)
         sentences += [f"c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []

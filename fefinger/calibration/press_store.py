@@ -9,6 +9,7 @@ from dataclasses import replace
 from fefinger.calibration.outcome import layer
 from fefinger.calibration.record import Stage
 from fefinger.calibration.slow_press import LATER, SPARE, Press, press, shapable, small
+from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
 from fefinger.support.progress import Progress
 
@@ -61,7 +62,7 @@ class Work:
         )
         wanted = finger, mechanics
         if wanted not in self._presses:
-            finite = mechanics == "solid"
+            finite = MECHANICS[mechanics].finite
             spare = LATER if finger.resolution in self._buckling else SPARE
             self._presses[wanted] = (
                 press(finger, mechanics, part, spare) if finite else small(finger)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
 from fefinger.calibration.inverse import Solution
+from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
@@ -128,7 +129,7 @@ class Calibration:
         import tomli_w
 
         texts = {FILE: json.dumps(self.record(), indent=1) + "\n"}
-        if self.mechanics == "solid":
+        if MECHANICS[self.mechanics].finite:
             texts[TISSUE_FILE] = tomli_w.dumps(self.tissue_set())
         atomic_write.write(folder, texts)
         return [str(Path(folder) / name) for name in texts]

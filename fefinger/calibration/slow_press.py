@@ -19,6 +19,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -179,7 +180,7 @@ def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
     """Solve the press; `solid` with a limit on tangent factorizations."""
     from fefinger.mechanics import get
 
-    if mechanics != "solid":
+    if not MECHANICS[mechanics].finite:
         return get(mechanics).respond(scene)
     from fefinger.fem.hyperelastic.load_path import Allowance
     from fefinger.mechanics import solid
@@ -195,7 +196,7 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
     from fefinger.mechanics.press.load_steps import memories, stride
     from fefinger.mechanics.press.time_steps import time_grid
 
-    if mechanics == "solid":
+    if MECHANICS[mechanics].finite:
         time = time_grid(scene.motion, fast=False)
         chosen = stride(scene.motion, time, memories(scene.finger)).chosen
         chosen = chosen[chosen < len(response.time)]

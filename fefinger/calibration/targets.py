@@ -246,7 +246,7 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     return time, position, force
 
 
-def frames(file: str | Path, sensor: ArraySensor | None = None) -> Frames:
+def frames(file: str | Path) -> Frames:
     """Read the frames of the array from a CSV file: time, position (mm from touch), p1 ... p64.
 
     One frame per row, in kPa, read element by element in the row order of the array, so that the
@@ -258,7 +258,7 @@ def frames(file: str | Path, sensor: ArraySensor | None = None) -> Frames:
     InputError
         Missing columns, times that do not rise, another unit, or no contact.
     """
-    sensor = sensor or ArraySensor()
+    sensor = ArraySensor()
     count = len(sensor.positions)
     units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
     table = lumped_fit.columns(file, units)

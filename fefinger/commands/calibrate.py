@@ -76,6 +76,7 @@ def calibrate(
 def _print(calibrations: list["Calibration"], files: list[str], *, as_json: bool) -> None:
     """Print calibrations and the files that they were saved to."""
     from fefinger.calibration import jobs
+    from fefinger.results.candidate import MECHANICS
 
     if as_json:
         records = [each.record() for each in calibrations]
@@ -83,7 +84,7 @@ def _print(calibrations: list["Calibration"], files: list[str], *, as_json: bool
         return
     texts = [jobs.summary(each) for each in calibrations]
     click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
-    if any(each.mechanics != "solid" for each in calibrations):
+    if not all(MECHANICS[each.mechanics].finite for each in calibrations):
         click.echo(
             "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
         )

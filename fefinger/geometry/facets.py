@@ -4,8 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fefinger.geometry.finger_mesh import BONE, faces
 
@@ -36,6 +34,9 @@ def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, In
 
 def parts(cells: Index) -> int:
     """Count the parts of a mesh whose cells are connected by faces."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     if not len(cells):
         return 0
     every = np.sort(faces(cells).reshape(-1, 3), axis=1)

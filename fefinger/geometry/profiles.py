@@ -5,10 +5,11 @@ A profile gives the distance h >= 0 in mm of the surface behind its foremost poi
 of zero, where there is no surface. Profiles that vary along u only extend along v.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +23,37 @@ FLANK = 75.0
 """Slope in degrees of the sides of a bar: a height field cannot represent vertical ones."""
 
 
-class Profile(Protocol):
-    """Interface of the shape of an obstacle."""
+class Profile(ABC):
+    """Shape of an obstacle."""
 
+    plane: ClassVar[bool] = False
+    """Whether it is a plane."""
+
+    @abstractmethod
     def height(self, across: Array) -> Heights:
         """Return h, its slope and its curvature at places `across` (..., 2) mm."""
 
+    @property
+    def half_axes(self) -> tuple[float, float, float] | None:
+        """Half axes in mm of an ellipsoid or, with an infinite one, of a cylinder; else None."""
+        return None
 
+
+@final
 @dataclass(frozen=True)
-class Plane:
+class Plane(Profile):
     """A plane."""
+
+    plane = True
 
     def height(self, across: Array) -> Heights:
         """Height of a plane: h = 0."""
         return _lifted(*(np.zeros(across.shape[:-1]),) * 3)
 
 
+@final
 @dataclass(frozen=True)
-class Ellipsoid:
+class Ellipsoid(Profile):
     """An ellipsoid with half axes `radii` (3,) mm along u, v and the travel; inf is a cylinder."""
 
     radii: tuple[float, float, float]
@@ -57,9 +71,15 @@ class Ellipsoid:
         bend = bend + np.where(ahead[..., None, None], np.diag(flat**-2.0), 0.0)
         return h, deep * lean, deep * bend / root[..., None, None]
 
+    @property
+    def half_axes(self) -> tuple[float, float, float]:
+        """Its half axes in mm."""
+        return self.radii
 
+
+@final
 @dataclass(frozen=True)
-class Bar:
+class Bar(Profile):
     """A flat strip along v, `width` mm over all, with corners rounded to `corner` mm.
 
     Beyond a corner the side falls away at FLANK degrees. The slope is continuous; the curvature is
@@ -81,8 +101,9 @@ class Bar:
         return _lifted(h, np.sign(u) * arc / root, np.where(on_arc, radius**2 / root**3, 0.0))
 
 
+@final
 @dataclass(frozen=True)
-class Grating:
+class Grating(Profile):
     """Rounded ridges along v, `period` mm apart, `ridge` mm wide at half height, `depth` mm high.
 
     h = depth S((|u| - f) / l) from the middle of a ridge to that of a groove, with the smooth step
@@ -108,8 +129,9 @@ class Grating:
         return _lifted(self.depth * h, self.depth * slope, self.depth * bend)
 
 
+@final
 @dataclass(frozen=True, eq=False)
-class Relief:
+class Relief(Profile):
     """A surface through `heights` (n_u, n_v) mm towards the finger at grid lines u, v mm.
 
     Between the samples it is the interpolating bicubic spline, whose derivatives are exact. There
@@ -122,7 +144,7 @@ class Relief:
     heights: Array
 
     @classmethod
-    def sampled(cls, function: Callable[[Array, Array], Array], u: Array, v: Array) -> "Relief":
+    def sampled(cls, function: Callable[[Array, Array], Array], u: Array, v: Array) -> Self:
         """Return the relief of a function of u and v mm, sampled at the grid lines."""
         heights = function(*np.meshgrid(u, v, indexing="ij"))
         return cls(u, v, np.asarray(heights, dtype=np.float64))
@@ -144,6 +166,12 @@ class Relief:
         mixed = part(1, 1)
         bend = np.stack([np.stack([part(2, 0), mixed], -1), np.stack([mixed, part(0, 2)], -1)], -2)
         return np.where(ahead, part(0, 0), np.inf), np.stack([part(1, 0), part(0, 1)], -1), bend
+
+
+def sharpest_radius(profile: Profile, across: Array) -> float:
+    """Return the smallest radius in mm to which a profile bulges at places `across` (n, 2) mm."""
+    _, _, curvature = profile.height(across)
+    return float(1 / max(np.linalg.eigvalsh(curvature).max(), 1e-12))
 
 
 def frame(axis: Array, roll: float = 0.0) -> Array:

@@ -8,9 +8,6 @@ from numpy.typing import NDArray
 from fefinger.support.arrays import Array, Integers
 
 
-BONE = 3  # the region of rigid bone, which has no field of its own
-
-
 SNAP = 1e-3  # distance over edge length below which a section vertex is moved to a mesh point
 
 
@@ -20,22 +17,28 @@ def is_half(points: Array) -> bool:
 
 
 @dataclass(frozen=True)
-class Cut:
-    """The medial section of a mesh: vertices lie on its edges, at `weight` from first to second.
+class EdgePoints:
+    """Points on edges of a mesh, which follow the mesh through all of its frames.
 
-    edges (n, 2) point numbers, weight (n,), triangles (k, 3) of section vertices, region (k,).
+    edges (n, 2) mesh points, weight (n,): 0 at the first point of an edge, 1 at the second.
     """
 
     edges: Integers
     weight: Array
-    triangles: Integers
-    region: NDArray[np.int8]
 
     def at(self, nodal: Array) -> Array:
-        """Interpolate values at the mesh points, (n_points, ...), to the section's vertices."""
+        """Interpolate values at the mesh points, (n_points, ...), to these points."""
         first, second = nodal[self.edges[:, 0]], nodal[self.edges[:, 1]]
         weight = self.weight.reshape(-1, *[1] * (nodal.ndim - 1))
         return np.asarray((1 - weight) * first + weight * second)
+
+
+@dataclass(frozen=True)
+class Cut(EdgePoints):
+    """The medial section of a mesh: triangles (k, 3) of its points, and region (k,) of each."""
+
+    triangles: Integers
+    region: NDArray[np.int8]
 
     def outlines(self) -> Integers:
         """Edges (m, 2), in section vertices, that bound a region."""

@@ -187,19 +187,19 @@ def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
     rim = mesh.edges[group_rows(mesh.edges_sorted, require_count=1)]
     label = connected_component_labels(rim, node_count=len(mesh.vertices))[rim[:, 0]]
     low, high = mesh.bounds
-    quarter = BACK * (high[0] - low[0])
+    quarter, wide = BACK * (high[0] - low[0]), float(np.sort(high - low)[1])
     loops = [rim[label == one] for one in np.unique(label)]
     for loop in loops:
         points = mesh.vertices[np.unique(loop)]
         across = float(np.ptp(points, axis=0).max())
         behind = bool((points[:, 0] < low[0] + quarter).all())
-        if not behind and across > HOLE * float(np.sort(high - low)[1]):
+        if not behind and across > HOLE * wide:
             x, y, z = points.mean(axis=0)
             message = (
                 f"{field}: expected a closed surface, {file.name} has a hole {across:.3g} mm wide "
                 f"near ({x:.3g}, {y:.3g}, {z:.3g}) mm; close it in the program that made it"
             )
-            if (points[:, 0] > high[0] - quarter).all():
+            if across > wide / 2 and (points[:, 0] > high[0] - quarter).all():
                 message += ", or if it is the proximal end, turn the finger about z by 180 degrees"
             raise InputError(message)
     return loops

@@ -1,22 +1,21 @@
 """Interchangeable ways from a Scene to a Response, one file each, cheapest first.
 
-Each is a module with `name`, `refuse(scene)`, `cost(scene)`, `error(scene)`, `coarser(scene)`
-and `respond(scene, progress)`; see `Mechanics`.
+Each is a module with `name`, the rules `refuse`, `cost`, `once` and `error` for a `Situation`, and
+`coarser(scene)` and `respond(scene, progress)`; see `Mechanics`.
 """
 
 from importlib import import_module
 from typing import Protocol, cast
 
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import choice
 from fefinger.support.progress import Progress
 
 
-LADDER = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
-
-MESHED = ("condensed", "linear", "solid")
-"""Those with a mesh, whose resolution is the planner's to choose."""
+LADDER = tuple(MECHANICS)
 
 QUICKEST = 0.1
 """Seconds on the machine of the reports that no answer with a mesh is faster than."""
@@ -27,13 +26,16 @@ class Mechanics(Protocol):
 
     name: str
 
-    def refuse(self, scene: Scene) -> tuple[Refusal, ...]:
+    def refuse(self, case: Situation) -> tuple[Refusal, ...]:
         """Return why it should not answer; empty if it can."""
 
-    def cost(self, scene: Scene) -> float:
+    def cost(self, case: Situation) -> float:
         """Return the expected wall time in s."""
 
-    def error(self, scene: Scene) -> tuple[float, str]:
+    def once(self, case: Situation) -> float:
+        """Return what of that, in s, goes into what is built once and kept."""
+
+    def error(self, case: Situation) -> tuple[float, str]:
         """Return the expected relative error and the report that measured it."""
 
     def coarser(self, scene: Scene) -> Scene | None:

@@ -9,8 +9,12 @@ mesh of `linear` follows the touch.
 from dataclasses import replace
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.stated_errors import stated, without_press
 from fefinger.mechanics.press.notes import RIGID_BONE, yielding
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -32,27 +36,33 @@ BEYOND = (
 )
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer, as `linear`; and it has one bone and one solver."""
-    unable = yielding(scene.finger)
-    if scene.ask.solver not in (None, SOLVER):
-        unable.append(f"ask.solver = {scene.ask.solver!r}: its operator is made by {SOLVER!r}")
-    own = tuple(Refusal(name, "ability", reason) for reason in unable)
-    return own + tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(scene))
+    unable = [*yielding(case.finger)]
+    if case.ask.solver not in (None, SOLVER):
+        reason = f"ask.solver = {case.ask.solver!r}: its operator is made by {SOLVER!r}"
+        unable.append(Doubt("ask.solver", reason))
+    shared = tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(case))
+    return refusals(name, "ability", unable) + shared
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s, less where the finger's operator is in the cache."""
-    return reports.condensed_seconds(scene)
+    return reports.condensed_seconds(case)
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
+    return reports.condensed_once(case)
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
-    candidate = f"{name} {scene.finger.mesh}"
-    found = tradeoff.stated(candidate, scene)
-    if found is not None:
-        return found.error, found.source
-    return tradeoff.instead(candidate, scene, *reports.condensed_error(scene))
+    candidate = Candidate(name, case.mesh)
+    measured = stated(candidate, case)
+    if measured is not None:
+        return measured.error, measured.source
+    return without_press(candidate, case, *reports.condensed_error(case))
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -74,11 +84,12 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         If a contact solution is not reached.
     """
     from fefinger.fem.condensation import OutsideError
+    from fefinger.mechanics.press import small_strain
     from fefinger.mechanics.press.operator import METHOD
-    from fefinger.mechanics.press.small_strain import WHOLE_MESH, press
 
     try:
-        return press(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
-    except OutsideError:
-        whole, notes = replace(WHOLE_MESH, touch=METHOD.touch), (*linear.NOTES, RIGID_BONE, BEYOND)
-        return press(scene, progress, mechanics=name, notes=notes, method=whole)
+        return small_strain.respond(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
+    except OutsideError:  # met when the unit loads are solved, so nothing of the press is kept
+        whole = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
+        notes = (*linear.NOTES, RIGID_BONE, BEYOND)
+        return small_strain.respond(scene, progress, mechanics=name, notes=notes, method=whole)

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.reports import smallest_radius
+from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Array
 from fefinger.mechanics.press.notes import apart, normalized, yielding
-from fefinger.mechanics.press.time_steps import time_grid, too_long
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Ellipsoid, Flat, Sphere
+from fefinger.scene.indenter import STANDARD, Indenter
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond
@@ -122,66 +123,71 @@ def tissue(finger: Finger) -> tuple[float, float]:
     return modulus, part * skin.poisson + (1 - part) * rest.poisson
 
 
-def half_space(scene: Scene) -> HalfSpace:
-    """Return the half-space that stands for the finger under the object of the scene."""
+def half_space(finger: Finger, indenter: Indenter) -> HalfSpace:
+    """Return the half-space that replaces the finger under an object."""
     from fefinger.theory.contact.curvature import equivalent_radius, relative_radius
 
-    pad, indenter = scene.finger.pad_radius, scene.indenter
-    if isinstance(indenter, Ellipsoid):
-        height = indenter.radii[2]
-        sides = [relative_radius(pad, radius**2 / height) for radius in indenter.radii[:2]]
-        return HalfSpace(equivalent_radius(*sides), *tissue(scene.finger))
-    return HalfSpace(relative_radius(pad, smallest_radius(indenter)), *tissue(scene.finger))
+    radii = indenter.hertzian or (indenter.least_radius,) * 2
+    first, second = (relative_radius(finger.pad_radius, radius) for radius in radii)
+    return HalfSpace(equivalent_radius(first, second), *tissue(finger))
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def elliptic(indenter: Indenter) -> bool:
+    """Return whether the object has two radii of its own, so that its contact is an ellipse."""
+    return indenter.hertzian is not None and indenter.flat is indenter.ball_radius is None
+
+
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer."""
-    unable = lacking(scene)
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
-        return tuple(Refusal(name, "ability", reason) for reason in unable)
-    depth, radius = scene.motion.peak, half_space(scene).relative_radius
-    if scene.motion.control == "depth" and depth > radius:
-        unable.append(f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there")
-    measured = not unable and tradeoff.stated(name, scene) is not None
-    doubts = [] if measured else [*_doubts_of_size(scene), *doubts_of_place(scene)]
-    return (
-        *(Refusal(name, "ability", reason) for reason in unable),
-        *(Refusal(name, "accuracy", reason) for reason in doubts),
-    )
+    unable = lacking(case)
+    if case.indenter.hertzian is None:
+        return refusals(name, "ability", unable)
+    depth, radius = case.peak, half_space(case.finger, case.indenter).relative_radius
+    if case.motion.control == "depth" and depth > radius:
+        reason = f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there"
+        unable.append(Doubt("motion.depth", reason))
+    measured = not unable and stated(Candidate(name), case) is not None
+    doubts = [] if measured else [*_doubts_of_size(case), *doubts_of_place(case)]
+    return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
 
 
-def lacking(scene: Scene) -> list[str]:
+def lacking(case: Situation) -> list[Doubt]:
     """Return what of a scene no contact of one sphere with one flat body has a place for."""
-    unable = [*yielding(scene.finger), *apart(scene.finger)]
-    unable += too_long(scene.motion, fast="FAII" in scene.ask.spikes)
-    if scene.ask.fields:
-        unable.append("ask.fields: it has no mesh; ask.fields = false leaves them out")
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
-        unable.append(f"indenter.kind = {scene.indenter.kind!r}: {SHAPES}")
-    elif axisymmetric.touch(scene) is None:
-        unable.append("indenter.at: it lies beyond the sphere that stands for the pad")
+    unable = [*yielding(case.finger), *apart(case.finger), *case.too_long]
+    if case.ask.fields:
+        reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
+        unable.append(Doubt("ask.fields", reason))
+    if case.indenter.hertzian is None:
+        unable.append(Doubt("indenter", f"indenter.kind = {case.indenter.kind!r}: {SHAPES}"))
+    elif axisymmetric.touch(case.finger, case.indenter) is None:
+        reason = "indenter.at: it lies beyond the sphere that stands for the pad"
+        unable.append(Doubt("indenter.at", reason))
     return unable
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s, from a count of operations."""
-    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
-    return (0.05 + 5e-5 * steps) * slowness({})
+    return (0.05 + 5e-5 * len(case.times)) * slowness({})
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return 0: nothing is built once and kept."""
+    return 0.0
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the expected relative error of the force, and where it comes from.
 
     That is the measured one. Where none is, the bone makes the force 1 + 1.127 chi times that of
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    found = tradeoff.stated(name, scene)
-    if found is not None:
-        return found.error, found.source
-    stiffer = STIFFENING * _thinness(scene)
-    modulus, _ = tissue(scene.finger)
-    ends = (scene.finger.skin.modulus, scene.finger.subcutaneous.modulus)
+    measured = stated(Candidate(name), case)
+    if measured is not None:
+        return measured.error, measured.source
+    stiffer = STIFFENING * _thinness(case)
+    modulus, _ = tissue(case.finger)
+    ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)
     spread = max(abs(1 - modulus / end) for end in ends)
     source = "first order of the exact bonded layer, and the range of the tissue moduli"
     return stiffer / (1 + stiffer) + spread, source
@@ -199,76 +205,86 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     InputError
         If the indenter is placed beyond the pad.
     """
-    body = half_space(scene)
+    body = half_space(scene.finger, scene.indenter)
     plate = HalfSpace(scene.finger.pad_radius, body.modulus, body.poisson)
     used = (
         f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
         "the compliances of skin and pulp averaged by thickness."
     )
     notes = (*NOTES, used, *normalized(scene.finger.prony))
-    if isinstance(scene.indenter, Ellipsoid):
+    if elliptic(scene.indenter):
         notes = (*notes, ELLIPTIC)
     numbers = {
         "relative_radius_mm": body.relative_radius,
         "modulus_kPa": body.modulus,
         "poisson": body.poisson,
-        "contact_radius_over_thickness": _thinness(scene),
+        "contact_radius_over_thickness": _thinness(Situation.of(scene)),
     }
-    return axisymmetric.press(
+    return axisymmetric.respond(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 
 
-def deepest(scene: Scene) -> float:
-    """Return the largest depth in mm, of a motion under force control when it has crept."""
-    if scene.motion.control == "depth":
-        return scene.motion.peak
-    return half_space(scene).depth(scene.motion.peak / NEWTON_PER_MILLINEWTON)
+def deepest(case: Situation) -> float:
+    """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
+    if case.motion.control == "depth":
+        return case.peak
+    return half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON)
 
 
-def widest(scene: Scene) -> float:
+def widest(case: Situation) -> float:
     """Return the largest contact radius in mm."""
-    return float(half_space(scene).radius(np.array(deepest(scene))))
+    return float(half_space(case.finger, case.indenter).radius(np.array(deepest(case))))
 
 
-def _thinness(scene: Scene) -> float:
-    return widest(scene) / scene.finger.pulp
+def _thinness(case: Situation) -> float:
+    return widest(case) / case.finger.pulp
 
 
-def _doubts_of_size(scene: Scene) -> list[str]:
+def _doubts_of_size(case: Situation) -> list[Doubt]:
     doubts = []
-    thin = _thinness(scene)
+    thin = _thinness(case)
     if thin > THIN:
-        reason = f"contact radius / tissue thickness = {beyond(thin, THIN)}: with the bone below "
-        doubts.append(f"{reason}it takes more than {1 + STIFFENING * thin:.2g} times the force")
-    contrast = scene.finger.skin.modulus / scene.finger.subcutaneous.modulus
-    if max(contrast, 1 / contrast) > CONTRAST:
-        reason = f"skin modulus / subcutaneous modulus = {contrast:.2g}"
-        doubts.append(f"{reason}, not within {CONTRAST:g}: the half-space has one modulus")
-    steep = widest(scene) / smallest_radius(scene.indenter)
-    if steep > STEEP:
-        doubts.append(
-            f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no paraboloid"
+        reason = (
+            f"contact radius / tissue thickness = {beyond(thin, THIN)}: with the bone below it "
+            f"takes more than {1 + STIFFENING * thin:.2g} times the force"
         )
+        doubts.append(Doubt("motion", reason))
+    contrast = case.finger.skin.modulus / case.finger.subcutaneous.modulus
+    if max(contrast, 1 / contrast) > CONTRAST:
+        reason = (
+            f"skin modulus / subcutaneous modulus = {contrast:.2g}, not within {CONTRAST:g}: the "
+            "half-space has one modulus"
+        )
+        doubts.append(Doubt("finger.skin.modulus", reason))
+    steep = widest(case) / case.indenter.least_radius
+    if steep > STEEP:
+        reason = f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no "
+        doubts.append(Doubt("motion", f"{reason}paraboloid"))
     return doubts
 
 
-def doubts_of_place(scene: Scene) -> list[str]:
-    """Return why one radius in the middle of the pad does not stand for what is touched."""
+def doubts_of_place(case: Situation) -> list[Doubt]:
+    """Return why one radius in the middle of the pad does not hold where the pad is touched."""
     doubts = []
-    if scene.finger.surface is not None:
-        radius = f"{scene.finger.pad_radius:g} mm"
-        doubts.append(f"finger.surface: the scan is left out; pad_radius = {radius} stands for it")
-    indenter = scene.indenter
-    if isinstance(indenter, Flat):
-        if abs(indenter.angle - STANDARD.angle) > ASIDE:
-            reason = f"angle = {indenter.angle:g} degrees is not within {ASIDE:g} of "
-            doubts.append(f"{reason}{STANDARD.angle:g}: to it the pad is alike at all angles")
-        if indenter.tilt:
-            doubts.append(f"tilt = {indenter.tilt:g} > 0 degrees: R is that of the middle")
+    if case.finger.surface is not None:
+        radius = f"{case.finger.pad_radius:g} mm"
+        reason = f"finger.surface: the scan is left out; pad_radius = {radius} stands for it"
+        doubts.append(Doubt("finger.surface", reason))
+    flat = case.indenter.flat
+    if flat is not None:
+        if abs(flat.angle - STANDARD.angle) > ASIDE:
+            reason = (
+                f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
+                f"{STANDARD.angle:g}: to it the pad is alike at all angles"
+            )
+            doubts.append(Doubt("indenter.angle", reason))
+        if flat.tilt:
+            reason = f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle"
+            doubts.append(Doubt("indenter.tilt", reason))
         return doubts
-    away = float(np.hypot(*(getattr(indenter, "at", None) or (0.0, 0.0))))
+    away = float(np.hypot(*(case.indenter.place or (0.0, 0.0))))
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
-        doubts.append(f"{reason}: R is that of the middle")
+        doubts.append(Doubt("indenter.at", f"{reason}: R is that of the middle"))
     return doubts

@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.notes import normalized
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
-from fefinger.scene.indenter import Ellipsoid
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
@@ -90,7 +93,8 @@ def contact(scene: Scene) -> "Layered":
     """
     from fefinger.mechanics.press.layered_contact import Layered
 
-    radius, peak = hertz.half_space(scene).relative_radius, scene.motion.peak
+    radius = hertz.half_space(scene.finger, scene.indenter).relative_radius
+    peak = scene.motion.peak
     try:
         if scene.motion.control == "depth":
             return Layered.to_depth(stack(scene.finger), radius, peak)
@@ -100,35 +104,38 @@ def contact(scene: Scene) -> "Layered":
         raise InputError(msg) from error
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: what it has no place for, and what was not measured."""
-    unable = hertz.lacking(scene)
+    unable = hertz.lacking(case)
     try:
-        bone = stack(scene.finger).thickness
+        bone = stack(case.finger).thickness
     except InputError as error:
-        return (Refusal(name, "ability", str(error)),)
-    deepest = max(dict(scene.ask.depths).values(), default=0)
+        return (Refusal(name, "ability", str(error), "finger.skin.thickness"),)
+    deepest = max(dict(case.ask.depths).values(), default=0)
     if deepest >= bone:
-        unable.append(f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm")
-    measured = not unable and tradeoff.stated(name, scene) is not None
-    doubts = [] if unable or measured else _doubts(scene)
-    return (
-        *(Refusal(name, "ability", reason) for reason in unable),
-        *(Refusal(name, "accuracy", reason) for reason in doubts),
-    )
+        reason = f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm"
+        unable.append(Doubt("ask.depths", reason))
+    measured = not unable and stated(Candidate(name), case) is not None
+    doubts = [] if unable or measured else _doubts(case)
+    return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s."""
-    return reports.layered_seconds(scene)
+    return reports.layered_seconds(case)
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return 0: nothing is built once and kept."""
+    return 0.0
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the expected relative error of the force against `solid`, else against `linear`."""
-    found = tradeoff.stated(name, scene)
-    if found is not None:
-        return found.error, found.source
-    return reports.layered_error(scene.indenter, hertz.deepest(scene))
+    measured = stated(Candidate(name), case)
+    if measured is not None:
+        return measured.error, measured.source
+    return reports.layered_error(case.indenter, hertz.deepest(case))
 
 
 def coarser(scene: Scene) -> None:
@@ -151,7 +158,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         stack(scene.finger), scene.finger.pad_radius, REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
     notes = (*NOTES, *normalized(scene.finger.prony))
-    if isinstance(scene.indenter, Ellipsoid):
+    if hertz.elliptic(scene.indenter):
         notes = (*notes, hertz.ELLIPTIC)
     peak = scene.motion.peak
     if scene.motion.control == "force":
@@ -161,44 +168,51 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "relative_radius_mm": body.table.radius,
         "contact_radius_over_thickness": widest / body.table.stack.thickness,
     }
-    return axisymmetric.press(
+    return axisymmetric.respond(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
     )
 
 
-def _doubts(scene: Scene) -> list[str]:
+def _doubts(case: Situation) -> list[Doubt]:
     """Return what lies beyond the presses at which it was measured, with the numbers.
 
     Under force control the depth is that of the half-space, which is softer: no less deep.
     """
-    doubts = [*hertz.doubts_of_place(scene), *_doubts_of_tissue(scene.finger)]
-    depth, measured = hertz.deepest(scene), reports.layered_depth(scene.indenter)
+    doubts = [*hertz.doubts_of_place(case), *_doubts_of_tissue(case.finger)]
+    depth, measured = hertz.deepest(case), reports.layered_depth(case.indenter)
     if depth > measured:
         reason = (
             f"depth / measured depth = {depth:.3g} / {measured:.3g} mm = {depth / measured:.3g}"
         )
-        doubts.append(f"{reason} > 1: the force is not measured there")
-    radius, least = reports.smallest_radius(scene.indenter), reports.LINEAR_RADIUS
+        doubts.append(Doubt("motion", f"{reason} > 1: the force is not measured there"))
+    radius, least = case.indenter.least_radius, reports.LINEAR_RADIUS
     if radius < least:
-        doubts.append(f"radius = {radius:.3g} mm < {least:g} mm: the force is not measured there")
+        reason = f"radius = {radius:.3g} mm < {least:g} mm: the force is not measured there"
+        doubts.append(Doubt("indenter.radius", reason))
     return doubts
 
 
-def _doubts_of_tissue(finger: Finger) -> list[str]:
+def _doubts_of_tissue(finger: Finger) -> list[Doubt]:
     """Return in what the tissues differ from the measured ones; their common modulus cancels."""
     doubts, measured = [], reports.layered()["tissue"]
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]
     if max(contrast / known, known / contrast) > hertz.CONTRAST:
-        reason = f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within a factor "
-        doubts.append(f"{reason}{hertz.CONTRAST:g} of {known:.3g}, where the force was measured")
+        reason = (
+            f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within a factor "
+            f"{hertz.CONTRAST:g} of {known:.3g}, where the force was measured"
+        )
+        doubts.append(Doubt("finger.skin.modulus", reason))
     share, (low, high) = skin_share(finger), measured["skin_over_stack"]
     if not low / hertz.CONTRAST <= share <= high * hertz.CONTRAST:
-        reason = f"skin thickness / tissue over the bone = {share:.3g}, not within a factor "
-        doubts.append(f"{reason}{hertz.CONTRAST:g} of {low:.3g} to {high:.3g}, as measured")
+        reason = (
+            f"skin thickness / tissue over the bone = {share:.3g}, not within a factor "
+            f"{hertz.CONTRAST:g} of {low:.3g} to {high:.3g}, as measured"
+        )
+        doubts.append(Doubt("finger.skin.thickness", reason))
     for part, known in measured["poisson"].items():
-        poisson = getattr(finger, part).poisson
+        poisson, field = getattr(finger, part).poisson, f"finger.{part}.poisson"
         if abs(poisson - known) > POISSON:
-            reason = f"finger.{part}.poisson = {poisson:g}, not within {POISSON:g} of {known:g}"
-            doubts.append(f"{reason}, where the force was measured")
+            reason = f"{field} = {poisson:g}, not within {POISSON:g} of {known:g}"
+            doubts.append(Doubt(field, f"{reason}, where the force was measured"))
     return doubts

@@ -1,18 +1,21 @@
 """Small-strain finite elements on the whole finger: Taylor-Hood, exact contact, QLV.
 
 The body is solved once under a unit pressure on every candidate vertex of the pad; contact and
-relaxation then run on that small dense problem (`_press`). What it leaves out is in `NOTES`.
+relaxation then run on that small dense problem (`press/small_strain.py`). What it leaves out is in
+`NOTES`.
 """
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.stated_errors import stated, without_press
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mechanics.press.notes import apart, hard
-from fefinger.mechanics.press.time_steps import too_long
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.progress import Progress
@@ -47,105 +50,121 @@ LAW = "neo-hookean"
 """The law of finite strain against which the error of small strain is measured."""
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    unable = (
-        *apart(scene.finger),
-        *too_long(scene.motion, fast="FAII" in scene.ask.spikes),
-        *unmeshable(scene),
-    )
+    unable = (*apart(case.finger), *case.too_long, *unmeshable(case))
     if unable:
-        return tuple(Refusal(name, "ability", reason) for reason in unable)
-    found = list(proximal_cut.reached(name, scene))
-    doubts = (*too_small(scene), *too_soft(scene.finger), *unmeasured(scene.finger))
-    found += [Refusal(name, "accuracy", reason) for reason in doubts]
-    if tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None:
-        return tuple(found)
-    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
-    if radius < least:
-        reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
-        found.append(Refusal(name, "accuracy", reason))
-    press = reports.solid_press(scene)
-    part, limit = reports.small_strain_part(scene), reports.solid_reach(press)
-    if part > limit:
-        reason = f"depth / thickness = {beyond(part, limit)}: small strain is not measured there"
-        found.append(Refusal(name, "accuracy", reason))
+        return refusals(name, "ability", unable)
+    doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
+    if stated(Candidate(name, case.mesh), case) is None:
+        doubts += [*too_sharp(case), *_deep(case), *_unlawful(case.finger)]
+    return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
+
+
+def too_sharp(case: Situation) -> tuple[Doubt, ...]:
+    """Return the doubt that an object is sharper than those the mesh error was measured under."""
+    radius, least = case.indenter.least_radius, reports.linear_radius(case)
+    if radius >= least:
+        return ()
+    reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
+    return (Doubt("indenter.radius", reason),)
+
+
+def _deep(case: Situation) -> tuple[Doubt, ...]:
+    """Return the doubt that a press is deeper than those small strain was measured at."""
+    part, limit = reports.small_strain_part(case), reports.solid_reach(reports.solid_press(case))
+    if part <= limit:
+        return ()
+    reason = f"depth / thickness = {beyond(part, limit)}: small strain is not measured there"
+    return (Doubt("motion", reason),)
+
+
+def _unlawful(finger: Finger) -> list[Doubt]:
+    """Return which tissue has another law than the one small strain was measured for."""
+    doubts = []
     for layer in ("skin", "subcutaneous"):
-        law = getattr(scene.finger, layer).law
+        law, field = getattr(finger, layer).law, f"finger.{layer}.law"
         if law != LAW:
-            reason = f"finger.{layer}.law = {law!r}: small strain is measured for {LAW!r} only"
-            found.append(Refusal(name, "accuracy", reason))
-    return tuple(found)
+            reason = f"{field} = {law!r}: small strain is measured for {LAW!r} only"
+            doubts.append(Doubt(field, reason))
+    return doubts
 
 
-def unmeshable(scene: Scene) -> tuple[str, ...]:
+def unmeshable(case: Situation) -> tuple[Doubt, ...]:
     """Return why there is no mesh of the scene's finger, if so."""
     from fefinger.mesh.store import fault
 
-    touch = meshed_at(scene.indenter)
     # That place is rounded: whether it is on the pad is asked of the one that the scene has.
-    at = getattr(scene.indenter, "at", None) if isinstance(touch, tuple) else None
-    said = fault(scene.finger, touch, at)
-    return (said,) if said else ()
+    at = case.indenter.place if isinstance(case.touch, tuple) else None
+    reason = fault(case.finger, case.touch, at)
+    return (Doubt("finger" if at is None else "", reason),) if reason else ()
 
 
-def unmeasured(finger: Finger) -> list[str]:
+def unmeasured(finger: Finger) -> list[Doubt]:
     """Return which tissue is far from those whose mesh errors were measured."""
     layers = (finger.skin, finger.subcutaneous)
     contrast = layers[0].modulus / layers[1].modulus
-    found = []
+    doubts = []
     if max(contrast, 1 / contrast) > CONTRAST:
-        found.append(
+        reason = (
             f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within {CONTRAST:g}: "
             "errors are not measured there"
         )
+        doubts.append(Doubt("finger.skin.modulus", reason))
     steepest = max(layer.exponent or 0.0 for layer in layers)
     if steepest > EXPONENT:
-        found.append(f"exponent = {steepest:.3g} > {EXPONENT:g}: errors are not measured there")
-    return found
+        reason = f"exponent = {steepest:.3g} > {EXPONENT:g}: errors are not measured there"
+        doubts.append(Doubt("finger", reason))
+    return doubts
 
 
-def too_small(scene: Scene) -> tuple[str, ...]:
+def too_small(case: Situation) -> tuple[Doubt, ...]:
     """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
+    if case.indenter.hertzian is None:
         return ()
-    facet = reports.FACETS[scene.finger.mesh]
-    facets = hertz.widest(scene) / facet
+    facet = reports.FACETS[case.mesh]
+    facets = hertz.widest(case) / facet
     if facets >= reports.FEWEST:
         return ()
     reason = (
         f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
         f"{reports.FEWEST:g}: the mesh is too coarse for it"
     )
-    return (reason,)
+    return (Doubt("finger.resolution", reason),)
 
 
-def too_soft(finger: Finger) -> list[str]:
+def too_soft(finger: Finger) -> list[Doubt]:
     """Return what hard parts are so soft that it matters that they relax with the tissue here."""
-    found = []
+    doubts = []
     for part, least in HARD.items():
-        material = getattr(finger, part)
+        material, field = getattr(finger, part), f"finger.{part}.modulus"
         ratio = material.modulus / finger.skin.modulus if isinstance(material, Hard) else least
         if ratio < least:
-            found.append(
-                f"finger.{part}.modulus / finger.skin.modulus = {ratio:.3g} < {least:g}: it "
-                "relaxes with the tissue here"
+            reason = (
+                f"{field} / finger.skin.modulus = {ratio:.3g} < {least:g}: it relaxes with the "
+                "tissue here"
             )
-    return found
+            doubts.append(Doubt(field, reason))
+    return doubts
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s."""
-    return reports.linear_seconds(scene)
+    return reports.linear_seconds(case)
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return the time in s of building the mesh, which is kept; 0 where it is at hand."""
+    return reports.mesh_seconds(case)
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the expected relative error of the force, of mesh and small strain, and its source."""
-    candidate = f"{name} {scene.finger.mesh}"
-    found = tradeoff.stated(candidate, scene)
-    if found is not None:
-        return found.error, found.source
-    return tradeoff.instead(candidate, scene, *reports.linear_error(scene))
+    candidate = Candidate(name, case.mesh)
+    measured = stated(candidate, case)
+    if measured is not None:
+        return measured.error, measured.source
+    return without_press(candidate, case, *reports.linear_error(case))
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
@@ -175,6 +194,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ConvergenceError
         If a linear or contact solution is not reached.
     """
-    from fefinger.mechanics.press.small_strain import press
+    from fefinger.mechanics.press import small_strain
 
-    return press(scene, progress, mechanics=name, notes=(*NOTES, *hard(scene.finger)))
+    notes = (*NOTES, *hard(scene.finger))
+    return small_strain.respond(scene, progress, mechanics=name, notes=notes)

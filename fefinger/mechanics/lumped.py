@@ -1,7 +1,7 @@
 """The lumped finger of Pawluk (1997), chapter 2, for a Scene: force and depth, and no mesh.
 
 The formula is in `theory/lumped.py`, its proof in the tests of it; whose b and m are taken, in
-`_identified.py`.
+`evidence/lumped_law.py`.
 """
 
 from fefinger.mechanics.evidence.lumped_law import Law, law
@@ -9,8 +9,10 @@ from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.time_steps import time_grid, too_long
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
+from fefinger.scene.ask import Ask
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import beyond
@@ -53,31 +55,36 @@ PRINTED = (
 """Notes on the law of Table 2.1."""
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
-    unable = [f"ask.{what}: asked, but it gives force and depth alone" for what in _beyond(scene)]
-    unable += [*yielding(scene.finger), *apart(scene.finger)]
-    unable += [*too_long(scene.motion, fast=False, most=MOST)]
-    if not isinstance(scene.indenter, Flat | Sphere | Ellipsoid):
-        unable.append(f"indenter.kind = {scene.indenter.kind!r}: the law is that of a plate")
+    unable = _beyond(case.ask)
+    unable += [*yielding(case.finger), *apart(case.finger)]
+    unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
+    if case.indenter.hertzian is None:
+        reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"
+        unable.append(Doubt("indenter", reason))
     if unable:
-        return tuple(Refusal(name, "ability", reason) for reason in unable)
-    return tuple(Refusal(name, "accuracy", reason) for reason in _doubts(scene))
+        return refusals(name, "ability", unable)
+    return refusals(name, "accuracy", _doubts(case))
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s."""
-    steps = len(time_grid(scene.motion, fast=False, most=MOST))
-    return steps * STEP_SECONDS * slowness({})
+    return len(case.times) * STEP_SECONDS * slowness({})
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return 0: nothing is built once and kept."""
+    return 0.0
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the relative error of the force against `solid` of the same finger, and its source.
 
     Not a number where no press has identified the law of the scene's finger under its plate.
     """
-    found = law(scene)
-    if found.doubt or not isinstance(scene.indenter, Flat):
+    found = law(case)
+    if found.doubt or case.indenter.flat is None:
         return float("nan"), "not known: no press like it was measured"
     said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
     return found.error + NUMERICAL, said
@@ -92,7 +99,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Answer the scene with Eq. 2.3, or under force control with its inverse."""
     stages = Stages(progress)
     with stages.stage("lumped"):
-        found = law(scene)
+        found = law(Situation.of(scene))
         spring, prony = found.spring, found.prony
         time = time_grid(scene.motion, fast=False, most=MOST)
         given = scene.motion.value(time)
@@ -100,7 +107,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
             depth, force = given, theory.contact_force(spring, prony, time, given)
         else:
             depth, force = theory.position_under(spring, prony, time, given), given
-            check_reached(scene, float(depth.max()))
+            check_reached(scene.motion, scene.finger.pulp, float(depth.max()))
     return Response(
         mechanics=name,
         time=time,
@@ -122,32 +129,37 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     )
 
 
-def _beyond(scene: Scene) -> list[str]:
-    """Return the names of what is asked beyond force."""
-    ask = scene.ask
-    return [name for name in ("pressure", "strain", "fields", "spikes") if getattr(ask, name)]
+def _beyond(ask: Ask) -> list[Doubt]:
+    """Return what is asked beyond force."""
+    return [
+        Doubt(f"ask.{each}", f"ask.{each}: asked, but it gives force and depth alone")
+        for each in ("pressure", "strain", "fields", "spikes")
+        if getattr(ask, each)
+    ]
 
 
-def _doubts(scene: Scene) -> list[str]:
+def _doubts(case: Situation) -> list[Doubt]:
     """Return in which way the scene differs from what was measured, with the numbers."""
-    indenter, found = scene.indenter, law(scene)
-    doubts = [found.doubt] if found.doubt else []
-    if not isinstance(indenter, Flat):
-        doubts.append(f"indenter = {indenter.kind}: it was measured with a flat plate")
-    elif found.printed and not (ANGLES[0] <= indenter.angle <= ANGLES[1] and not indenter.tilt):
-        doubts.append(
-            f"indenter.angle, tilt = {indenter.angle:g}, {indenter.tilt:g} degrees: it was "
+    flat, found = case.indenter.flat, law(case)
+    doubts = [Doubt("finger", found.doubt)] if found.doubt else []
+    if flat is None:
+        reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
+        doubts.append(Doubt("indenter", reason))
+    elif found.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
+        reason = (
+            f"indenter.angle, tilt = {flat.angle:g}, {flat.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
-    return doubts + (_too_hard(scene, found) if found.printed else [])
+        doubts.append(Doubt("indenter", reason))
+    return doubts + (_too_hard(case, found) if found.printed else [])
 
 
-def _too_hard(scene: Scene, found: Law) -> list[str]:
+def _too_hard(case: Situation, found: Law) -> list[Doubt]:
     """Return whether the force goes beyond what was measured; under depth control, once relaxed."""
-    peak, where = scene.motion.peak, "force"
-    if scene.motion.control == "depth":
+    peak, where = case.peak, "force"
+    if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
         peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
-    return [f"{where} = {beyond(peak, FORCE)} N, the largest that was measured"]
+    return [Doubt("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]

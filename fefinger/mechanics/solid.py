@@ -7,10 +7,13 @@ small strain. What it still leaves out is in `NOTES`.
 from typing import TYPE_CHECKING
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import reports, solid_cost, tradeoff
+from fefinger.mechanics.evidence import reports, solid_cost
+from fefinger.mechanics.evidence.stated_errors import stated, without_press
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.notes import hard
-from fefinger.mechanics.press.time_steps import too_long
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -36,38 +39,37 @@ NOTES = (
 )
 
 
-def refuse(scene: Scene) -> tuple[Refusal, ...]:
+def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: too many steps, or a mesh error that is not measured."""
-    unable = [*too_long(scene.motion, fast="FAII" in scene.ask.spikes), *linear.unmeshable(scene)]
-    if scene.ask.solver not in (None, *SOLVERS):
-        reason = f"ask.solver = {scene.ask.solver!r}: it follows finite strain with its own factors"
-        unable.append(reason)
+    unable = [*case.too_long, *linear.unmeshable(case)]
+    if case.ask.solver not in (None, *SOLVERS):
+        reason = f"ask.solver = {case.ask.solver!r}: it follows finite strain with its own factors"
+        unable.append(Doubt("ask.solver", reason))
     if unable:
-        return tuple(Refusal(name, "ability", reason) for reason in unable)
-    doubts = (*linear.too_small(scene), *linear.unmeasured(scene.finger))
-    measured = tradeoff.stated(f"{name} {scene.finger.mesh}", scene) is not None
-    radius, least = reports.smallest_radius(scene.indenter), reports.linear_radius(scene)
-    if radius < least and not measured:
-        reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
-        doubts = (reason, *doubts)
-    return (
-        *proximal_cut.reached(name, scene),
-        *(Refusal(name, "accuracy", reason) for reason in doubts),
-    )
+        return refusals(name, "ability", unable)
+    doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]
+    if stated(Candidate(name, case.mesh), case) is None:
+        doubts = [*linear.too_sharp(case), *doubts]
+    return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
 
 
-def cost(scene: Scene) -> float:
+def cost(case: Situation) -> float:
     """Return the expected wall time in s."""
-    return solid_cost.seconds(scene)
+    return solid_cost.seconds(case)
 
 
-def error(scene: Scene) -> tuple[float, str]:
+def once(case: Situation) -> float:
+    """Return the time in s of building the mesh, which is kept; 0 where it is at hand."""
+    return reports.mesh_seconds(case)
+
+
+def error(case: Situation) -> tuple[float, str]:
     """Return the expected relative error of the force against a converged mesh, and its source."""
-    candidate = f"{name} {scene.finger.mesh}"
-    found = tradeoff.stated(candidate, scene)
-    if found is not None:
-        return found.error, found.source
-    return tradeoff.instead(candidate, scene, *reports.solid_error(scene))
+    candidate = Candidate(name, case.mesh)
+    measured = stated(candidate, case)
+    if measured is not None:
+        return measured.error, measured.source
+    return without_press(candidate, case, *reports.solid_error(case))
 
 
 def coarser(scene: Scene) -> Scene | None:
@@ -89,7 +91,7 @@ def respond(
     ConvergenceError
         If an equilibrium is not reached by steps however short, or not within the allowance.
     """
-    from fefinger.mechanics.press.finite_strain import squeeze
+    from fefinger.mechanics.press import finite_strain
 
     notes = (*NOTES, *hard(scene.finger))
-    return squeeze(scene, progress, mechanics=name, notes=notes, allowance=allowance)
+    return finite_strain.respond(scene, progress, mechanics=name, notes=notes, allowance=allowance)

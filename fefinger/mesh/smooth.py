@@ -100,7 +100,6 @@ def improve(
     wanted: float,
     pinned: Index,
     sweeps: int = 8,
-    seed: int = 0,
 ) -> Array:
     """Move vertices to raise the sines of dihedral angles above `wanted`, where possible.
 
@@ -108,7 +107,7 @@ def improve(
     best worst angle around it is taken (Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng.
     40:3979, 1997, with random search).
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     points = points.copy()
     around = _cells_of(cells, len(points))
     for sweep in range(sweeps):

@@ -1,11 +1,11 @@
-"""From signals at end organs to spikes: drives, end-organ filters, generators and membranes.
+"""Afferent units, from strain or displacement to spikes: drives, filters, generators, membranes.
 
-Knows no mesh, no finite elements and no scene: it takes arrays. What is here by name works on the
-answer of a run, `ff.run(scene).spikes`, and its `times`, or makes end organs of one's own:
+The room takes arrays and is independent of mesh, finite elements and scene. The public names work
+on the spikes of a run, `ff.run(scene).spikes` and its `times`, or build end organs:
 
     from fefinger.neural import locking, psth
 
-Names are imported when they are used, so that what needs no nerve loads none.
+Public names are imported at first use.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""Afferent units: skin displacement or strain at end organs in, spike trains out."""
+"""Simulation of afferent units: from skin displacement or strain at end organs to spike trains."""
 
 from collections.abc import Mapping, Sequence
 
@@ -30,11 +30,11 @@ def simulate(
     tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
-    """Return the spikes of afferent units with one end organ each.
+    """Simulate the spikes of afferent units with one end organ each.
 
-    x_in = length * drive, end-organ filter, half-wave rectification, generator, membrane. The
-    drive is linear between its samples and the filter exact, so the sampling may be as uneven as
-    the signal allows. `units.simulate_units` has units of many end organs.
+    The chain: x_in = length * drive, end-organ filter, half-wave rectification, generator,
+    membrane. The drive is linear between its samples and the filter exact for that, so the sampling
+    may be uneven. `units.simulate_units` is for units with many end organs.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def simulate(
     types
         Afferent type of each unit.
     lengths
-        (n_units,) or one number: mm of skin displacement that a unit of drive stands for.
+        (n_units,) or one number: mm of skin displacement per unit of drive.
     generator
         "saturating" or "linear".
     membrane
@@ -53,10 +53,10 @@ def simulate(
     names, positions
         Names of the units (default: types, numbered where they repeat) and (n_units, 3) mm.
     dt, tolerance
-        Longest integration step in s; or the error of spike times in s that `HodgkinHuxley` is to
-        choose integrator and step by, as `HodgkinHuxley.integrator`, and the current is sampled by.
+        Longest integration step in s; or allowed error of spike times in s, from which integrator
+        and step (`HodgkinHuxley.integrator`) and the sampling of the current are chosen.
     check
-        Count again with half the step and with half of the samples; differences become notes.
+        Repeat with half the step and with half of the samples; differences of counts become notes.
 
     Raises
     ------
@@ -94,14 +94,14 @@ def from_strain(
     tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
-    """Return the spikes of afferent units from the strain at their end organs.
+    """Simulate the spikes of afferent units from the strain at their end organs.
 
     Parameters
     ----------
     time, strain, normals, types
         (n_t,) s; (n_t, n_units, 3, 3); unit normals (n_units, 3); afferent type of each unit.
     reference
-        A small flat press of the same finger. The length of a type is its depth over the drive of
+        A small flat press of the same finger. The length of a type is the depth over the drive of
         that type in it, so that a flat probe gives the one-dimensional case of the thesis.
     drives
         Drive per type, where it is not DEFAULT_DRIVE.
@@ -111,8 +111,8 @@ def from_strain(
     Raises
     ------
     InputError
-        As `simulate`; also a type without a reference, or one whose reference drive is not clearly
-        above zero.
+        As in `simulate`; also a type without a reference, or with a reference drive that is not
+        clearly above zero.
     """
     x_in = displacements(strain, normals, types, reference, drives=drives)
     return simulate(
@@ -136,10 +136,10 @@ def displacements(
     *,
     drives: Mapping[str, str] | None = None,
 ) -> Array:
-    """Return the skin displacement x_in (n_t, n_sites) in mm that strain at end organs stands for.
+    """Convert strain at end organs to equivalent skin displacement x_in (n_t, n_sites) in mm.
 
-    The drive of each site's type times its length; parameters and errors as in `from_strain`, with
-    sites, one per end organ, for units.
+    x_in is the drive of each site's type times its length; parameters and errors as in
+    `from_strain`, with sites, one per end organ, for units.
     """
     lengths = reference.lengths(types, drives)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}

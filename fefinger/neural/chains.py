@@ -1,4 +1,4 @@
-"""End organs as chains of springs and dampers between the skin and the nerve ending.
+"""End organs as chains of springs and dampers between skin and nerve ending.
 
 Stiffnesses are in mN/mm and dampings in mN s/mm; for a displacement input only their ratios count.
 """
@@ -15,7 +15,7 @@ from fefinger.support.checks import InputError, number
 
 @dataclass(frozen=True)
 class SpringDamper:
-    """A spring (mN/mm, 0 or more) and a damper (mN s/mm, above 0) side by side."""
+    """A spring (mN/mm, 0 or more) and a damper (mN s/mm, above 0) in parallel."""
 
     stiffness: float
     damping: float
@@ -35,8 +35,8 @@ class SpringDamper:
 class Chain:
     """Skin spring, spring-damper pairs of the end organ and nerve spring, all in series.
 
-    One pair is the SA chain of Eq. B.21, two are the FA chain of Eq. B.27. Each pair gives a zero
-    at its corner frequency. The same force runs through all of them, so
+    One pair is the SA chain of Eq. B.21, two pairs the FA chain of Eq. B.27. Each pair gives a zero
+    at its corner frequency. All elements carry the same force, so
 
         x_in / x_nerve = 1 / M + sum (K_n / b_i) / (s + z_i),  M = K_s / (K_s + K_n),
 

@@ -1,4 +1,4 @@
-"""What every simulation of afferents shares: checked signals, names, times, and remarks on them."""
+"""Input checks, sampling times and notes that all simulations of afferents share."""
 
 from collections.abc import Sequence
 
@@ -14,17 +14,18 @@ from fefinger.support.vocabulary import LONGEST_RUN, TYPES
 Array = NDArray[np.float64]
 
 FAII_STEP, FAII_JUMP = 2e-4, 2.0
-"""s and mm/s: a jump of velocity between samples further apart than the step is noted for FAII,
-whose filter differentiates twice up to 100 Hz; 3.2 mm/s is the smallest jump that fires it."""
+"""Step in s and jump in mm/s: a larger jump of velocity between samples further apart than the step
+is noted for FAII, whose filter differentiates twice up to 100 Hz; 3.2 mm/s is the smallest jump
+that fires it."""
 
 MANY = 8
-"""Units beyond which one sentence stands for all of a kind."""
+"""Number of units from which notes of one kind are merged into one sentence."""
 
 
 def checked_signals(
     time: ArrayLike, drive: ArrayLike, lengths: ArrayLike, n_units: int
 ) -> tuple[Array, Array]:
-    """Return the checked time (n_t,) and x_in (n_t, n_units)."""
+    """Check the signals; return time (n_t,) in s and x_in = drive * length (n_t, n_units) in mm."""
     time, drive = np.asarray(time, float), np.asarray(drive, float)
     if time.ndim != 1 or len(time) < 2 or drive.shape != (len(time), n_units):
         msg = (
@@ -49,8 +50,8 @@ def checked_signals(
     return time, x_in
 
 
-def known_types(types: Sequence[str]) -> tuple[str, ...]:
-    """Return the types, one or more of TYPES, or raise InputError."""
+def checked_types(types: Sequence[str]) -> tuple[str, ...]:
+    """Check that there are afferent types and that all are in TYPES."""
     if not len(types):
         msg = "types: expected one afferent unit or more, received none"
         raise InputError(msg)
@@ -58,20 +59,20 @@ def known_types(types: Sequence[str]) -> tuple[str, ...]:
 
 
 def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:
-    """Return the columns of each unit's end organs."""
+    """Find the columns of each unit's end organs in the drive."""
     unit = np.asarray(unit)
     whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
     if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
         msg = (
-            f"unit: expected, for each end organ, the index of its unit, so that each of {n_units} "
-            f"units has one or more; received {np.unique(unit).tolist()}"
+            f"unit: expected the index of the unit for each end organ, with one or more for "
+            f"each of {n_units} units; received {np.unique(unit).tolist()}"
         )
         raise InputError(msg)
     return tuple(np.flatnonzero(unit == i) for i in range(n_units))
 
 
 def unit_delays(delays: ArrayLike, n_units: int) -> Array:
-    """Return the delay of each unit in s, (n_units,)."""
+    """Check the delays in s and give one to each unit, (n_units,)."""
     later = np.asarray(delays, float)
     if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
         msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
@@ -80,18 +81,18 @@ def unit_delays(delays: ArrayLike, n_units: int) -> Array:
 
 
 def unit_array(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
-    """Return what is known of the units in mm, in an array of this shape, or None."""
-    found = None if values is None else np.asarray(values, float)
-    if found is not None and found.shape != shape:
-        msg = f"{name}: expected {shape} mm for {shape[0]} units, received {found.shape}"
+    """Check an optional array in mm with one row per unit; None stays None."""
+    array = None if values is None else np.asarray(values, float)
+    if array is not None and array.shape != shape:
+        msg = f"{name}: expected {shape} mm for {shape[0]} units, received {array.shape}"
         raise InputError(msg)
-    return found
+    return array
 
 
 def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tuple[str, ...]:
-    """Return one name per unit: those given, or its type, numbered where that repeats.
+    """Name the units: with the names given, or their types, numbered where they repeat.
 
-    InputError for names that are not one per unit, or not each its own.
+    InputError for names that are not one per unit or not different.
     """
     if names is not None:
         names = different("names", names)
@@ -107,11 +108,12 @@ def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tu
 
 
 def dense_times(time: Array, steps: float | Array) -> Array:
-    """Return times that contain `time` and divide each interval evenly.
+    """Refine times: `time` and equal steps within each interval.
 
-    steps: longest step in s, one or (n_t - 1,). A repeated time, a jump, is kept as two: the last
-    before it and itself.
+    steps: longest step in s, one or (n_t - 1,). A repeated time (a jump) becomes two times: the
+    largest number below it and itself.
     """
+    # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
     count = np.ceil(np.diff(time) / steps - 1e-9).astype(int)
     k = np.repeat(np.arange(len(count)), count)
     j = np.arange(len(k)) - np.repeat(np.cumsum(count) - count, count)
@@ -124,21 +126,20 @@ def dense_times(time: Array, steps: float | Array) -> Array:
 def count_changes(
     names: Sequence[str], times: Sequence[Array], other: Sequence[Array], change: str
 ) -> tuple[str, ...]:
-    """Return a sentence per unit whose spike count is another when `change`; empty: all survive.
+    """Describe units whose spike count differs between two runs; `change` is that of the second.
 
-    times, other: (n_units,) spike times of the same units. One sentence for all where they are more
-    than MANY.
+    times, other: (n_units,) spike times of the same units. More than MANY units share one note.
     """
-    moved = [(len(a), len(b)) for a, b in zip(times, other, strict=True)]
-    off = [abs(b - a) for a, b in moved if a != b]
+    counts = [(len(a), len(b)) for a, b in zip(times, other, strict=True)]
+    off = [abs(b - a) for a, b in counts if a != b]
     if len(off) > MANY:
         return (
             f"{len(off)} of {len(names)} units change their spike count, by {max(off)} at most, "
             f"when {change}",
         )
     return tuple(
-        f"{name}: the spike count goes from {a} to {b} when {change}"
-        for name, (a, b) in zip(names, moved, strict=True)
+        f"{name}: the spike count changes from {a} to {b} when {change}"
+        for name, (a, b) in zip(names, counts, strict=True)
         if a != b
     )
 
@@ -146,7 +147,7 @@ def count_changes(
 def remarks(
     time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...], firing: Firing
 ) -> tuple[str, ...]:
-    """Return sentences on block, on crossings that the current drives, and on coarse samples."""
+    """Describe depolarization block, stimulus-driven crossings and samples that are too coarse."""
     blocked = [
         f"{name}: in depolarization block for {seconds:.3g} s"
         for name, seconds in zip(names, firing.block_seconds, strict=True)
@@ -154,7 +155,7 @@ def remarks(
     ]
     driven = [
         f"{name}: crossings of 40 mV that also occur with sodium activation frozen: {crossings} "
-        f"(spikes: {len(times)}); the current drives them, not the membrane"
+        f"(spikes: {len(times)}); these are driven by the current, not by the membrane"
         for name, crossings, times in zip(names, firing.stimulus_driven, firing.times, strict=True)
         if crossings > 0
     ]
@@ -164,8 +165,8 @@ def remarks(
     ]
     coarse = [
         f"{name}: the velocity of its input jumps by {jump:.3g} mm/s at samples more "
-        f"than {1e3 * FAII_STEP:g} ms apart, which a second derivative takes for sharp "
-        "corners; sample the motion more finely unless they are meant"
+        f"than {1e3 * FAII_STEP:g} ms apart; a second derivative treats them as sharp "
+        "corners; sample the motion more finely, unless it has these corners"
         for name, jump in zip(names, jumps, strict=True)
         if jump > FAII_JUMP
     ]
@@ -173,14 +174,14 @@ def remarks(
 
 
 def _few(sentences: list[str]) -> list[str]:
-    """Return the sentences, or the first of many with the number of units like it."""
+    """Shorten more than MANY sentences to the first one and the number of units."""
     if len(sentences) <= MANY:
         return sentences
-    return [f"{sentences[0]} (so, or alike, {len(sentences)} units)"]
+    return [f"{sentences[0]} (this or similar for {len(sentences)} units)"]
 
 
 def coarse_jump(time: Array, x: Array, longest: float) -> float:
-    """Return the largest jump of velocity, in mm/s, next to an interval longer than `longest` s."""
+    """Largest jump of velocity in mm/s next to an interval longer than `longest` s."""
     moving = np.diff(time) > 0
     step, change = np.diff(time)[moving], np.diff(x)[moving]
     coarse = np.maximum(step[1:], step[:-1]) > longest * (1 + 1e-6)

@@ -1,4 +1,4 @@
-"""Drives: which part of the strain at an end organ moves it.
+"""Drives: scalar components of the strain at an end organ that excite it.
 
 Each takes strain (..., n_sites, 3, 3), positive in tension, and the unit normals of the skin above
 the sites (n_sites, 3), inward or outward, and returns a dimensionless drive (..., n_sites).
@@ -16,7 +16,7 @@ from fefinger.support.vocabulary import DRIVES
 Array = NDArray[np.float64]
 
 POISSON = 0.48
-"""Poisson's ratio in the energy drive: of the subcutaneous tissue of the published layer sets."""
+"""Poisson's ratio in the energy drive: that of subcutaneous tissue in the published sets."""
 
 
 def compressive(strain: Array, normals: Array) -> Array:

@@ -1,4 +1,4 @@
-"""End organs as mechanical filters between skin displacement and nerve displacement."""
+"""End organs: mechanical filters from skin displacement to nerve displacement."""
 
 import math
 from collections.abc import Callable
@@ -12,11 +12,11 @@ from fefinger.support.checks import InputError
 
 
 _APART = 1e-6
-"""Part of a pole by which the next one has to differ: partial fractions of nearer ones cancel."""
+"""Smallest relative distance of two poles: partial fractions of nearer ones cancel."""
 
 
 class Organ(Protocol):
-    """A filter between skin and nerve displacement, with `respond` as in `PoleZero`."""
+    """A filter from skin to nerve displacement, with `respond` as in `PoleZero`."""
 
     def respond(
         self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
@@ -43,9 +43,9 @@ class PoleZero:
 
     Notes
     -----
-    Pawluk (1997), Eq. 4.3 and 4.6. Written as M (d + sum c_i s / (s + p_i)) with d = prod z / prod
-    p, so that only first differences of the input are needed, a velocity that jumps needs no care,
-    and a filter with a zero at 0 Hz is silent to the last bit in a hold.
+    Pawluk (1997), Eq. 4.3 and 4.6. Evaluated as M (d + sum c_i s / (s + p_i)) with d = prod z /
+    prod p, which needs only first differences of the input: jumps of velocity need no special
+    treatment, and the output of a filter with a zero at 0 Hz is exactly 0 late in a hold.
     """
 
     zeros: tuple[float, ...]
@@ -81,7 +81,7 @@ class PoleZero:
     def respond(
         self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
     ) -> NDArray[np.float64]:
-        """Return the output for an input that is linear between its samples, exactly.
+        """Filter an input that is linear between its samples, exactly.
 
         Parameters
         ----------
@@ -90,7 +90,7 @@ class PoleZero:
         x_in
             (n_t,) or (n_t, n_units) mm, zero before `time[0]` with the organ at rest.
         at
-            (n_at,) s at which the output is wanted, within `time`; default `time` itself.
+            (n_at,) s: output times within `time`; by default `time` itself.
 
         Returns
         -------
@@ -107,7 +107,7 @@ def respond_modes(
     x_in: ArrayLike,
     at: ArrayLike | None = None,
 ) -> NDArray[np.float64]:
-    """Return the output of the filter at_rest + sum c_i s / (s + p_i), as `PoleZero.respond`.
+    """Filter an input by at_rest + sum c_i s / (s + p_i), as `PoleZero.respond`.
 
     p (n_poles,) in rad/s with positive real parts; complex ones come in conjugate pairs, as do
     their c, and the output is real.
@@ -138,12 +138,12 @@ def respond_modes(
 def chord_steps(
     organ: PoleZero, time: ArrayLike, x_in: ArrayLike, error: float, *, bend: float = 0.0
 ) -> NDArray[np.float64]:
-    """Return, for each interval of `time`, the longest step (n_t - 1,) s at which to sample.
+    """Longest sampling step (n_t - 1,) in s, per interval of `time`, of the output of an organ.
 
-    Straight lines between such samples of the output of an organ stray from it by `error` mm at
-    most, in any of the columns: the error of a chord is its curvature times step² / 8, and the
-    curvature is largest just after the sample that begins an interval. `bend` in 1/mm, times the
-    square of the output's speed, is curvature that a generator behind the organ adds.
+    Straight lines between such samples deviate from the output by at most `error` mm in every
+    column: the error of a chord is the curvature times step² / 8, and the curvature is largest just
+    after the sample that begins an interval. `bend` in 1/mm, times the squared speed of the output,
+    is the curvature that a generator behind the organ adds.
     """
     at_rest, c, p = organ.partial_fractions()
     time, x_in = np.asarray(time, float), np.asarray(x_in, float)
@@ -163,7 +163,7 @@ def chord_steps(
 def _memory(
     time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[Any]
 ) -> NDArray[Any]:
-    """Return the integrals of exp(-p (t - s)) dx(s) at every time, (n_t, n_poles, n_units)."""
+    """Integrals of exp(-p (t - s)) dx(s) up to every time, (n_t, n_poles, n_units)."""
     from fefinger.neural.endorgans_compiled import remember
 
     a = np.multiply.outer(np.diff(time), p)
@@ -180,7 +180,7 @@ END_ORGANS: dict[str, PoleZero] = {
     "FAI": PoleZero(zeros=(0.0, 0.0), poles=(1.0, 10.0)),
     "FAII": PoleZero(zeros=(0.0, 0.0), poles=(100.0, 1000.0)),
 }
-"""The filters of thesis 4.3.4 with M = 1.
+"""Filters of the afferent types, thesis 4.3.4, with M = 1.
 
 The FA filters are phenomenological: the spring and damper chain of Eq. B.27 interlaces its zeros
 and poles, so it cannot have both zeros at 0 Hz.
@@ -188,7 +188,7 @@ and poles, so it cannot have both zeros at 0 Hz.
 
 
 def rectify(x_out: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the half-wave rectified nerve displacement, mm (thesis Eq. B.19, after the filter)."""
+    """Half-wave rectify the nerve displacement in mm (thesis Eq. B.19, after the filter)."""
     return np.maximum(x_out, 0.0)
 
 
@@ -196,6 +196,5 @@ RECTIFIERS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
     "half": rectify,
     "full": np.abs,
 }
-"""Rectification after the filter. "half" is the choice of thesis 4.2.1: nothing is known to couple
-the nerve ending firmly enough to be pulled. "full" is what channels that open in tension and in
-compression would do."""
+"""Rectification after the filter. "half" is the choice of thesis 4.2.1: no known coupling could
+pull the nerve ending. "full" models channels that open in tension and in compression."""

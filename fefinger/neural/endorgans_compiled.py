@@ -1,4 +1,4 @@
-"""The compiled modes of an end organ, at samples and between; imported when one is evaluated."""
+"""Compiled filter of an end organ, at and between the samples; imported at its first use."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 def remember(
     decay: NDArray[Any], ramp: NDArray[Any], columns: NDArray[np.float64], out: NDArray[Any]
 ) -> None:
-    """Fill the modes (n_t, n_poles, n) at the samples after the first, which is given.
+    """Compute the modes `out` (n_t, n_poles, n) at all samples from those at the first.
 
-    decay, ramp (n_t - 1, n_poles): what an interval leaves of a mode, and of the change of its
-    input; columns (n_t, n).
+    decay, ramp (n_t - 1, n_poles): factors of an interval on a mode and on the change of its input;
+    columns (n_t, n): the input.
     """
     for k in range(len(decay)):
         for i in range(decay.shape[1]):
@@ -34,7 +34,7 @@ def between(
     interval: NDArray[np.int64],
     since: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return the output (n_at, n) at `since` s after the sample `interval`, both (n_at,).
+    """Output (n_at, n) at `since` s after the sample `interval`, both (n_at,).
 
     columns, slopes (n_t, n): input and its slope after each sample; memory (n_t, n_poles, n).
     """
@@ -44,8 +44,8 @@ def between(
         for u in range(columns.shape[1]):
             out[a, u] = at_rest * (columns[k, u] + slopes[k, u] * s)
         for i in range(len(poles)):
-            kept = weights[i] * np.exp(-poles[i] * s)
-            fresh = (weights[i] - kept) / poles[i]
+            fading = weights[i] * np.exp(-poles[i] * s)
+            fresh = (weights[i] - fading) / poles[i]
             for u in range(columns.shape[1]):
-                out[a, u] += kept * memory[k, i, u] + fresh * slopes[k, u]
+                out[a, u] += fading * memory[k, i, u] + fresh * slopes[k, u]
     return out

@@ -1,4 +1,4 @@
-"""Spike trains out: CSV, NPZ, pandas, xarray, and with their extras Neo and NWB."""
+"""Export of spike trains to CSV, NPZ, pandas, xarray and, with extras, Neo and NWB."""
 
 import csv
 import hashlib
@@ -49,14 +49,14 @@ UNITS = {
 
 MEANINGS = {
     "x_in": "input of the end organs, compression positive, linear between its times",
-    "current": "generator current at these times, not linear between them: it is that of the "
-    "filters, and the membranes were given more of it",
+    "current": "generator current at these times, not linear between them: the membranes were "
+    "given it at more times",
 }
-"""What SIGNALS are, as said in files that have a place for it."""
+"""Descriptions of SIGNALS, for file formats that hold descriptions."""
 
 
 def to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
-    """Write one row per spike in CSV_COLUMNS, by unit and then time; empty places if unknown."""
+    """Write one row per spike in CSV_COLUMNS, by unit and then time; unknown places are empty."""
     places: list[tuple[str, ...]] = [("", "", "")] * len(trains)
     if trains.positions is not None:
         places = [tuple(repr(float(x)) for x in row) for row in trains.positions]
@@ -69,11 +69,11 @@ def to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
 
 
 def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
-    """Write everything to a compressed NPZ that `read_npz` reads back to the last bit.
+    """Write all fields to a compressed NPZ file, which `read_npz` reads back bit by bit.
 
     `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
-    `units_of_arrays` the unit of each array as "name unit", `meanings` what SIGNALS are as
-    "name: meaning".
+    `units_of_arrays` the unit of each array as "name unit", `meanings` the descriptions of SIGNALS
+    as "name: meaning".
     """
     arrays: dict[str, Any] = {name: getattr(trains, name) for name in ("time", *SIGNALS, *PER_UNIT)}
     arrays |= {name: getattr(trains, name) for name in ("types", "names", "notes")}
@@ -91,13 +91,13 @@ def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
 
 
 def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
-    """Return the fields of the SpikeTrains that `to_npz` wrote; InputError for another file."""
+    """Read the fields of SpikeTrains that `to_npz` wrote; InputError for another file."""
     try:
         # Opened here: numpy leaves a damaged file open.
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
     except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
-        msg = f"{path}: expected an NPZ file of spike trains, found none to read: {error}"
+        msg = f"{path}: expected an NPZ file of spike trains, which cannot be read: {error}"
         raise InputError(msg) from error
     if str(data.get("format")) != NPZ_FORMAT:
         msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"
@@ -110,7 +110,7 @@ def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return the fields of the SpikeTrains with these arrays; KeyError where one is missing."""
+    """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
     offsets = data["offsets"]
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in ("types", "names", "notes")}
@@ -123,7 +123,7 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
 
 
 def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
-    """Return a table with one row per spike: unit, type, x_mm, y_mm, z_mm, depth_mm, time_s."""
+    """Convert to a table with one row per spike: unit, type, x_mm, y_mm, z_mm, depth_mm, time_s."""
     import pandas as pd
 
     owner = np.repeat(np.arange(len(trains)), trains.count())
@@ -135,10 +135,10 @@ def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
 
 
 def to_xarray(trains: TrainRecord) -> "xr.Dataset":
-    """Return a dataset of the signals over `time` and `unit`, and of the spikes over `spike`.
+    """Convert to a Dataset: signals over `time` and `unit`, spikes over `spike`.
 
-    `spike_unit` is the index of the unit of each spike; every variable has its units, and the
-    signals say in `long_name` what they are.
+    `spike_unit` is the index of the unit of each spike. Every variable has its units, and the
+    signals have a description in `long_name`.
     """
     import xarray as xr
 
@@ -166,7 +166,7 @@ def to_xarray(trains: TrainRecord) -> "xr.Dataset":
 
 
 def to_neo(trains: TrainRecord) -> Any:
-    """Return a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
+    """Convert to a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
 
     Each SpikeTrain is named after its unit and annotated with afferent_class, position_mm and
     depth_mm; displacement and current are IrregularlySampledSignals. Needs the extra `neo`.
@@ -175,20 +175,20 @@ def to_neo(trains: TrainRecord) -> Any:
     segment = neo.Segment(name="trial")
     places, depths = _places(trains)
     for i, times in enumerate(trains.times):
-        known: dict[str, Any] = {"afferent_class": trains.types[i]}
+        annotations: dict[str, Any] = {"afferent_class": trains.types[i]}
         if trains.positions is not None:
-            known["position_mm"] = places[i].tolist()
+            annotations["position_mm"] = places[i].tolist()
         if trains.depths is not None:
-            known["depth_mm"] = float(depths[i])
+            annotations["depth_mm"] = float(depths[i])
         span = {"t_start": trains.t_start * pq.s, "t_stop": trains.t_stop * pq.s}
         segment.spiketrains.append(
-            neo.SpikeTrain(times * pq.s, name=trains.names[i], **span, **known)
+            neo.SpikeTrain(times * pq.s, name=trains.names[i], **span, **annotations)
         )
     density = pq.CompoundUnit("uA/cm**2")
     for name, unit in (("x_in", pq.mm), ("current", density)):
-        told = {"name": name, "description": MEANINGS[name]}
+        labels = {"name": name, "description": MEANINGS[name]}
         segment.irregularlysampledsignals.append(
-            neo.IrregularlySampledSignal(trains.time * pq.s, getattr(trains, name), unit, **told)
+            neo.IrregularlySampledSignal(trains.time * pq.s, getattr(trains, name), unit, **labels)
         )
     block = neo.Block(name="fefinger", **_provenance(trains))
     block.segments.append(segment)
@@ -202,9 +202,9 @@ def to_nwb(
     description: str = "simulated spike trains of tactile afferents",
     started: datetime | None = None,
 ) -> None:
-    """Write an NWB file: the units, their class and place, and the displacement that drove them.
+    """Write an NWB file: units, their class and place, and the displacement that drove them.
 
-    Lengths are in mm in the table and in m in the series, as its format wants. `started` is the
+    Lengths are in mm in the table and in m in the series, as the format requires. `started` is the
     time of the session with its zone, by default now. Needs the extra `nwb`.
     """
     pynwb = _extra("pynwb", "nwb")
@@ -250,21 +250,22 @@ def to_nwb(
 
 
 def _places(trains: TrainRecord) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return positions (n_units, 3) and depths (n_units,) in mm, nan where unknown."""
+    """Positions (n_units, 3) and depths (n_units,) in mm, nan where unknown."""
     n = len(trains)
     places = np.full((n, 3), np.nan) if trains.positions is None else trains.positions
     return places, np.full(n, np.nan) if trains.depths is None else trains.depths
 
 
 def _provenance(trains: TrainRecord) -> dict[str, Any]:
-    known: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    """Version of the program, seed and notes."""
+    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
     if trains.seed is not None:
-        known["seed"] = trains.seed
-    return known | {"notes": "\n".join(trains.notes)}
+        source["seed"] = trains.seed
+    return source | {"notes": "\n".join(trains.notes)}
 
 
 def _extra(module: str, extra: str) -> Any:
-    """Return a module that comes with an extra, or raise InputError that says how to get it."""
+    """Import a module of an extra; InputError explains how to install it."""
     try:
         return import_module(module)
     except ModuleNotFoundError as error:
@@ -274,10 +275,10 @@ def _extra(module: str, extra: str) -> Any:
 
 @contextmanager
 def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name next to `path`, and move the file there once it is written."""
+    """Yield a temporary name next to `path`; move the file to `path` after the enclosed block."""
     path = Path(path)
     if not path.parent.is_dir():
-        msg = f"{path}: expected a folder that exists, {path.parent} does not"
+        msg = f"{path}: expected a folder that exists, received {str(path.parent)!r}"
         raise InputError(msg)
     try:
         with moved(path) as new:

@@ -1,16 +1,16 @@
-"""Gains of the generators, by one rule against published thresholds.
+"""Gains of the generators, fitted by one rule to published thresholds.
 
-The rule: a unit whose skin is pressed at 4 mm/s to the published threshold displacement of its type
-and held there (the one-dimensional case of the thesis: the whole displacement reaches the end
-organ) just gives the response that defines its type. That is sustained firing in the hold for SAI
+The rule: a unit just gives the defining response of its type when its skin is pressed at 4 mm/s to
+the published threshold displacement of the type and held there (the one-dimensional case of the
+thesis: the whole displacement reaches the end organ). That is sustained firing in the hold for SAI
 and SAII, and one spike for FAI and FAII. Membrane with rates / 6, saturating generator.
 
-What follows from it, in Hz at 0.1, 0.2, 0.5, 1 and 1.5 mm of hold: SAI 0, 10, 15, 18, 20 (published
+Resulting rates in Hz at 0.1, 0.2, 0.5, 1 and 1.5 mm of hold: SAI 0, 10, 15, 18, 20 (published
 for monkey units, see THRESHOLDS: 0, 0 to 9, 0 to 15, 10 to 30, 22 to 45); SAII 0, 0, 0, 13, 15. A
 sinusoid that grows slowly first fires FAI at 11 um (16 Hz) and FAII at 14 um (64 Hz) and 5 um (400
 Hz), amplitude; that of FAII falls on beyond 512 Hz, where the published bands of units end.
 
-What the rule does not fit: the thesis filters pass a ramp ten times better than a hold, so an SA
+Not fitted by the rule: the thesis filters pass a ramp ten times better than a hold, so an SA
 unit that fires in the hold from its threshold on gives its first spike to a ramp of a few um (SAI
 4, SAII 13), where human units need about 60 and 300 um (Table 1 of doi:10.1152/jn.90990.2008), and
 its slowed membrane keeps its rates below 27 Hz. Gains from those thresholds would be 14 and 5 times
@@ -35,7 +35,7 @@ HOLD, SUSTAINED = 4.0, 0.5
 
 @dataclass(frozen=True)
 class Threshold:
-    """Displacement in mm at which a type just gives its defining response, and where it is from."""
+    """Displacement in mm at which a type just gives its defining response, with its source."""
 
     displacement: float
     sustained: bool
@@ -77,7 +77,7 @@ digits, so that the response is there at the threshold itself."""
 
 
 def threshold_gain(kind: str, *, generator: str = "saturating", digits: float = 1e-5) -> float:
-    """Return the gain in uA/cm² per mm that the rule gives for an afferent type.
+    """Compute the gain in uA/cm² per mm of an afferent type by the rule.
 
     Bisection on the logarithm of the gain, to the relative precision `digits`; deterministic.
     """
@@ -89,7 +89,7 @@ def threshold_gain(kind: str, *, generator: str = "saturating", digits: float = 
 
 
 def responds(kind: str, gain: float, generator: str = "saturating") -> bool:
-    """Tell whether a type with this gain gives its defining response at its threshold."""
+    """Test whether a type with this gain gives its defining response at its threshold."""
     threshold = THRESHOLDS[kind]
     end = threshold.displacement / RAMP_SPEED
     time = np.array([0.0, end, end + (HOLD if threshold.sustained else 0.1)])

@@ -1,4 +1,4 @@
-"""From nerve displacement to generator current, and the whole way from skin displacement to it."""
+"""Generators: from nerve displacement to current; `transduce` also includes the end organ."""
 
 from collections.abc import Callable
 
@@ -19,7 +19,7 @@ there never drives its membrane into depolarization block.
 
 
 Gain = float | NDArray[np.float64]
-"""uA/cm² per mm, one or one per unit."""
+"""Gain in uA/cm² per mm: one, or one per unit."""
 
 
 def linear(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:

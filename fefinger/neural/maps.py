@@ -1,4 +1,4 @@
-"""What a population says across the skin: rate profiles and receptive fields."""
+"""Spatial responses of a population: rate profiles and receptive fields."""
 
 from dataclasses import dataclass
 
@@ -37,11 +37,11 @@ def rate_profile(
 
 @dataclass(frozen=True)
 class ReceptiveField:
-    """Where probes make a unit respond.
+    """Receptive field of a unit.
 
-    center (3,) mm: mean of the probes, weighted by the response. area mm²: of the probes with at
-    least `share` of the largest response. diameter mm: of the circle of that area. peak: the
-    largest response. A unit that no probe excites has area 0 and a center of nan.
+    center (3,) mm: mean of the probe points, weighted by the response. area mm²: area of the probes
+    with at least `share` of the largest response. diameter mm: that of a circle of this area. peak:
+    the largest response. A unit that no probe excites has area 0 and a center of nan.
     """
 
     center: Array
@@ -53,7 +53,7 @@ class ReceptiveField:
 def receptive_fields(
     probes: Surface, responses: ArrayLike, *, share: float = 0.5
 ) -> tuple[ReceptiveField, ...]:
-    """Return the receptive field of each unit from its responses to probes at points of the skin.
+    """Receptive field of each unit from its responses to probes at points of the skin.
 
     responses: (n_probes, n_units), 0 or more, such as spike counts. InputError where they do not
     fit the probes.

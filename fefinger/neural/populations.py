@@ -1,4 +1,4 @@
-"""Where afferent units and their end organs lie under a pad, given as points, normals and areas."""
+"""Placement of afferent units and end organs under a pad of points, normals and areas."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ from fefinger.support.vocabulary import TYPES
 Array = NDArray[np.float64]
 
 NEIGHBORS = 8
-"""Surface points that a place between them is interpolated from."""
+"""Number of surface points that a projection interpolates between."""
 
 BESIDE = 0.5
-"""mm that a place may have to move across its axis to meet the skin; the same on every mesh, or
-meshes would keep different places of a grid."""
+"""Largest distance in mm of a place from the skin, across its axis; independent of the mesh, so
+that all meshes keep the same places of a grid."""
 
 ATTEMPTS = 200
-"""Draws of an end organ around its unit before the pad counts as too small for the field."""
+"""Number of random draws around a unit before the pad counts as too small for the field."""
 
 
 @dataclass(frozen=True)
@@ -56,15 +56,15 @@ class Surface:
 
     @property
     def spacing(self) -> float:
-        """Distance in mm between points: the square root of the mean area."""
+        """Mean distance of the points in mm: the square root of the mean area."""
         return float(np.sqrt(self.areas.mean()))
 
     def project(self, places: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return the points on the skin nearest to places (n, 3), the normals there, and a flag.
+        """Project places (n, 3) onto the skin: points, normals, and a flag that a place is over it.
 
-        The flag says whether the place is over the skin, within one spacing of its points. Between
-        the points the skin is where the chord to each of them is at right angles to the sum of
-        both normals, which is exact on a sphere; NEIGHBORS points, weighted by 1/distance⁴.
+        The flag is true within one spacing of the points. Between points the skin is interpolated:
+        the chord to a neighbor is perpendicular to the sum of both normals, which is exact on a
+        sphere, averaged over NEIGHBORS points with weights 1/distance⁴.
         """
         q = np.array(places, float)
         on = np.zeros(len(q), bool)
@@ -91,9 +91,9 @@ class Population:
     """Units and their end organs.
 
     types (n_units,); centers (n_units, 3) mm on the skin and normals (n_units, 3) there; depths
-    (n_units,) mm of the end organs. skin (n_organs, 3) mm: the point of the skin above each end
-    organ, organ_normals (n_organs, 3) there, unit (n_organs,): whose it is. numbers (n_units,):
-    of the units among all that were asked. seed: of the draws.
+    (n_units,) mm of the end organs. skin (n_organs, 3) mm: point of the skin above each end organ,
+    organ_normals (n_organs, 3) there, unit (n_organs,): index of its unit. numbers (n_units,):
+    numbers of the units among all requested ones. seed: of the random draws.
     """
 
     types: tuple[str, ...]
@@ -129,11 +129,11 @@ class Population:
 def scatter(
     densities: Mapping[str, float], radius: float, normal: ArrayLike, *, seed: int
 ) -> tuple[tuple[str, ...], Array]:
-    """Return types and places (n, 3) mm of units at random in a disc about the origin.
+    """Draw types and places (n, 3) mm of units at random in a disc about the origin.
 
-    densities: units per cm² by type; radius in mm; normal (3,): across the disc. Their number is
-    the density times the area, rounded. Types are drawn apart, so that leaving one out does not
-    move the others, and no surface enters, so that another mesh does not move any.
+    densities: units per cm² by type; radius in mm; normal (3,): of the disc. The number of units is
+    the density times the area, rounded. Each type has its own random stream, so that leaving one
+    out does not move the others; the surface has no influence, so that another mesh moves none.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def scatter(
 def settled(
     surface: Surface, places: ArrayLike, axis: ArrayLike
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return places (n, 3) mm moved along an axis (3,) to the skin, and whether they meet it.
+    """Move places (n, 3) mm along an axis (3,) to the skin; a flag says which reach it.
 
     A place beside the skin does not: it would have to move across the axis by more than BESIDE.
     """
@@ -175,12 +175,12 @@ def settled(
 
 
 def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
-    """Return places (n, 3) mm moved along an axis (3,) to the skin nearest to their line."""
+    """Move places (n, 3) mm along an axis (3,) to the skin nearest to their line."""
     places, axis = np.asarray(places, float), np.asarray(axis, float)
     flat = surface.points - np.outer(surface.points @ axis, axis)
     out = np.empty_like(places)
     for i, place in enumerate(places):
-        # Of the points near the line, the first that the axis meets: the near side of the finger.
+        # Of the points near the line, the first along the axis: the near side of the finger.
         apart = np.linalg.norm(flat - (place - (place @ axis) * axis), axis=1)
         near = apart <= max(float(apart.min()), surface.spacing)
         facing = near & (surface.normals @ axis < 0.0)
@@ -193,9 +193,9 @@ def lifted(surface: Surface, places: ArrayLike, axis: ArrayLike) -> Array:
 
 
 def squares(spacing: float, radius: float) -> Array:
-    """Return the places (n, 2) mm of a square grid in x and y, `spacing` mm apart.
+    """Places (n, 2) mm of a square grid in x and y, `spacing` mm apart, within `radius` mm of 0, 0.
 
-    x = y = 0 is among them, and all lie within `radius` mm of it.
+    The place 0, 0 is one of them.
     """
     spacing = number("spacing", spacing, above=0.0, unit="mm")
     radius = (1.0 + 1e-9) * number("radius", radius, above=0.0, unit="mm")  # 3 * 0.4 is above 1.2
@@ -206,15 +206,15 @@ def squares(spacing: float, radius: float) -> Array:
 
 
 def grid(surface: Surface, spacing: float, radius: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return the points (n, 3) of a surface at its `squares`, and which of them they are, (n,).
+    """Points (n, 3) of a surface at the places of `squares`, and their indices (n,) there.
 
-    Those beside the skin are left out; InputError where all are.
+    Places beside the skin are left out; InputError where all are.
     """
-    return _kept(surface, squares(spacing, radius), f"a grid of {spacing:g} mm")
+    return _on_skin(surface, squares(spacing, radius), f"a grid of {spacing:g} mm")
 
 
 def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Array:
-    """Return `count` points of a surface above a straight line in x and y, ends included.
+    """Points of a surface at `count` places along a straight line in x and y, ends included.
 
     start, stop: (2,) mm. InputError where a point of the line is off the skin.
     """
@@ -226,13 +226,13 @@ def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Arr
 
 
 def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
-    """Return the points (n, 3) of a surface at places (n, 2) mm; InputError for one beside it."""
-    kept, _ = _kept(surface, np.asarray(places, float), name)
-    beside = len(np.asarray(places)) - len(kept)
+    """Points (n, 3) of a surface at places (n, 2) mm; InputError for a place beside it."""
+    points, _ = _on_skin(surface, np.asarray(places, float), name)
+    beside = len(np.asarray(places)) - len(points)
     if beside:
-        msg = f"{name}: expected places over the skin, {beside} of them lie beside it; {advice}"
+        msg = f"{name}: expected places over the skin, received {beside} beside it; {advice}"
         raise InputError(msg)
-    return kept
+    return points
 
 
 def populate(
@@ -246,7 +246,7 @@ def populate(
     numbers: ArrayLike | None = None,
     seed: int | None = None,
 ) -> Population:
-    """Return the population with units of these types at these places.
+    """Build a population of units of these types at these places.
 
     Parameters
     ----------
@@ -257,15 +257,14 @@ def populate(
     depths
         mm of the end organs under the skin, by type.
     organs
-        Smallest and largest number of end organs by type, drawn evenly; one where not given.
+        Smallest and largest number of end organs by type, drawn uniformly; by default one.
     fields
-        mm: diameter of the disc around its place over which a unit's end organs are spread evenly,
-        by type. A single end organ lies at the place itself.
+        Diameter in mm of the disc over which the end organs of a unit are spread uniformly, by
+        type. A single end organ lies at the place of the unit.
     numbers
-        (n_units,) whole numbers that tell the draws of units apart; by default their places in the
-        list.
+        (n_units,) whole numbers that select the random stream of each unit; by default 0, 1, ...
     seed
-        Of the draws; needed where there are any.
+        Seed of the random draws; needed where there are any.
 
     Raises
     ------
@@ -279,20 +278,21 @@ def populate(
     if missing:
         msg = f"depths: expected one for each type, {', '.join(missing)} is missing"
         raise InputError(msg)
-    own = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
+    streams = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
     skin, skin_normals, unit = [], [], []
     for i, kind in enumerate(types):
         low, high = _number_of_organs(kind, organs or {})
         if high == 1:
-            found = centers[i : i + 1], normals[i : i + 1]
+            points = centers[i : i + 1]
+            upward = normals[i : i + 1]
         else:
-            rng = np.random.default_rng([_seed(seed), len(TYPES), own[i]])
+            rng = np.random.default_rng([_seed(seed), len(TYPES), streams[i]])
             diameter = number(f"fields.{kind}", (fields or {}).get(kind), above=0.0, unit="mm")
             count = int(rng.integers(low, high + 1))
-            found = _spread(surface, rng, centers[i], normals[i], count, diameter, kind)
-        skin.append(found[0])
-        skin_normals.append(found[1])
-        unit += [i] * len(found[0])
+            points, upward = _spread(surface, rng, centers[i], normals[i], count, diameter, kind)
+        skin.append(points)
+        skin_normals.append(upward)
+        unit += [i] * len(points)
     return Population(
         types=types,
         centers=centers,
@@ -301,13 +301,13 @@ def populate(
         skin=np.concatenate(skin),
         organ_normals=np.concatenate(skin_normals),
         unit=np.array(unit, np.int64),
-        numbers=own,
+        numbers=streams,
         seed=seed,
     )
 
 
 def _centers(surface: Surface, types: tuple[str, ...], places: ArrayLike) -> tuple[Array, Array]:
-    """Return the places on the skin and the normals there."""
+    """Project the places of units onto the skin: points and normals; InputError beside it."""
     wanted = np.asarray(places, float)
     if not types or wanted.shape != (len(types), 3) or not np.isfinite(wanted).all():
         msg = (
@@ -327,6 +327,7 @@ def _centers(surface: Surface, types: tuple[str, ...], places: ArrayLike) -> tup
 
 
 def _number_of_organs(kind: str, organs: Mapping[str, tuple[int, int]]) -> tuple[int, int]:
+    """Smallest and largest number of end organs of a type, checked."""
     low, high = organs.get(kind, (1, 1))
     if not 1 <= low <= high:
         msg = f"organs.{kind}: expected a smallest number of 1 or more and a largest, received "
@@ -343,13 +344,13 @@ def _spread(
     diameter: float,
     kind: str,
 ) -> tuple[Array, Array]:
-    """Return `count` points of the skin around a center and the normals there."""
+    """Draw `count` random points of the skin around a center, with normals."""
     points, normals = np.empty((0, 3)), np.empty((0, 3))
     for _ in range(ATTEMPTS):
         around = np.tile(normal, (count - len(points), 1))
         radius = np.full(len(around), 0.5 * diameter)
-        found, upward, on = surface.project(center + _disc(rng, around, radius))
-        points, normals = np.concatenate([points, found[on]]), np.concatenate([normals, upward[on]])
+        drawn, upward, on = surface.project(center + _disc(rng, around, radius))
+        points, normals = np.concatenate([points, drawn[on]]), np.concatenate([normals, upward[on]])
         if len(points) == count:
             return points, normals
     msg = (
@@ -360,7 +361,7 @@ def _spread(
 
 
 def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
-    """Return random vectors (n, 3), evenly spread over discs of these radii across the normals."""
+    """Draw vectors (n, 3), uniformly over discs of these radii perpendicular to the normals."""
     axis = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     first: Array = np.cross(normals, axis)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
@@ -370,8 +371,8 @@ def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
     return length * (np.cos(angle) * first + np.sin(angle) * second)
 
 
-def _kept(surface: Surface, places: Array, what: str) -> tuple[Array, NDArray[np.int64]]:
-    """Return those places (n, 2) mm that lie on the skin, moved to it along z, and which, (m,)."""
+def _on_skin(surface: Surface, places: Array, what: str) -> tuple[Array, NDArray[np.int64]]:
+    """Move places (n, 2) mm along z to the skin; return points (m, 3) and indices of the hits."""
     side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
     above = np.column_stack([places, np.zeros(len(places))])
     points, on = settled(surface, above, np.array([0.0, 0.0, -side]))
@@ -382,7 +383,8 @@ def _kept(surface: Surface, places: Array, what: str) -> tuple[Array, NDArray[np
 
 
 def _seed(seed: int | None) -> int:
+    """Check the seed of random draws."""
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        msg = f"seed: expected a whole number of 0 or more, to draw from, received {seed!r}"
+        msg = f"seed: expected a whole number of 0 or more for random draws, received {seed!r}"
         raise InputError(msg)
     return seed

@@ -1,7 +1,4 @@
-"""The preliminary end organs of thesis 4.2.2: a spring, a damper, a second derivative.
-
-With them, position, velocity and acceleration of an input as features.
-"""
+"""Preliminary end organs of thesis 4.2.2: spring, damper, second derivative."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +11,7 @@ from fefinger.support.checks import InputError, number
 
 
 def spring(skin: float, organ: float, nerve: float) -> PoleZero:
-    """Return three springs in series (Fig. 4-4a): the nerve's share of a skin displacement.
+    """Filter of three springs in series (Fig. 4-4a): the nerve's share of a skin displacement.
 
     k_s k_e / (k_s k_e + k_n (k_s + k_e)); Eq. 5.8 prints its limit for a stiff nerve. Stiffnesses
     above 0, in any one unit. Three dampers in series (Fig. 4-5a) share in the same way.
@@ -26,7 +23,7 @@ def spring(skin: float, organ: float, nerve: float) -> PoleZero:
 
 
 def derivative(*poles: float) -> PoleZero:
-    """Return a filter that is the derivative below its poles, one order per pole.
+    """Filter that is a derivative below its poles, one order per pole.
 
     One pole: velocity in mm/s, the damper model that thesis 4.3.3 closes with a pole at 10 to 100
     Hz. Two distinct poles: acceleration in mm/s². Poles in Hz.
@@ -59,13 +56,13 @@ class Derivative:
     ) -> NDArray[np.float64]:
         """Return the derivative in mm/s^order of (n_t,) or (n_t, n_units) mm at times `at`.
 
-        Raises InputError where a time repeats or there are too few of them: a jump has none.
+        Raises InputError for too few times or a repeated one: a jump has no derivative.
         """
         time, x_in = np.asarray(time, float), np.asarray(x_in, float)
         if len(time) <= self.order or np.any(np.diff(time) <= 0):
             msg = (
                 f"time: expected at least {self.order + 1} times that increase, for a derivative "
-                "of a smooth input; give a filter with poles an input that jumps"
+                "of a smooth input; use a filter with poles for an input that jumps"
             )
             raise InputError(msg)
         columns = x_in.reshape(len(time), -1)
@@ -75,21 +72,3 @@ class Derivative:
         wanted = time if at is None else np.asarray(at, float)
         out = np.column_stack([np.interp(wanted, spans, column) for column in columns.T])
         return out.reshape(wanted.shape + x_in.shape[1:])
-
-
-@dataclass(frozen=True)
-class Features:
-    """Position mm, velocity mm/s and acceleration mm/s² of (n_t,) or (n_t, n_units) mm."""
-
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-
-
-def features(time: ArrayLike, x_in: ArrayLike) -> Features:
-    """Return position, velocity and acceleration of an input; InputError where it jumps."""
-    return Features(
-        np.asarray(x_in, float),
-        Derivative(1).respond(time, x_in),
-        Derivative(2).respond(time, x_in),
-    )

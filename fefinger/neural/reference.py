@@ -1,4 +1,4 @@
-"""The reference press: a small flat press of a finger, which turns strain into displacement."""
+"""Reference press: a small flat press of a finger that converts strain to skin displacement."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,15 +14,16 @@ from fefinger.support.vocabulary import DRIVES, TYPES
 Array = NDArray[np.float64]
 
 SMALLEST_DRIVE = 0.02
-"""Reference drive over the norm of the reference strain: below it the length L is noise."""
+"""Smallest reference drive over the norm of the reference strain; below, the length is noise."""
 
 
 @dataclass(frozen=True)
 class Reference:
-    """A small flat press of the same finger, which sets the length that a strain stands for.
+    """A small flat press of the same finger, the calibration of strain as skin displacement.
 
     depth mm; normals (n_types, 3) and strain (n_types, 3, 3) at the central site of each of
-    `types`. A drive e at the central site then stands for a skin displacement depth * e / e_ref.
+    `types`. A drive e corresponds to a skin displacement of depth * e / e_ref, with e_ref the drive
+    at the central site in this press.
     """
 
     depth: float
@@ -33,15 +34,15 @@ class Reference:
     def lengths(
         self, types: Sequence[str], drives: Mapping[str, str] | None = None
     ) -> dict[str, float]:
-        """Return the length L in mm of each of `types`: depth over the drive in this press.
+        """Skin displacement L in mm per unit of drive, by type: depth / drive in this press.
 
         `drives` names the drive of a type, where it is not DEFAULT_DRIVE.
 
         Raises
         ------
         InputError
-            Unknown types or drives, a type that this press lacks or whose drive in it is not
-            clearly above zero, or arrays that do not fit.
+            Unknown types or drives, a type that is missing in this press or whose drive in it is
+            not clearly above zero, or arrays of other shapes.
         """
         for kind in types:
             choice("types", kind, TYPES)
@@ -53,6 +54,7 @@ class Reference:
         return {kind: self._length(kind, chosen[kind]) for kind in types}
 
     def _check(self) -> None:
+        """Check depth and shapes."""
         number("reference.depth", self.depth, above=0.0, unit="mm")
         n, strain, normals = len(self.types), np.shape(self.strain), np.shape(self.normals)
         if strain != (n, 3, 3) or normals != (n, 3):
@@ -63,8 +65,9 @@ class Reference:
             raise InputError(msg)
 
     def _length(self, kind: str, drive: str) -> float:
+        """Skin displacement in mm per unit of drive of one type."""
         if kind not in self.types:
-            msg = f"reference.types: expected every type that is asked, {kind} is missing"
+            msg = f"reference.types: expected every type in use, {kind} is missing"
             raise InputError(msg)
         i = self.types.index(kind)
         value = float(DRIVE_BY_NAME[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])

@@ -1,4 +1,4 @@
-"""A user's own displacement or strain series to spikes: what `fefinger spikes` does."""
+"""Spikes of afferent units driven by a displacement or strain series in a CSV file."""
 
 import csv
 import math
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 TIME = {"time": 1.0, "time_s": 1.0, "time_ms": 1e-3}
-"""Headers of the time column, with seconds per unit."""
+"""Headers of the time column, with the length of their unit in s."""
 
 SIGNALS = {
     "displacement_mm": 1.0,
@@ -31,35 +31,35 @@ SIGNALS = {
     "displacement_m": 1e3,
     "strain": None,
 }
-"""Ends of the headers of signals, with mm per unit; strain has its length from the user."""
+"""Ends of the headers of signals, with the length of their unit in mm; strain has none."""
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
-"""What may stand between the columns of a file that has no commas there."""
+"""Separators other than commas that a file may have by mistake, with their names."""
 
 DECIMAL = "write 0.5 for 0,5 if its commas are decimal"
 
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
-"""A fingertip is about 12 mm thick, and no skin is strained by more than its own length."""
+"""Largest displacement and strain: a fingertip is about 12 mm thick, strain stays below 1."""
 
 OUTWARD = 1.1
-"""Depth of the lowest value below 0, over the highest value, that a wrong sign is asked from: the
-two ends of a vibration about 0 are alike but for its samples."""
+"""Ratio of the lowest value below 0 to the highest one from which a wrong sign is suspected: the
+extremes of a vibration about 0 differ only by its sampling."""
 
 SLOW_JUMP = 0.3
-"""Jump of velocity between coarse samples, over the largest velocity, that SA units are refused:
-straight lines through a sinusoid with such jumps stray from it by 1 %."""
+"""Limit for SA units of the jump of velocity between coarse samples, over the largest velocity:
+straight lines through a sinusoid with such jumps deviate from it by 1 %."""
 
 FINER, FINEST = 8, 1e-4
-"""Parts that intervals are divided into where a curve joins the samples, and s of the shortest."""
+"""Number of parts of an interval on the smooth curve, and the shortest of them in s."""
 
 FILES = ("spikes.csv", "spikes.npz")
 
 
 @dataclass(frozen=True)
 class Signals:
-    """A series as read: time (n_t,) s, drive (n_t, n_columns), mm per unit of drive, headers.
+    """A series: time (n_t,) s, drive (n_t, n_columns), mm per unit of drive, headers.
 
-    A length of None is that of a strain column, which the user has to give.
+    The length of a strain column is None; the user has to give it.
     """
 
     time: NDArray[np.float64]
@@ -69,23 +69,23 @@ class Signals:
 
 
 def read(path: str | PathLike[str]) -> Signals:
-    """Return the series in a CSV file: one column of time, one of each signal, a header each.
+    """Read a series from a CSV file with a column of time and one per signal, each with a header.
 
-    The header of time is one of TIME. That of a signal ends with one of SIGNALS, with a name of the
-    user's before it, as in `left_displacement_mm`. Displacement is positive into the skin, strain
+    The header of time is one of TIME. That of a signal ends with one of SIGNALS, after any name, as
+    in `left_displacement_mm`. Displacement is positive into the skin, strain
     positive where it excites: compression for SAI and FAII, stretch of the skin for SAII and FAI.
 
     Raises
     ------
     InputError
-        A file or a header that cannot be read, two columns of one name, a value that is not a
-        number, times that are not sorted, signals that are absurdly large.
+        A file or a header that cannot be read, two columns with one name, a value that is not a
+        number, times that are not sorted, signals beyond LARGEST_MM or LARGEST_STRAIN.
     """
     header, rows = _table(path)
     if twice := repeated(header):
         names = ", ".join(map(repr, twice))
         msg = (
-            f"{path}: expected a name of its own for each column, received {names} more than once; "
+            f"{path}: expected a different name for each column, received {names} more than once; "
             "rename the columns, as in left_displacement_mm"
         )
         raise InputError(msg)
@@ -95,7 +95,7 @@ def read(path: str | PathLike[str]) -> Signals:
         raise InputError(msg)
     columns = [i for i in range(len(header)) if i != at[0]]
     if not columns:
-        msg = f"{path}: expected a column of a signal beside the time, found none"
+        msg = f"{path}: expected a column of a signal beside the time, received none"
         raise InputError(msg)
     lengths = tuple(_length(path, header[i]) for i in columns)
     values = _numbers(path, header, rows)
@@ -118,7 +118,7 @@ def fire(
     tolerance: float | None = None,
     generator: str = "saturating",
 ) -> "SpikeTrains":
-    """Return the spikes of units that these signals drive.
+    """Simulate the spikes of units that these signals drive.
 
     Parameters
     ----------
@@ -128,13 +128,14 @@ def fire(
     types
         Afferent types, by default all four.
     length
-        mm of skin displacement that a strain of 1 stands for: the depth of a small flat press over
-        the strain that it makes at the end organ.
+        Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
+        the end organ that it causes.
     corners
-        Take straight lines between samples as meant, with the corners that they have. Otherwise
-        units whose spike count is another with a smooth curve through the samples are noted.
+        Take straight lines between the samples as exact, corners included. Otherwise units whose
+        spike count differs for a smooth curve through the samples are noted.
     tolerance
-        Error of spike times in ms to choose integrator and step by; None: Runge-Kutta at 50 us.
+        Allowed error of spike times in ms, which sets integrator and step; None: Runge-Kutta at
+        50 us.
     generator
         As in `neural.afferents.simulate`.
 
@@ -167,17 +168,20 @@ def fire(
     notes = trains.notes + _starts(signals) + _signs(signals)
     if length is not None and None not in signals.lengths:
         number("--length", length, above=0.0, unit="mm")
-        notes += ("Not used: --length, because no column is a strain.",)
+        notes += ("--length is not used, because no column is a strain.",)
     if not corners:
         time, drive = _curved(signals)
         smooth = run(time, drive[:, columns], check=False)
-        how = "a smooth curve joins the samples; sample more finely, or say --corners if lines are"
-        notes += count_changes(names, trains.times, smooth.times, f"{how} meant")
+        change = (
+            "a smooth curve joins the samples; sample more finely, or give --corners if "
+            "straight lines are exact"
+        )
+        notes += count_changes(names, trains.times, smooth.times, change)
     return replace(trains, notes=notes)
 
 
 def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
-    """Return column, type and name of every unit; InputError for a header that is almost a type."""
+    """List column, type and name of every unit; InputError for a header that resembles a type."""
     columns: list[int] = []
     kinds: list[str] = []
     names: list[str] = []
@@ -189,16 +193,16 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
                 f"{', '.join(TYPES)}.{nearest(prefix.upper(), TYPES)} Rename the column"
             )
             raise InputError(msg)
-        own = (prefix,) if prefix in TYPES else types
-        columns += [i] * len(own)
-        kinds += own
+        driven = (prefix,) if prefix in TYPES else types
+        columns += [i] * len(driven)
+        kinds += driven
         many = len(signals.headers) > 1
-        names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in own]
+        names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in driven]
     return columns, kinds, names
 
 
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
-    """Write FILES into a folder and return their paths."""
+    """Write spike trains to FILES in a folder and return the paths."""
     paths = [folder / name for name in FILES]
     with as_input_error(folder):
         trains.to_csv(paths[0])
@@ -207,7 +211,7 @@ def save(trains: "SpikeTrains", folder: Path) -> list[str]:
 
 
 def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
-    """Return the header and the rows of a CSV file, blank lines left out."""
+    """Read the header and the rows of a CSV file, without blank lines."""
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
             lines = [[cell.strip() for cell in line] for line in csv.reader(file)]
@@ -220,7 +224,7 @@ def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
         if rows and len(rows[0]) == 1 and mark in rows[0][0]:
             msg = (
                 f"{path}: expected commas between the columns and points in the numbers, received "
-                f"{name} in the first line, {rows[0][0]!r}; put commas there, and {DECIMAL}"
+                f"{name} in the first line, {rows[0][0]!r}; separate them by commas, and {DECIMAL}"
             )
             raise InputError(msg)
     if len(rows) < 3:
@@ -235,7 +239,7 @@ def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
 def _numbers(
     path: str | PathLike[str], header: list[str], rows: list[list[str]]
 ) -> NDArray[np.float64]:
-    """Return the values of the rows; InputError names the first that is not a finite number."""
+    """Convert the rows to numbers; InputError names the first value that is not finite."""
     values = np.empty((len(rows), len(header)))
     for i, row in enumerate(rows):
         if len(row) != len(header):
@@ -248,7 +252,7 @@ def _numbers(
             except ValueError:
                 values[i, j] = math.nan
             if not math.isfinite(values[i, j]):
-                todo = DECIMAL if "," in cell else "leave out rows that have none"
+                todo = DECIMAL if "," in cell else "remove rows without a value"
                 msg = (
                     f"{path}: row {i + 1}, column {header[j]}: expected a finite number, received "
                     f"{cell!r}; {todo}"
@@ -258,7 +262,7 @@ def _numbers(
 
 
 def _length(path: str | PathLike[str], header: str) -> float | None:
-    """Return mm per unit of the signal with this header, None for strain."""
+    """Length in mm of the unit of a signal, by its header; None for strain."""
     for end, length in SIGNALS.items():
         if header == end or header.endswith(f"_{end}"):
             return length
@@ -268,7 +272,7 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
 
 
 def _check(path: str | PathLike[str], signals: Signals) -> None:
-    """Raise InputError for times that are not sorted and signals that are absurdly large."""
+    """Raise InputError for times that are not sorted and for signals beyond the limits."""
     back = np.flatnonzero(np.diff(signals.time) < 0)
     if len(back):
         i = int(back[0])
@@ -288,57 +292,59 @@ def _check(path: str | PathLike[str], signals: Signals) -> None:
         if largest > limit:
             msg = (
                 f"{path}: column {header}: expected at most {limit:g}{unit}, received "
-                f"{largest:g}{unit}; is it in another unit, or not zero before the touch?"
+                f"{largest:g}{unit}; check the unit, and that the signal is zero before the touch"
             )
             raise InputError(msg)
 
 
 def _mm(signals: Signals, column: int, length: float | None) -> float:
-    known = signals.lengths[column]
-    if known is not None:
-        return known
+    """Length in mm of the unit of a column; for strain the `length` that the user gave."""
+    unit_length = signals.lengths[column]
+    if unit_length is not None:
+        return unit_length
     if length is None:
         msg = (
-            f"--length: column {signals.headers[column]!r} is a strain; expected the mm of skin "
-            "displacement that a strain of 1 stands for (the depth of a small flat press over the "
-            "strain that it makes at the end organ; 2 mm for 0.2 mm and 0.1), received none"
+            f"--length: column {signals.headers[column]!r} is a strain; expected the skin "
+            "displacement in mm per strain of 1 (the depth of a small flat press over the strain "
+            "that it causes at the end organ, 2 mm for 0.2 mm and 0.1), received none"
         )
         raise InputError(msg)
     return number("--length", length, above=0.0, unit="mm")
 
 
 def _seconds(tolerance: float) -> float:
+    """Check a tolerance in ms and convert it to s."""
     return 1e-3 * number("--tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
 
 
 def _starts(signals: Signals) -> tuple[str, ...]:
-    """Return a sentence for each column that does not start at 0."""
+    """Describe columns that do not start at 0."""
     return tuple(
-        f"{header}: starts at {first:g}, which every unit takes for a jump from 0; begin the "
-        "series before the touch unless that is meant"
+        f"{header}: starts at {first:g}, which is a jump from 0 for every unit; begin the series "
+        "before the touch, unless the jump is intended"
         for header, first in zip(signals.headers, signals.drive[0], strict=True)
         if first != 0.0
     )
 
 
 def _signs(signals: Signals) -> tuple[str, ...]:
-    """Return a sentence for each column that goes further below 0 than above."""
-    told = []
+    """Describe columns that extend further below 0 than above it."""
+    notes = []
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
     ):
         low, high = float(column.min()), max(0.0, float(column.max()))
         if -low > OUTWARD * high:
             wanted = "into the skin" if length is not None else "where it excites the type"
-            told.append(
-                f"{header}: goes down to {low:g}, but only up to {high:g}; is it positive "
-                f"{wanted}? Turn its sign around if not"
+            notes.append(
+                f"{header}: goes down to {low:g}, but only up to {high:g}; expected are positive "
+                f"values {wanted}; if the sign is wrong, change it"
             )
-    return tuple(told)
+    return tuple(notes)
 
 
 def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return finer times and the drive at them on cubic splines from jump to jump."""
+    """Interpolate the drive at finer times by cubic splines from jump to jump."""
     from scipy.interpolate import CubicSpline
 
     from fefinger.neural.checked_signals import dense_times
@@ -358,10 +364,11 @@ def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> None:
-    """Raise InputError where the velocity jumps at samples too far apart for a type's filter.
+    """Raise InputError where velocity jumps between samples too far apart for a type's filter.
 
-    Far apart is more than a fifth of the period of its fastest pole. FA units take a jump for an
-    event of its own, whatever else moves; for SA units it counts against the largest velocity.
+    Too far is more than a fifth of the period of its fastest pole. The limit of the jump is
+    absolute for FA units, which respond to a jump by itself, and relative to the largest velocity
+    for SA units.
     """
     from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
     from fefinger.neural.endorgans import END_ORGANS
@@ -377,7 +384,7 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> 
         msg = (
             f"column {signals.headers[column]!r}: samples more than {1e3 * step:g} ms apart are "
             f"too coarse for {kind}, whose fastest pole is at {pole:g} Hz: the velocity jumps by "
-            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out with --type, or say "
-            "--corners if straight lines with these corners are meant"
+            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out with --type, or give "
+            "--corners if straight lines between the samples are exact"
         )
         raise InputError(msg)

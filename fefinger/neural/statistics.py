@@ -1,6 +1,6 @@
-"""Numbers of spike trains: rates, intervals, histograms, phase, and distances between trains.
+"""Statistics of spike trains: rates, intervals, histograms, phase locking and distances.
 
-All take arrays of ascending spike times in s, as those of `SpikeTrains.times`.
+All take arrays of ascending spike times in s, such as those of `SpikeTrains.times`.
 """
 
 from collections.abc import Sequence
@@ -51,11 +51,11 @@ def psth(trials: Sequence[ArrayLike], edges: ArrayLike) -> Array:
 
 
 class Locking(NamedTuple):
-    """How spikes lock to a cycle.
+    """Phase locking of spikes to a cycle.
 
     strength: length of the mean of exp(2 pi i t / period), 0 to 1. phase: its angle, 0 to 360
     degrees of the cycle. chance: probability of at least this strength for spikes without a phase
-    (Rayleigh test, Wilkie's approximation). spikes: how many; without any, the rest is nan.
+    (Rayleigh test, Wilkie's approximation). spikes: their number; without spikes the rest is nan.
     """
 
     strength: float
@@ -65,7 +65,7 @@ class Locking(NamedTuple):
 
 
 def locking(times: ArrayLike, frequency: float, *, start: float = 0.0) -> Locking:
-    """Return how spikes lock to a sinusoid of `frequency` Hz whose cycle begins at `start` s."""
+    """Phase locking of spikes to a sinusoid of `frequency` Hz whose cycle begins at `start` s."""
     frequency = number("frequency", frequency, above=0.0, unit="Hz")
     start = number("start", start, unit="s")
     times = _ascending(times)
@@ -126,9 +126,9 @@ def victor_purpura(a: ArrayLike, b: ArrayLike, cost: float) -> float:
 
 
 def _ascending(times: ArrayLike) -> Array:
-    """Return spike times as an array, or raise InputError where they are not ascending."""
-    found = np.asarray(times, float)
-    if found.ndim != 1 or not np.isfinite(found).all() or np.any(np.diff(found) < 0):
+    """Check that spike times ascend and convert them to an array."""
+    array = np.asarray(times, float)
+    if array.ndim != 1 or not np.isfinite(array).all() or np.any(np.diff(array) < 0):
         msg = "times: expected finite spike times in s that ascend"
         raise InputError(msg)
-    return found
+    return array

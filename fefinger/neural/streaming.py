@@ -1,7 +1,7 @@
-"""Afferent units that are stepped with the skin: strain in, spikes out, one step at a time.
+"""Afferent units in real time: strain in, spikes out, one time step at a time.
 
-The same drives, end organs and generators as `afferents`, before membranes that integrate and fire
-or those of Hodgkin and Huxley, in compiled steps that make no array.
+Drives, end organs and generators are those of `afferents`; membranes are integrate-and-fire or
+Hodgkin-Huxley. The steps are compiled and allocate no array.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.checked_signals import known_types
+from fefinger.neural.checked_signals import checked_types
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
@@ -24,24 +24,24 @@ from fefinger.support.checks import InputError, choice, number
 Array = NDArray[np.float64]
 
 STREAMED = ("compressive", "tangent")
-"""The drives that have a compiled form, which are the default ones."""
+"""Drives with a compiled form: the default ones."""
 
-ROOM = 8  # spikes of one unit in one step
-SUBSTEPS = 4
+ROOM = 8  # largest number of spikes of one unit in one step
+SUBSTEPS = 4  # samples of the generator current in one step
 
 
 class Stepped(Protocol):
-    """Membranes that are stepped."""
+    """Membranes of several units that are advanced step by step."""
 
     def reset(self) -> None:
-        """Go back to rest."""
+        """Set all membranes to rest."""
 
     def step(self, state: State, dt: float) -> int:
-        """Go on by dt ms; return the number of spikes, or -1 where they had no room."""
+        """Advance by dt ms; return the number of spikes, or -1 for more than ROOM of one unit."""
 
 
 class _Leaky:
-    """Units that integrate and fire."""
+    """Integrate-and-fire membranes, advanced step by step."""
 
     def __init__(self, membrane: IntegrateAndFire, n: int) -> None:
         self.units = np.zeros((n, 3))
@@ -61,7 +61,7 @@ class _Leaky:
 
 
 class _Axons:
-    """Hodgkin-Huxley units, in blocks."""
+    """Hodgkin-Huxley membranes in blocks of LANES units, advanced step by step."""
 
     def __init__(self, membrane: HodgkinHuxley, n: int, method: str, dt: float | None) -> None:
         from fefinger.neural.membranes import vectorized
@@ -84,30 +84,29 @@ class _Axons:
 
 
 class Afferents:
-    """Units behind end organs, stepped.
+    """Afferent units that are advanced step by step with the strain at their end organs.
 
     Parameters
     ----------
     types, normals
         Afferent type of each unit, and unit normals (n, 3) of the skin above it.
     lengths
-        mm of skin displacement that a unit of drive stands for, per type.
+        Skin displacement in mm per unit of drive, by type.
     membrane
-        An IntegrateAndFire, by default that of thesis 4.3.1 as `membranes` has it, or a
-        HodgkinHuxley.
+        An IntegrateAndFire (default, thesis 4.3.1) or a HodgkinHuxley.
     drives
         Drive per type, where it is not the default; "compressive" or "tangent".
     substeps
         Samples of the generator current in each step; it is linear between them.
     method, dt
-        How HodgkinHuxley is integrated: "splitting" or "runge-kutta", and its longest step in s,
-        as `HodgkinHuxley.fire`.
+        Integration of a HodgkinHuxley: "splitting" or "runge-kutta", and the longest step in s, as
+        in `HodgkinHuxley.fire`.
 
     Raises
     ------
     InputError
-        No units, unknown types, a drive or membrane that has no compiled form, normals that do not
-        fit or are not unit vectors, a type without a length above 0, or no substep.
+        No units, unknown types, a drive or membrane without a compiled form, normals of another
+        shape or length, a type without a length above 0, or no substep.
     """
 
     def __init__(
@@ -122,7 +121,7 @@ class Afferents:
         method: str = "splitting",
         dt: float | None = None,
     ) -> None:
-        self.types = known_types(types)
+        self.types = checked_types(types)
         chosen = {**DEFAULT_DRIVE, **(drives or {})}
         n = len(self.types)
         normals = np.asarray(normals, float)
@@ -151,7 +150,7 @@ class Afferents:
             counts=np.zeros(n, dtype=np.int64),
             clock=np.zeros(1),
         )
-        self.step(np.zeros(self._shape), 1e-3)  # compiles or loads what a step needs: none waits
+        self.step(np.zeros(self._shape), 1e-3)  # compiles the step now, so that no later one waits
         self.reset()
 
     @classmethod
@@ -162,26 +161,26 @@ class Afferents:
         reference: Reference,
         **options: Any,
     ) -> Self:
-        """Units whose lengths follow from a small flat press, as in `afferents.from_strain`."""
+        """Build units with lengths from a small flat press, as in `afferents.from_strain`."""
         lengths = reference.lengths(types, options.get("drives"))
         return cls(types, normals, lengths, **options)
 
     def reset(self) -> None:
-        """Go back to rest, at time 0."""
+        """Set all units to rest, at time 0."""
         for name in ("modes", "x", "levels", "counts", "clock"):
             getattr(self.state, name)[...] = 0
         self.membranes.reset()
 
     def step(self, strain: NDArray[np.floating], dt: float) -> int:
-        """Take the strain (n, 6), xx yy zz xy yz xz, reached after `dt` s; return the spikes fired.
+        """Advance by `dt` s to the strain (n, 6), xx yy zz xy yz xz; return the number of spikes.
 
         The first step of `dt` 0 is a jump.
 
         Raises
         ------
         InputError
-            A strain that is no such array or not finite, or a `dt` that is none: the units are then
-            as they were. More than ROOM spikes of a unit.
+            A strain of another shape or not finite, or an invalid `dt`: the state is then
+            unchanged. More than ROOM spikes of a unit.
         """
         from fefinger.neural import streaming_step as compiled
 
@@ -192,7 +191,7 @@ class Afferents:
         if not compiled.currents(self.state, strain, 1e3 * dt):
             message = (
                 f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
-                f"{np.abs(strain).max():g}; the units are as before this step"
+                f"{np.abs(strain).max():g}; the state of the units is unchanged"
             )
             raise InputError(message)
         fired = self.membranes.step(self.state, 1e3 * dt)
@@ -202,26 +201,27 @@ class Afferents:
         return fired
 
     def fired(self) -> list[tuple[int, float]]:
-        """Return the number of the unit and the time in s of every spike of the last step."""
+        """List (index of the unit, time in s) of every spike of the last step."""
         state = self.state
         units = np.flatnonzero(state.counts).tolist()
         return [(i, 1e-3 * t) for i in units for t in state.spikes[i, : state.counts[i]].tolist()]
 
 
 def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped:
+    """Create the stepped form of a membrane for n units."""
     if isinstance(membrane, IntegrateAndFire):
         return _Leaky(membrane, n)
     if isinstance(membrane, HodgkinHuxley):
         return _Axons(membrane, n, method, dt)
     message = (
-        "membrane: expected IntegrateAndFire or HodgkinHuxley for units that are stepped, received "
+        "membrane: expected IntegrateAndFire or HodgkinHuxley for stepped units, received "
         f"{type(membrane).__name__}; use neural.afferents on the whole strain"
     )
     raise InputError(message)
 
 
 def _unfit(strain: object, shape: tuple[int, int]) -> str:
-    """Return what to say of a strain that is no array of a shape."""
+    """Error message for a strain that is not an array of this shape."""
     return (
         f"strain: expected an array {shape} of xx yy zz xy yz xz for {shape[0]} units, received "
         f"{getattr(strain, 'shape', type(strain).__name__)}; give one row per unit, as the steps "
@@ -230,13 +230,15 @@ def _unfit(strain: object, shape: tuple[int, int]) -> str:
 
 
 def _length(kind: str, lengths: Mapping[str, float]) -> float:
+    """Length in mm of a type, checked."""
     if kind not in lengths:
-        message = f"lengths: expected one in mm for every type of the units, {kind} is missing"
+        message = f"lengths: expected a length in mm for every type of the units, {kind} is missing"
         raise InputError(message)
     return number(f"lengths.{kind}", lengths[kind], above=0.0, unit="mm")
 
 
 def _whole(substeps: int) -> int:
+    """Check the number of substeps."""
     if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
         message = f"substeps: expected a whole number of 1 or more, received {substeps!r}"
         raise InputError(message)
@@ -244,9 +246,10 @@ def _whole(substeps: int) -> int:
 
 
 def _code(kind: str, drive: str) -> int:
+    """Index of a drive in STREAMED; InputError for one without a compiled form."""
     if drive not in STREAMED:
         message = (
-            f"drives.{kind}: expected one of {', '.join(STREAMED)} for units that are stepped, "
+            f"drives.{kind}: expected one of {', '.join(STREAMED)} for stepped units, "
             f"received {drive!r}; use neural.afferents on the whole strain"
         )
         raise InputError(message)

@@ -1,7 +1,7 @@
-"""The compiled step of `streaming`; imported when units are first stepped."""
+"""Compiled time step of the units of `streaming`; imported at the first step."""
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -14,12 +14,12 @@ from fefinger.support.arrays import Array
 
 
 class State(NamedTuple):
-    """The units between two steps, but for their membranes.
+    """State of the units between two steps, without their membranes.
 
-    drive (n,) a place in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
-    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, rad/s; modes (n, 2)
-    and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², the generator currents in the
-    last step; spikes (n, ROOM) ms and counts (n,) of it; clock (1,) ms.
+    drive (n,) index in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
+    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, poles in
+    rad/s; modes (n, 2) and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², generator
+    currents of the last step; spikes (n, ROOM) ms and counts (n,) of that step; clock (1,) ms.
     """
 
     drive: NDArray[np.int64]
@@ -37,17 +37,13 @@ class State(NamedTuple):
     clock: Array
 
 
-if TYPE_CHECKING:
-    pass
-
-
 LARGEST_STRAIN = 1e6
-"""Far beyond any skin, and far below where the drives overflow."""
+"""Largest accepted strain: far beyond any skin, far below an overflow of the drives."""
 
 
 @njit(cache=True)
 def _compressive(e: NDArray[np.floating]) -> float:
-    """Return max(0, -smallest principal value) of xx yy zz xy yz xz, by its closed form."""
+    """Return max(0, -smallest eigenvalue) of xx yy zz xy yz xz, in trigonometric closed form."""
     xx, yy, zz = float(e[0]), float(e[1]), float(e[2])
     xy, yz, xz = float(e[3]), float(e[4]), float(e[5])
     mean = (xx + yy + zz) / 3.0
@@ -56,6 +52,7 @@ def _compressive(e: NDArray[np.floating]) -> float:
     if size == 0.0:
         return max(0.0, -mean)
     determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
+    # Rounding may take the cosine slightly beyond 1 where two principal values are equal.
     angle = math.acos(min(1.0, max(-1.0, determinant / (2.0 * size**3)))) / 3.0
     return max(0.0, -(mean + 2.0 * size * math.cos(angle + 2.0 * math.pi / 3.0)))
 
@@ -72,7 +69,7 @@ def _along(e: NDArray[np.floating], u: NDArray[np.float64], v: NDArray[np.float6
 
 @njit(cache=True)
 def _tangent(e: NDArray[np.floating], across: NDArray[np.float64]) -> float:
-    """Return the largest strain in the plane of the skin."""
+    """Largest normal strain in the plane of the skin (Mohr's circle)."""
     a, b = _along(e, across[0], across[0]), _along(e, across[0], across[1])
     c = _along(e, across[1], across[1])
     return 0.5 * (a + c) + math.hypot(0.5 * (a - c), b)
@@ -80,16 +77,16 @@ def _tangent(e: NDArray[np.floating], across: NDArray[np.float64]) -> float:
 
 @njit(cache=True)
 def _current(s: "State", i: int, x: float) -> float:
-    """Return the saturating generator's current for the state of the end organ of unit i."""
+    """Return the current of the saturating generator in uA/cm² for unit i at x."""
     out = s.at_rest[i] * x + s.share[i, 0] * s.modes[i, 0] + s.share[i, 1] * s.modes[i, 1]
     return -LARGEST_CURRENT * math.expm1(-s.gain[i] * max(out, 0.0) / LARGEST_CURRENT)
 
 
 @njit(cache=True)
 def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
-    """Bring x_in, end organs and generator currents to the end of a step of dt ms.
+    """Advance x_in, end organs and generator currents by a step of dt ms.
 
-    Return whether the strain allowed it; with one beyond LARGEST_STRAIN, all stays as it was.
+    Returns False, with the state unchanged, for a strain beyond LARGEST_STRAIN or not finite.
     """
     for i in range(len(s.x)):
         for k in range(6):
@@ -124,7 +121,7 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
 def integrate_and_fire(
     s: "State", units: NDArray[np.float64], numbers: tuple[float, float, float], dt: float
 ) -> int:
-    """Take integrate-and-fire units on by dt ms; return the spikes, or -1 where they had no room.
+    """Advance integrate-and-fire units by dt ms; return the number of spikes, or -1 beyond ROOM.
 
     units (n, 3): potential, highest potential, ms when free. numbers: threshold in uA/cm², time
     constant and refractory time in ms.
@@ -148,7 +145,7 @@ def integrate_and_fire(
                 s.spikes[i],
                 s.counts[i],
             )
-    return _told(s, dt)
+    return _advance_clock(s, dt)
 
 
 @njit(cache=True)
@@ -161,35 +158,35 @@ def hodgkin_huxley(
     block: tuple[float, float, float],
     dt: float,
 ) -> int:
-    """Take Hodgkin-Huxley units on by dt ms; return the spikes, or -1 where they had no room.
+    """Advance Hodgkin-Huxley units by dt ms; return the number of spikes, or -1 beyond ROOM.
 
     units (n_blocks, :) and last (n_blocks,) of LANES units each; how, rest and block as in
-    `membranes._lanes`.
+    `membranes.vectorized`.
     """
     substeps = len(s.levels) - 1
     part = dt / substeps
     s.counts[:] = 0
     for b in range(len(units)):
-        own = slice(b * LANES, min((b + 1) * LANES, len(s.x)))
+        block_units = slice(b * LANES, min((b + 1) * LANES, len(s.x)))
         for k in range(substeps):
             last[b] = interval(
                 units[b],
-                s.levels[k, own],
-                s.levels[k + 1, own],
+                s.levels[k, block_units],
+                s.levels[k + 1, block_units],
                 s.clock[0] + k * part,
                 part,
                 last[b],
                 how,
                 rest,
                 block,
-                s.spikes[own],
-                s.counts[own],
+                s.spikes[block_units],
+                s.counts[block_units],
             )
-    return _told(s, dt)
+    return _advance_clock(s, dt)
 
 
 @njit(cache=True)
-def _told(s: "State", dt: float) -> int:
-    """Move the clock on, and return the number of spikes, or -1 where they had no room."""
+def _advance_clock(s: "State", dt: float) -> int:
+    """Advance the clock; return the number of spikes, or -1 for more than ROOM of one unit."""
     s.clock[0] += dt
     return -1 if s.counts.max() > s.spikes.shape[1] else s.counts.sum()

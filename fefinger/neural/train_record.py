@@ -1,4 +1,4 @@
-"""The record of spike trains of afferent units, with the signals that made them."""
+"""Record of the spike trains of afferent units, with the signals that drove them."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from fefinger.support.checks import InputError, names
 
 
 FEW = 12
-"""Units up to which each is told and drawn by itself."""
+"""Largest number of units that are listed and drawn one by one."""
 
 COLUMNS = ("unit", "type", "time_s")
 """Column names of `SpikeTrains.to_rows`."""
@@ -17,28 +17,28 @@ COLUMNS = ("unit", "type", "time_s")
 
 @dataclass(frozen=True, kw_only=True)
 class TrainRecord:
-    """What the afferent units fired, and the signals on the way to it.
+    """Spike trains of afferent units, with their input displacement and generator current.
 
     types, names: one per unit, no name twice. times: one ascending array of spike times in s per
     unit, between t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths:
-    (n_units,) mm of the end organs under the skin, or None. seed: of what is random in them; None:
-    nothing is.
+    (n_units,) mm of the end organs under the skin, or None. seed: of the random draws; None
+    if nothing is random.
 
     time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) uA/cm² the generator current. x_in is linear in
-    between. The current is not: it is what the filter makes of x_in at these times alone, and the
-    membrane was given more of it in between. Where x_in is few corners, straight lines between
-    these values do not fire the same spikes.
+    between. The current is not: it is the output of the filter at these times only, and the
+    membrane was given it at more times. Where x_in has few samples, straight lines between these
+    values of the current do not fire the same spikes.
 
     peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
-    notes: what a reader of the trains has to know, in sentences.
+    notes: sentences on limits and peculiarities of the trains.
 
     Raises
     ------
     InputError
-        Names that are no strings or not different, or fields that are not of as many units.
+        Names that are not different strings, or fields with another number of units.
     """
 
     types: tuple[str, ...]
@@ -58,12 +58,12 @@ class TrainRecord:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check that a name is that of one unit, and that every field has all units."""
+        """Check that names are different, and that every field has all units."""
         n = len(names("names", self.names))
         lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven")
-        found = {field: len(getattr(self, field)) for field in lists}
-        found |= {field: np.shape(getattr(self, field))[-1] for field in ("x_in", "current")}
-        for field, count in found.items():
+        counts = {field: len(getattr(self, field)) for field in lists}
+        counts |= {field: np.shape(getattr(self, field))[-1] for field in ("x_in", "current")}
+        for field, count in counts.items():
             if count != n:
                 msg = f"{field}: expected one for each of {n} names, received {count}"
                 raise InputError(msg)
@@ -73,7 +73,7 @@ class TrainRecord:
         return len(self.names)
 
     def index(self, unit: int | str) -> int:
-        """Return the index of a unit given by index or name; KeyError with the names if unknown."""
+        """Index of a unit given by index or name; KeyError lists the names if it is unknown."""
         if isinstance(unit, str):
             if unit not in self.names:
                 msg = f"no unit {unit!r} among {', '.join(self.names)}"
@@ -86,16 +86,16 @@ class TrainRecord:
         return np.array([len(times) for times in self.times], np.int64)
 
     def summary(self) -> str:
-        """Return the numbers of spikes in words: by unit where they are few, else by type."""
+        """List the numbers of spikes: by unit for up to FEW units, else by type."""
         counts = self.count()
         if len(self) <= FEW:
             return ", ".join(f"{n} {c}" for n, c in zip(self.names, counts.tolist(), strict=True))
-        said = []
+        totals = []
         for kind in dict.fromkeys(self.types):
             of_kind = counts[np.array(self.types) == kind]
             firing = int(np.count_nonzero(of_kind))
-            said.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
-        return ", ".join(said)
+            totals.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
+        return ", ".join(totals)
 
     def rate(self, unit: int | str, t: ArrayLike) -> NDArray[np.float64]:
         """Return the instantaneous rate of a unit in Hz at times `t` in s, of any shape.

@@ -1,4 +1,4 @@
-"""Spike trains of afferent units, with the signals that made them."""
+"""Spike trains of afferent units, with exports to files and tables."""
 
 from datetime import datetime
 from os import PathLike
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 
 class SpikeTrains(TrainRecord):
-    """What the afferent units fired, and the files and tables that it is exported to."""
+    """Spike trains of afferent units, with exports to files and tables."""
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write one row per spike: unit, type, place in mm and time in s."""
         exports.to_csv(self, path)
 
     def to_npz(self, path: str | PathLike[str]) -> None:
-        """Write everything to an NPZ file that `from_npz` reads back to the last bit."""
+        """Write all fields to an NPZ file, which `from_npz` reads back bit by bit."""
         exports.to_npz(self, path)
 
     @classmethod
     def from_npz(cls, path: str | PathLike[str]) -> "SpikeTrains":
-        """Return what `to_npz` wrote; InputError for another file."""
+        """Read spike trains that `to_npz` wrote; InputError for another file."""
         fields = exports.read_npz(path)
         try:
             return cls(**fields)
@@ -36,15 +36,15 @@ class SpikeTrains(TrainRecord):
             raise InputError(msg) from error
 
     def to_pandas(self) -> "pd.DataFrame":
-        """Return a table with one row per spike: unit, type, place and depth in mm, time in s."""
+        """Convert to a table, one row per spike: unit, type, place and depth in mm, time in s."""
         return exports.to_pandas(self)
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return a dataset of the signals over time and unit, and of all spikes."""
+        """Convert to a Dataset: signals over time and unit, and all spikes."""
         return exports.to_xarray(self)
 
     def to_neo(self) -> Any:
-        """Return a neo.Block: one annotated SpikeTrain per unit, and the signals (extra `neo`)."""
+        """Convert to a neo.Block: an annotated SpikeTrain per unit, and signals (extra `neo`)."""
         return exports.to_neo(self)
 
     def to_nwb(

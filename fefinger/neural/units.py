@@ -1,4 +1,4 @@
-"""Units with several end organs: branching, conduction delay, noise, and units that differ."""
+"""Simulation of units with several end organs: branching, conduction delay, noise, variation."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.checked_signals import (
     checked_signals,
+    checked_types,
     count_changes,
     dense_times,
-    known_types,
     organ_columns,
     remarks,
     unit_array,
@@ -39,22 +39,22 @@ from fefinger.support.vocabulary import GENERATORS, RULES, TYPES
 Array = NDArray[np.float64]
 
 STRAIGHT, LONGEST = 1e-5, 2e-3
-"""uA/cm² that currents may stray from straight lines between their samples, which are as many s
-apart at most."""
+"""Largest deviation in uA/cm² of currents from straight lines between their samples, and largest
+distance of the samples in s."""
 
 LINES = 1e-5
-"""s of error of spike times that straight lines between samples LARGEST_STEP apart stay below."""
+"""Bound in s of the error of spike times by straight lines between samples LARGEST_STEP apart."""
 
 _DENSE = 500_000
-"""Values of current held at a time: 4 MB, and some times that while they are computed."""
+"""Number of current values held at a time: 4 MB, and several times that during computation."""
 
 LANES = 16
-"""Units that one thread integrates at once; groups of so many keep all lanes filled."""
+"""Number of units that one thread integrates at once; groups of this size keep all lanes filled."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Setup:
-    """What turns the inputs of end organs into spikes, apart from time and step."""
+    """Parameters of a simulation from inputs of end organs to spikes, without times and step."""
 
     types: tuple[str, ...]
     columns: tuple[NDArray[np.intp], ...]
@@ -73,9 +73,10 @@ class _Setup:
         choice("rectifier", self.rectifier, RECTIFIERS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)
-        own = None if self.variation is None else self.variation.numbers
-        if own is not None and len(own) != len(self.types):
-            msg = f"numbers: expected one for each of {len(self.types)} units, received {len(own)}"
+        numbers = None if self.variation is None else self.variation.numbers
+        if numbers is not None and len(numbers) != len(self.types):
+            units = len(self.types)
+            msg = f"numbers: expected one for each of {units} units, received {len(numbers)}"
             raise InputError(msg)
         for kind, organ in self.organs.items():
             if not hasattr(organ, "respond"):
@@ -84,17 +85,17 @@ class _Setup:
 
     @cached_property
     def gains(self) -> Array:
-        """The gains (n_units,) in uA/cm² per mm, unequal where they vary."""
+        """Gains (n_units,) in uA/cm² per mm, with their random variation."""
         vary = self.variation
         factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.types))]
         return np.array([GAINS[kind] for kind in self.types]) * factors
 
     def sampled(self, units: Sequence[int], time: Array, x_in: Array, dt: float) -> Array:
-        """Return the times at which the currents of units of one type are sampled.
+        """Choose the times at which the currents of units of one type are sampled.
 
-        Straight lines in between keep to them within STRAIGHT dt / LARGEST_STEP, where that needs
-        steps longer than dt; a filter without real modes is sampled every dt. A tolerance below
-        LINES lowers both limits.
+        The error of straight lines in between is at most STRAIGHT dt / LARGEST_STEP, where steps
+        longer than dt suffice for that; a filter without real modes is sampled every dt. A
+        tolerance below LINES lowers both limits.
         """
         wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
         straight = STRAIGHT * min(wanted, dt / LARGEST_STEP)
@@ -114,7 +115,7 @@ class _Setup:
         return np.unique(np.concatenate([at, knots[knots < time[-1]]]))
 
     def run(self, at: Array, currents: Array, dt: float, *, driven: bool) -> Firing:
-        """Return what the membranes do under currents (n_at, n_units)."""
+        """Integrate the membranes under currents (n_at, n_units) in uA/cm²."""
         if self.method is None:
             return self.membrane.fire(at, currents, dt=dt, stimulus_driven=driven)
         membrane = _squid(self.membrane, "tolerance: expected")
@@ -123,7 +124,7 @@ class _Setup:
     def branches(
         self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
     ) -> list[Array]:
-        """Return the generator currents (n_at, n_branches) in uA/cm² of units of one type."""
+        """Compute generator currents (n_at, n_branches) in uA/cm² of units of one type."""
         kind, columns = self.types[units[0]], [self.columns[i] for i in units]
         organs = [len(c) for c in columns]
         currents = transduce(
@@ -138,8 +139,10 @@ class _Setup:
         )
         return np.split(currents, np.cumsum(organs)[:-1], axis=1)
 
-    def met(self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None) -> Array:
-        """Return the currents (n_at, n_units) where the branches of each unit meet.
+    def combined(
+        self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
+    ) -> Array:
+        """Combine the currents of the branches of each unit by the rule: (n_at, n_units) in uA/cm².
 
         As many end organs of a type are filtered at once as `_DENSE` allows.
         """
@@ -160,7 +163,7 @@ class _Setup:
         return out
 
     def noise(self, unit: int, at: Array, membranes: int) -> Array | float:
-        """Return the noise of a unit's membranes, (n_at, membranes), or 0."""
+        """Noise current (n_at, membranes) in uA/cm² of the membranes of a unit, or 0."""
         if self.variation is None or self.variation.noise == 0.0:
             return 0.0
         return self.variation.current(unit, at, float(at[0]), float(at[-1]), membranes)
@@ -187,11 +190,11 @@ def simulate_units(
     tolerance: float | None = None,
     check: bool = True,
 ) -> SpikeTrains:
-    """Return the spikes of afferent units, each with one end organ or many.
+    """Simulate the spikes of afferent units, each with one or more end organs.
 
-    Every end organ has its filter, rectification and generator; `rule` says how their currents
-    meet. `x_in` of the result is the mean of a unit's end organs, `current` their mean, or with
-    the rules "max" and "first" their largest, at the times that are given; noise is in neither.
+    Every end organ has its filter, rectification and generator; `rule` combines their currents.
+    `x_in` of the result is the mean of a unit's end organs, `current` their mean, or with the rules
+    "max" and "first" their largest, at the given times; neither includes noise.
 
     Parameters
     ----------
@@ -217,9 +220,10 @@ def simulate_units(
     Raises
     ------
     InputError
-        As `simulate`; also a unit without an end organ, or a rule that the membrane cannot follow.
+        As in `simulate`; also a unit without an end organ, or a rule that the membrane does not
+        support.
     """
-    types = known_types(types)
+    types = checked_types(types)
     columns = organ_columns(unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
     names, later = unit_names(types, names), unit_delays(delays, len(types))
@@ -266,7 +270,7 @@ def simulate_units(
 def _integrator(
     membrane: Membrane, rule: str, tolerance: float | None, seconds: float, dt: float
 ) -> tuple[str | None, float]:
-    """Return the method and the step in s that a tolerance asks for; without one, None and dt."""
+    """Choose method and step in s for a tolerance; without one, None and dt."""
     if rule == "first":
         _squid(membrane, "rule: expected for 'first'")
     dt = largest_step(dt)
@@ -276,15 +280,15 @@ def _integrator(
 
 
 def _currents(setup: _Setup, time: Array, x_in: Array) -> Array:
-    """Return the currents (n_t, n_units) without noise, computed type by type."""
+    """Compute the currents (n_t, n_units) without noise, type by type."""
     by_type = sorted(range(len(setup.types)), key=setup.types.__getitem__)
     current = np.empty((len(time), len(by_type)))
-    current[:, by_type] = setup.met(by_type, time, x_in)
+    current[:, by_type] = setup.combined(by_type, time, x_in)
     return current
 
 
 def _squid(membrane: object, what: str) -> HodgkinHuxley:
-    """Return a membrane that is a HodgkinHuxley, or raise InputError."""
+    """Check that a membrane is a HodgkinHuxley."""
     if not isinstance(membrane, HodgkinHuxley):
         msg = f"{what} a HodgkinHuxley membrane, received {type(membrane).__name__}"
         raise InputError(msg)
@@ -294,7 +298,7 @@ def _squid(membrane: object, what: str) -> HodgkinHuxley:
 def _changes(
     setup: _Setup, time: Array, x_in: Array, dt: float, names: Sequence[str], firing: Firing
 ) -> tuple[str, ...]:
-    """Return sentences on units whose spike count depends on the step or on the sampling."""
+    """Describe units whose spike count depends on the step or on the sampling."""
     thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
     half = _fire(setup, time, x_in, dt / 2, driven=False)
     coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
@@ -305,7 +309,7 @@ def _changes(
 
 
 def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -> Firing:
-    """Run the units type by type, as many at a time as memory should hold the currents of."""
+    """Simulate all units, by type and in groups whose currents fit in `_DENSE` values."""
     if setup.rule == "first":
         races = [
             _race(setup, i, time, x_in, setup.sampled([i], time, x_in, dt), dt, driven=driven)
@@ -319,7 +323,7 @@ def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -
         step = LANES * max(1, _DENSE // (LANES * len(at)))
         for start in range(0, len(units), step):
             some = units[start : start + step]
-            currents = setup.met(some, time, x_in, at)
+            currents = setup.combined(some, time, x_in, at)
             for k, i in enumerate(some):
                 currents[:, k : k + 1] += setup.noise(i, at, 1)
             runs.append(setup.run(at, currents, dt, driven=driven))
@@ -330,7 +334,7 @@ def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -
 def _race(
     setup: _Setup, unit: int, time: Array, x_in: Array, at: Array, dt: float, *, driven: bool
 ) -> Firing:
-    """Run one membrane per branch of a unit, the first to fire resetting the others."""
+    """Simulate one membrane per branch of a unit; the first to fire resets the others."""
     from fefinger.neural.membranes.branched import race
 
     (currents,) = setup.branches([unit], time, x_in, at)
@@ -350,7 +354,10 @@ def _race(
         spikes,
     )
     if count > len(spikes):
-        msg = f"current: swings {count} times through 40 mV, faster than any membrane can follow"
+        msg = (
+            f"current: drives the membrane {count} times through 40 mV, faster than any membrane "
+            "can follow; lower the gain"
+        )
         raise InputError(msg)
     return Firing(
         times=(1e-3 * spikes[:count],),
@@ -362,7 +369,7 @@ def _race(
 
 
 def _joined(runs: Sequence[Firing], order: NDArray[np.intp]) -> Firing:
-    """Return the firing of all units from that of groups of them, put in this order."""
+    """Concatenate the firing of groups of units and reorder it."""
     times = [times for run in runs for times in run.times]
     return Firing(
         times=tuple(times[i] for i in order),

@@ -1,4 +1,4 @@
-"""What makes the spikes of units random, and units of a type unequal: drawn from a seed."""
+"""Random variation between units of a type, and membrane noise, reproducible by a seed."""
 
 from dataclasses import dataclass
 
@@ -11,16 +11,16 @@ from fefinger.support.checks import InputError, number
 Array = NDArray[np.float64]
 
 NOISE_STEP = 1e-3
-"""s between the independent values of membrane noise, which is linear in between: a choice, near
-the duration of a channel's opening and far below the time of the slowed membrane."""
+"""Time in s between independent values of membrane noise, which is linear in between: a choice,
+near the open time of a channel and far below the time constants of the slowed membrane."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Variation:
-    """What makes spikes random, reproducibly: the same seed gives a unit the same values.
+    """Random gains and membrane noise; the same seed gives a unit the same values.
 
-    spread: standard deviation of the logarithm of a unit's gain; that units of one type differ is
-    what Fig. 4-2 shows, by how much is the user's choice. noise: standard deviation in uA/cm² of
+    spread: standard deviation of the logarithm of a unit's gain (Fig. 4-2 shows that units of one
+    type differ; the amount is a choice of the user). noise: standard deviation in uA/cm² of
     the independent values of membrane noise; of the noise through time, straight lines between
     them, it is sqrt(2/3) of that. numbers: of the units, by default their places in the list; a
     unit's draws depend on the seed and its number alone, not on the other units or the length of
@@ -39,13 +39,13 @@ class Variation:
             raise InputError(msg)
         number("spread", self.spread, at_least=0.0, at_most=3.0)
         number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
-        for own in self.numbers or ():
-            if isinstance(own, bool) or not isinstance(own, int | np.integer) or own < 0:
-                msg = f"numbers: expected whole numbers of 0 or more, received {own!r} among them"
+        for index in self.numbers or ():
+            if isinstance(index, bool) or not isinstance(index, int | np.integer) or index < 0:
+                msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
                 raise InputError(msg)
 
     def gain(self, unit: int) -> float:
-        """Return the factor on the gain of a unit."""
+        """Random factor on the gain of a unit."""
         return float(np.exp(self.spread * self._draw(unit, 0).normal()))
 
     def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
@@ -56,10 +56,11 @@ class Variation:
         return np.column_stack([np.interp(at, knots, column) for column in values.T])
 
     def knots(self, start: float, stop: float) -> Array:
-        """Return the times in s at which noise has values of its own."""
+        """Return the times in s of the independent values of the noise."""
         return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
 
     def _draw(self, unit: int, purpose: int) -> np.random.Generator:
-        own = unit if self.numbers is None else self.numbers[unit]
-        # Zeros at the end tell no streams apart: the last number keeps these from those of places.
-        return np.random.default_rng([self.seed, own, purpose, 1])
+        """Random generator of a unit for one purpose: 0 gain, 1 noise."""
+        stream = unit if self.numbers is None else self.numbers[unit]
+        # numpy ignores zeros at the end of a seed: the final 1 separates these streams from places.
+        return np.random.default_rng([self.seed, stream, purpose, 1])

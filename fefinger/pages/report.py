@@ -15,10 +15,9 @@ from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
-from fefinger.scene.indenter import Bar, Cylinder, Ellipsoid, Flat, Grating, Relief, Sphere
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
-from fefinger.view import figures, frames, quantities, unit_figures
+from fefinger.view import figures, frames, quantities, renderer, section_figure, unit_figures
 
 
 STANDING = (
@@ -95,34 +94,12 @@ def answer(result: ResultRecord) -> str:
 def _touch(result: ResultRecord) -> str:
     """Return finger, indenter and motion in one sentence."""
     scene = result.scene
-    finger, indenter, motion = scene.finger, scene.indenter, scene.motion
+    finger, motion = scene.finger, scene.motion
     who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
-    what = "a rigid object"
-    if isinstance(indenter, Flat):
-        tilt = f", rolled by {indenter.tilt:g} degrees" if indenter.tilt else ""
-        what = f"a rigid flat plate at {indenter.angle:g} degrees{tilt}"
-    elif isinstance(indenter, Sphere):
-        what = f"a rigid sphere of radius {indenter.radius:g} mm"
-    elif isinstance(indenter, Ellipsoid):
-        what = "a rigid ellipsoid of half axes {:g}, {:g}, {:g} mm".format(*indenter.radii)
-    elif isinstance(indenter, Cylinder):
-        what = f"a rigid cylinder of radius {indenter.radius:g} mm{_turned(indenter.roll)}"
-    elif isinstance(indenter, Bar):
-        size = f"{indenter.width:g} mm wide with corners of {indenter.corner:g} mm"
-        what = f"a rigid bar {size}{_turned(indenter.roll)}"
-    elif isinstance(indenter, Grating):
-        size = f"{indenter.ridge:g} mm wide every {indenter.period:g} mm, {indenter.depth:g} high"
-        what = f"a rigid grating of ridges {size}{_turned(indenter.roll)}"
-    elif isinstance(indenter, Relief):
-        what = f"a rigid relief of {len(indenter.x)} by {len(indenter.y)} heights"
     peak = f"{motion.peak:.3g} {'N' if motion.control == 'force' else 'mm'}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
-    return f"{who} ({size}) and {what}; {motion.kind} to {peak}, {_time(motion.duration)} in all."
-
-
-def _turned(roll: float) -> str:
-    """Return how an object that is longer one way lies on the finger."""
-    return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"
+    what = f"{scene.indenter.describe()}; {motion.kind} to {peak}"
+    return f"{who} ({size}) and {what}, {_time(motion.duration)} in all."
 
 
 def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
@@ -246,15 +223,14 @@ def _section(result: ResultRecord) -> dict[str, Any]:
         "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
     pictures = []
-    drawn, missing = view.section_figure(result)
-    if missing:
+    if missing := renderer.renderer_lacking():
         text = f"{text} {missing}"
     else:
         for field in ("pressure", quantities.DEFAULT):
             source = page.png(_screenshot(result, field))
             pictures.append({"source": source, "caption": _caption(result, field)})
     title = "A section through the finger"
-    return _part("section", title, text, drawn) | {"pictures": pictures}
+    return _part("section", title, text, section_figure.draw(result)) | {"pictures": pictures}
 
 
 def _screenshot(result: ResultRecord, field: str) -> bytes:

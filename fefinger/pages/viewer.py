@@ -14,19 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.geometry import section
-from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
 from fefinger.support.atomic_write import moved
 from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces
+from fefinger.view.drawing import Drawing, colors, cut_open
 from fefinger.view.quantities import Span
 from fefinger.view.titles import titles
 
 
-FRONT = "other half"
-OUTER = ("skin", surfaces.PAD, FRONT)
+OUTER = ("skin", surfaces.PAD, surfaces.FRONT)
 LEVELS = 65535  # of a value on its range
 GRID = 61  # points along and across an indenter that is not plane
 REACH = 7.0  # mm of it to either side
@@ -72,21 +70,25 @@ def write(
     """
     shown = [results] if isinstance(results, ResultRecord) else list(results)
     quantities.named("field", field)
-    wholes = [_whole(result) for result in shown]
+    drawings = [
+        _both_halves(result, title)
+        for result, title in zip(shown, titles(shown, folders), strict=True)
+    ]
     frames.check("time", shown, time)
-    heads, blob = titles(shown, folders), Blob()
+    blob = Blob()
     spans = {
-        name: _span(wholes, name, limits if name == field else None) for name in quantities.FIELDS
-    } | {PRESSED: _span(wholes, "pressure", None)}
+        name: colors(drawings, name, limits if name == field else None)
+        for name in quantities.FIELDS
+    } | {PRESSED: colors(drawings, "pressure")}
     bars = {name: _bar(spans[name], name) for name in quantities.FIELDS}
     data = {
         "field": field,
         "time": frames.peak_time(shown[0]) if time is None else time,
-        "scenes": [_scene(result, head, blob) for result, head in zip(wholes, heads, strict=True)],
+        "scenes": [_scene(drawn, blob) for drawn in drawings],
         "fields": bars,
         "pressure": _bar(spans[PRESSED], "pressure"),
         "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
-        "rate": quantities.round_up(max(map(markers.highest_rate, wholes)) or 1.0),
+        "rate": quantities.round_up(max(map(markers.highest_rate, shown)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
     }  # fmt: skip
@@ -102,24 +104,10 @@ def write(
         new.write_text(html, encoding="utf-8")
 
 
-def _whole(result: ResultRecord) -> ResultRecord:
-    """Return the result with fields on the whole finger."""
-    fields = frames.whole(quantities.fields_of(result))
-    return replace(result, response=replace(result.response, fields=fields))
-
-
-def _span(results: Sequence[ResultRecord], name: str, limits: tuple[float, float] | None) -> Span:
-    """Return the colors of a field over all results and times."""
-    soft = [_soft(quantities.fields_of(result)) for result in results]
-    return quantities.span(
-        (
-            quantities.values(result, name, frame)[inside]
-            for result, inside in zip(results, soft, strict=True)
-            for frame in range(len(quantities.fields_of(result).times))
-        ),
-        name,
-        limits,
-    )
+def _both_halves(result: ResultRecord, title: str) -> Drawing:
+    """Return the drawing of the cut finger with the skin before the cut, which the page can add."""
+    drawn = cut_open(frames.whole_result(result), title)
+    return replace(drawn, surfaces=(*drawn.surfaces, *surfaces.other_half(drawn.fields)))
 
 
 def _bar(span: Span, name: str) -> dict[str, Any]:
@@ -133,33 +121,23 @@ def _map(span: Span) -> str:
     return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
 
-def _soft(fields: Fields) -> Any:
-    return np.unique(fields.cells[fields.region != section.BONE])
-
-
 def _colors(span: Span) -> list[int]:
     """Return the colors of a bar as 256 times red, green and blue."""
     table = span.map()(np.arange(quantities.SHADES))[:, :3]
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
-def _scene(result: ResultRecord, title: str, blob: Blob) -> dict[str, Any]:
+def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
     """Return one finger as a record that points into the blob."""
-    fields = quantities.fields_of(result)
-    mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
-    back = list(surfaces.cut_open(fields))
-    front = [replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
-             for piece in surfaces.cut_open(mirrored)
-             if piece.name in ("skin", surfaces.PAD) and not piece.flat]  # fmt: skip
-    lines = surfaces.outlines(fields)
-    every = [*back, *front]
+    result, fields, every, lines = drawn.result, drawn.fields, drawn.surfaces, drawn.lines
+    assert lines is not None
     starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
     triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
     counts = np.cumsum([0, *(len(each) for each in triangles)])
     moved = [fields.points + shift for shift in fields.displacement]
     depth = np.interp(fields.times, result.time, result.depth)
     return {
-        "title": title,
+        "title": drawn.title,
         "words": f"{result.plan.mechanics} ({quantities.measure(result)})",
         "times": fields.times.tolist(),
         "depth": depth.tolist(),
@@ -175,7 +153,7 @@ def _scene(result: ResultRecord, title: str, blob: Blob) -> dict[str, Any]:
         "values": {name: _values(result, every, name, blob) for name in quantities.FIELDS},
         "lines": blob.add(lines.triangles, "u4"),
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
-        "organs": _organs(markers.in_section(result), fields, blob),
+        "organs": _organs(drawn.marks, fields, blob),
         "units": _organs(markers.on_skin(result), fields, blob),
         "indenter": _indenter(result, blob),
     }
@@ -237,13 +215,13 @@ def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str
 def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     """Return the front of the indenter at first touch as triangles, and its direction of travel."""
     pose = indenter_pose.pose(result, 0.0)
-    count = 2 if isinstance(pose.profile, Plane) else GRID
+    count = 2 if pose.profile.plane else GRID
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
     reach = np.full(2, REACH)
-    if isinstance(pose.profile, Ellipsoid):  # a disk of the square, so that its rim is round
+    if pose.profile.half_axes is not None:  # a disk of the square, so that its rim is round
         across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
-        reach = np.minimum(REACH, pose.profile.radii[:2])
+        reach = np.minimum(REACH, pose.profile.half_axes[:2])
     places = pose.places(reach * across).reshape(-1, 3)
     seen = np.asarray(np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, 0.0)
@@ -256,7 +234,7 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles) if isinstance(pose.profile, Plane) else [], "u4"),
+        "rim": blob.add(_rim(triangles) if pose.profile.plane else [], "u4"),
         "axis": pose.axis.tolist(),
     }
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.results.pressure import cuts, net
-from fefinger.scene.indenter import Flat, Indenter, direction
+from fefinger.scene.indenter import Indenter, direction
 from fefinger.support.checks import InputError
 
 
@@ -80,10 +80,10 @@ def plane(indenter: Indenter, points: "Array") -> "Array":
     InputError
         For an indenter that is no plate.
     """
-    if not isinstance(indenter, Flat):
+    if indenter.flat is None:
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
         raise InputError(msg)
-    axis = direction(indenter)
+    axis = direction(indenter.flat)
     distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
     distal /= np.linalg.norm(distal)
     return np.asarray(points @ np.stack([distal, np.cross(axis, distal)], axis=1))

@@ -68,7 +68,6 @@ def _sources(rungs: Sequence["Rung"]) -> str:
     by_source: dict[str, list[str]] = {}
     for rung in rungs:
         if not math.isnan(rung.error):
-            name = f"{rung.mechanics} {rung.resolution or ''}".strip()
-            by_source.setdefault(rung.evidence, []).append(name)
+            by_source.setdefault(rung.evidence, []).append(rung.candidate.label)
     rows = [(", ".join(names), source) for source, names in by_source.items()]
     return table(rows, ("error of", "evidence")) if rows else "No error is known."

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.reference import Reference
+from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene.scene import Scene
 
 
 if TYPE_CHECKING:
+    from fefinger.neural.reference import Reference
     from fefinger.neural.trains import SpikeTrains
 
 Array = NDArray[np.float64]
@@ -35,12 +36,15 @@ class Refusal:
 
     `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than asked) or
     "time" (it can, but takes longer than asked); `reason` quotes the number that broke, as in
-    "contact radius / thickness = 0.9 > 0.1".
+    "contact radius / thickness = 0.9 > 0.1". `field` is the field or part of the scene to change,
+    such as "ask.rel_error", "indenter.radius" or "finger"; "" where there is none, and in results
+    of earlier versions.
     """
 
     mechanics: str
     about: str
     reason: str
+    field: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,11 @@ class Rung:
     refusals: tuple[Refusal, ...] = ()
     resolution: str | None = None
     errors: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    @property
+    def candidate(self) -> Candidate:
+        """Mechanics and mesh."""
+        return Candidate(self.mechanics, self.resolution)
 
 
 @dataclass(frozen=True)
@@ -100,11 +109,9 @@ class Plan:
     @property
     def chosen(self) -> Rung:
         """The rung of the chosen mechanics, on its mesh."""
-        wanted = (self.mechanics, self.settings.resolution if self.settings else None)
+        wanted = Candidate(self.mechanics, self.settings.resolution if self.settings else None)
         rungs = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
-        return next(
-            (rung for rung in rungs if (rung.mechanics, rung.resolution) == wanted), rungs[0]
-        )
+        return next((rung for rung in rungs if rung.candidate == wanted), rungs[0])
 
 
 @dataclass(frozen=True)
@@ -183,7 +190,7 @@ class Response:
     pressure: Array | None
     sites: Sites | None
     strain: Array | None
-    reference: Reference | None
+    reference: "Reference | None"
     fields: Fields | None
     status: str
     seconds: dict[str, float]
@@ -196,7 +203,7 @@ class Response:
     @property
     def finite(self) -> bool:
         """Whether the strain is finite (logarithmic) instead of small strain."""
-        return self.mechanics == "solid"
+        return MECHANICS[self.mechanics].finite
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ part of the motion is."""
 _AS_LONG_AS_FITS: Any = None
 
 
+@dataclass(frozen=True)
 class Motion(ABC):
     """A motion of the indenter; its depth in mm or its force in N follows `trajectory`.
 
@@ -70,7 +71,7 @@ class Motion(ABC):
     def _check_fields(self) -> dict[str, Any]:
         """Store every number that its limits allow; return the fields by name."""
         given = {}
-        for name in (each.name for each in fields(self)):  # type: ignore[arg-type]
+        for name in (each.name for each in fields(self)):
             given[name] = getattr(self, name)
             if not (name == "corner" and given[name] is _AS_LONG_AS_FITS):
                 given[name] = number(f"motion.{name}", given[name], **LIMITS[name])

@@ -56,7 +56,7 @@ class Scene:
 
     def _check_place(self) -> None:
         """Check that the indenter is over the pad."""
-        at = getattr(self.indenter, "at", None)
+        at = self.indenter.place
         reach = (2 * self.finger.width, self.finger.width / 2)
         if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
             msg = (

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from fefinger.mechanics.evidence.force_control import errors as at_force
+from fefinger.mechanics.situation import Situation
 from fefinger.plan import choose, settled
 from fefinger.result import Result
 from fefinger.results.records import Rung
@@ -58,4 +59,4 @@ def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[st
     rung = choose(scene, result.plan.mechanics).chosen
     if given == "depth" or not np.isfinite(rung.error):
         return rung, rung.errors
-    return rung, at_force(rung.errors, rung.error, scene)
+    return rung, at_force(rung.errors, rung.error, Situation.of(scene))

@@ -8,7 +8,6 @@ from fefinger.mesh.first_touch import FirstTouch
 from fefinger.result import Result
 from fefinger.results.pressure import SPREAD
 from fefinger.results.records import Array
-from fefinger.scene.indenter import Flat, Sphere
 from fefinger.studies.times import SAME, until
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.elliptic import LONGEST, Elliptic
@@ -31,9 +30,9 @@ def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
     from fefinger.mechanics.hertz import tissue
 
     scene, indenter = result.scene, result.scene.indenter
-    if not isinstance(indenter, Flat | Sphere):
+    if indenter.flat is None and indenter.ball_radius is None:
         return {}
-    curvature = 1 / indenter.radius if isinstance(indenter, Sphere) else 0.0
+    curvature = 1 / indenter.ball_radius if indenter.ball_radius is not None else 0.0
     (low, high), axes = np.linalg.eigh(touch.curvature + curvature * np.eye(2))
     depth = until(result.depth, where)
     if low <= 0 or high / low > LONGEST or (np.diff(depth) < -SAME * depth.max()).any():

@@ -14,7 +14,6 @@ from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
 from fefinger.results.records import Array, Integers
-from fefinger.scene.indenter import Flat
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
@@ -156,10 +155,8 @@ def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | No
     from fefinger.scene.indenter import STANDARD, direction
 
     scene, sites = result.scene, result.sites
-    indenter: Any = scene.indenter
-    placed = getattr(indenter, "at", None) is not None
-    if "mesh" in result.response.sources and not placed:
-        axis = direction(indenter if hasattr(indenter, "angle") else STANDARD)
+    if "mesh" in result.response.sources and scene.indenter.place is None:
+        axis = direction(scene.indenter.plate or STANDARD)
         touch = first_touch(Recipe.of(scene.finger), axis)
         return touch.point, axis, touch
     if sites is None or scene.ask.population is not None:
@@ -213,7 +210,7 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
     sensor, pad, pressure = ArraySensor(), view.result.pad, view.result.pressure
     assert pad is not None
     assert pressure is not None
-    if not isinstance(view.result.scene.indenter, Flat):
+    if view.result.scene.indenter.flat is None:
         return {}
     heaviest = pressure[int(np.argmax(view.result.response.force))] * pad.areas
     middle = heaviest @ view.places / heaviest.sum()

@@ -6,14 +6,13 @@ t depends on the depth of the whole finger: it describes one press, not a materi
 Source: Pawluk (1997), chapter 3, Eq. 3.7 to 3.17.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.theory.contact import elastic
-from fefinger.theory.contact.curvature import relative_radius
 from fefinger.theory.contact.elastic import Array
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, radius_nodes
 from fefinger.theory.lumped.spring import LARGEST
@@ -115,10 +114,6 @@ class Fingerpad:
             short = self.force(middle) < force
             low, high = np.where(short, middle, low), np.where(short, high, middle)
         return np.asarray((low + high) / 2)
-
-    def against(self, radius: float) -> "Fingerpad":
-        """Return the same pad under a sphere of a radius in mm (Eq. 3.19); hollow below 0."""
-        return replace(self, radius=relative_radius(self.radius, radius))
 
     def press(self, time: ArrayLike, depth: ArrayLike, *, count: int = 256) -> ContactHistory:
         """Return the contact history for depths (n_t,) mm, right on unloading (see `ting`).

@@ -1,10 +1,10 @@
-"""Pictures of a Result and of a mesh with PyVista: sections, views in space, films, windows.
+"""Pictures of a Result and of a mesh: sections, views in space, films, windows.
 
 The only package that imports pyvista. VTK ends the process where no renderer exists, so
-`renderer_lacking` asks in another process first. `webview` makes the page that needs no renderer.
+`renderer_lacking` tries in another process first. The page of `pages.viewer` needs no renderer.
 """
 
-from fefinger.view.pictures import draw_mesh, movie, screenshot, section_figure, section_png
+from fefinger.view.pictures import draw_mesh, movie, screenshot
 from fefinger.view.renderer import renderer_lacking
 from fefinger.view.window import show
 
@@ -14,7 +14,5 @@ __all__ = [
     "movie",
     "renderer_lacking",
     "screenshot",
-    "section_figure",
-    "section_png",
     "show",
 ]

@@ -1,68 +1,84 @@
-"""What is drawn of a Result in space, before any renderer: surfaces, lines, end organs, colors."""
+"""What is drawn of a Result in space, before any renderer: surfaces, lines, end organs, colors.
+
+PyVista (`plot3d`) and the page for a browser (`fefinger.pages.viewer`) draw the same record.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from fefinger.results.records import Fields, ResultRecord
-from fefinger.view import frames, quantities
-from fefinger.view import markers as marks
-from fefinger.view import surfaces as pieces
-
-
-SOFT = ("skin", "subcutaneous tissue", pieces.PAD)
+from fefinger.view import frames, markers, quantities, surfaces
+from fefinger.view.surfaces import Piece
 
 
 @dataclass(frozen=True)
-class Subject:
-    """What is drawn of a result with fields.
+class Drawing:
+    """The surfaces, lines and marks of a result with fields.
 
-    surfaces: the pieces of the finger; lines: the outlines of the cut, none if the finger is
-    `whole`; marks: of end organs in the cut, or of units on the skin of the whole finger; title:
-    what is written above.
+    surfaces: of the finger; lines: the outlines of the cut, none if the finger is `whole`; marks:
+    of end organs in the cut, or of units on the skin of the whole finger; title: the line above.
     """
 
     result: ResultRecord
     fields: Fields
-    surfaces: tuple[pieces.Piece, ...]
-    lines: pieces.Piece | None
-    marks: marks.Marks | None
+    surfaces: tuple[Piece, ...]
+    lines: Piece | None
+    marks: markers.Marks | None
     whole: bool
     title: str
 
 
-def subject(result: ResultRecord, field: str, title: str = "") -> Subject:
-    """Return what is drawn of a result; pressure is shown on the whole finger from below.
+def drawing(result: ResultRecord, field: str, title: str = "") -> Drawing:
+    """Return the drawing that shows a field: the whole finger for pressure, else the cut one.
 
-    It is called `title`, or as its scene.
-
-    Raises InputError if the field is unknown or there are no fields.
+    Its title is that of its scene by default. Raises InputError if the field is unknown or there
+    are no fields.
     """
     quantities.named("field", field)
-    fields, whole = quantities.fields_of(result), field == "pressure"
-    if whole:
-        fields = frames.whole(fields)
-        result = replace(result, response=replace(result.response, fields=fields))
-    return Subject(
+    return entire(result, title) if field == "pressure" else cut_open(result, title)
+
+
+def cut_open(result: ResultRecord, title: str = "") -> Drawing:
+    """Return the drawing of the half finger behind the medial plane, and of its end organs."""
+    fields = quantities.fields_of(result)
+    return Drawing(
         result=result,
         fields=fields,
-        surfaces=pieces.entire(fields) if whole else pieces.cut_open(fields),
-        lines=None if whole else pieces.outlines(fields),
-        marks=marks.on_skin(result) if whole else marks.in_section(result),
-        whole=whole,
+        surfaces=surfaces.cut_open(fields),
+        lines=surfaces.outlines(fields),
+        marks=markers.in_section(result),
+        whole=False,
+        title=title or result.scene.name,
+    )
+
+
+def entire(result: ResultRecord, title: str = "") -> Drawing:
+    """Return the drawing of the whole finger, and of the units of a population on its skin."""
+    result = frames.whole_result(result)
+    fields = quantities.fields_of(result)
+    return Drawing(
+        result=result,
+        fields=fields,
+        surfaces=surfaces.entire(fields),
+        lines=None,
+        marks=markers.on_skin(result),
+        whole=True,
         title=title or result.scene.name,
     )
 
 
 def colors(
-    subjects: Sequence[Subject], field: str, limits: tuple[float, float] | None = None
+    drawings: Sequence[Drawing], field: str, limits: tuple[float, float] | None = None
 ) -> quantities.Span:
-    """Return the colors that hold for all subjects at all of their times."""
+    """Return the colors that hold for all drawings at all of their times."""
     return quantities.span(
         (
-            np.concatenate([piece.at(nodal) for piece in each.surfaces if piece.name in SOFT])
-            for each in subjects
+            np.concatenate(
+                [piece.at(nodal) for piece in each.surfaces if piece.name in surfaces.SOFT]
+            )
+            for each in drawings
             for frame in range(len(each.fields.times))
             for nodal in [quantities.values(each.result, field, frame)]
         ),

@@ -15,6 +15,7 @@ from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.support.vocabulary import TYPES
 from fefinger.view import quantities
+from fefinger.view.compact_svg import compact
 
 
 Curves = list[tuple[str, str, Array]]
@@ -44,6 +45,7 @@ STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     "svg.hashsalt": "fefinger",
+    "svg.fonttype": "none",
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
 RASTER = 200  # dots per inch of what is no line in an SVG
@@ -65,11 +67,11 @@ def figure(width: float, height: float) -> Any:
 
 
 def svg(drawn: Any) -> str:
-    """Return the figure as SVG text."""
+    """Return the figure as compact SVG text, whose letters are those of the browser's font."""
     buffer = io.StringIO()
     with style():
         drawn.savefig(buffer, format="svg", metadata={"Date": None}, dpi=RASTER)
-    return buffer.getvalue()
+    return compact(buffer.getvalue())
 
 
 def png(drawn: Any) -> bytes:

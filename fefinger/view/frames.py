@@ -77,3 +77,9 @@ def whole(fields: Fields) -> Fields:
         strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
         pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
     )
+
+
+def whole_result(result: ResultRecord) -> ResultRecord:
+    """Return the result with its fields on the whole finger."""
+    fields = whole(quantities.fields_of(result))
+    return replace(result, response=replace(result.response, fields=fields))

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.geometry.profiles import Ellipsoid, Profile, frame
+from fefinger.geometry.profiles import Profile, frame
 from fefinger.results.records import Array, ResultRecord
-from fefinger.scene.indenter import STANDARD, Flat, Grating, Relief, direction
+from fefinger.scene.indenter import STANDARD, direction
 from fefinger.view.frames import whole
 
 
@@ -42,8 +42,8 @@ class Pose(NamedTuple):
         It goes `reach` mm to either side; no rows where the plane misses the indenter.
         """
         ahead = self.axis[[0, 2]] / np.hypot(self.axis[0], self.axis[2])
-        if isinstance(self.profile, Ellipsoid) and self.roll == 0:
-            return self._ring(np.array([ahead[1], -ahead[0]]), ahead, self.profile.radii)
+        if self.profile.half_axes is not None and self.roll == 0:
+            return self._ring(np.array([ahead[1], -ahead[0]]), ahead, self.profile.half_axes)
         front = self._front(reach)
         if not len(front):
             return front
@@ -79,15 +79,15 @@ class Pose(NamedTuple):
 def pose(result: ResultRecord, depth: float) -> Pose:
     """Return where the indenter is after `depth` mm of travel."""
     indenter = result.scene.indenter
-    roll = getattr(indenter, "roll", 0.0)
-    if isinstance(indenter, Flat | Grating | Relief):
-        axis, origin = direction(indenter), np.zeros(3)
-        if Flat(indenter.angle, indenter.tilt) != STANDARD and result.fields is not None:
+    plate, roll = indenter.plate, indenter.turn
+    if plate is not None:
+        axis, origin = direction(plate), np.zeros(3)
+        if plate != STANDARD.plate and result.fields is not None:
             points = whole(result.fields).points
             origin = points[int(np.argmin(points @ axis))]
         return Pose(origin + depth * axis, axis, indenter.profile, roll)
     origin, axis = np.zeros(3), direction(STANDARD)
-    at, pad = getattr(indenter, "at", None), result.pad
+    at, pad = indenter.place, result.pad
     if at is not None and pad is not None:
         palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
         here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import Array, Fields, Integers, ResultRecord
+from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.support.atomic_write import moved
 from fefinger.view import color_bars, figures, film, frames, quantities, renderer
-from fefinger.view import section_figure as medial
 from fefinger.view.color_bars import add_bars
-from fefinger.view.drawing import colors, subject
+from fefinger.view.drawing import colors, drawing
 from fefinger.view.markers import highest_rate
 from fefinger.view.plot3d import Scales, Stage
 from fefinger.view.quantities import round_up
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
 
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
-PIXELS = 1500  # of the section's longer side
 FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
 LEGEND: dict[str, Any] = {
     "title": "region",
@@ -37,38 +35,6 @@ LEGEND: dict[str, Any] = {
     "height": 0.08,
 }
 REGIONS = {1: ("skin", "#e8b89a"), 2: ("subcutaneous tissue", "#f4dc8c"), 3: ("bone", figures.BONE)}
-
-
-def section_figure(
-    result: ResultRecord, *, field: str = quantities.DEFAULT, time: float | None = None
-) -> tuple[Any, str | None]:
-    """Return the medial section, deformed and colored by `field`, as a matplotlib Figure.
-
-    The stored frame next to `time` s is drawn, by default that of the largest force. With it comes
-    None, or a sentence where no renderer exists and matplotlib drew the section alone. Raises
-    InputError if the result has no fields or the field is unknown.
-    """
-    fields = quantities.fields_of(result)
-    moment = frames.peak_time(result) if time is None else time
-    frame = frames.nearest_frame(fields, moment)
-    cut = medial.medial(result, field, frame)
-    missing = renderer.renderer_lacking()
-    raster = None if missing else _raster(fields, frame, cut)
-    return medial.draw(cut, raster), missing or None
-
-
-def section_png(
-    result: ResultRecord,
-    path: str | PathLike[str],
-    *,
-    field: str = quantities.DEFAULT,
-    time: float | None = None,
-) -> str | None:
-    """Draw `section_figure` to the PNG file `path`, and return its sentence."""
-    drawn, missing = section_figure(result, field=field, time=time)
-    with open(path, "wb") as file:
-        file.write(figures.png(drawn))
-    return missing
 
 
 def compose(
@@ -83,14 +49,14 @@ def compose(
     Raises InputError if the field is unknown or a result has no fields.
     """
     named = zip(results, titles(results, folders), strict=True)
-    subjects = [subject(result, field, title) for result, title in named]
+    drawings = [drawing(result, field, title) for result, title in named]
     scales = Scales(
-        field=colors(subjects, field, limits),
-        pressure=round_up(max(float(each.fields.pressure.max()) for each in subjects) or 1.0),
+        field=colors(drawings, field, limits),
+        pressure=round_up(max(float(each.fields.pressure.max()) for each in drawings) or 1.0),
         rate=round_up(max(highest_rate(result) for result in results) or 1.0),
     )
     stages = []
-    for column, shown in enumerate(subjects):
+    for column, shown in enumerate(drawings):
         plotter.subplot(0, column)
         stages.append(Stage(plotter, shown, field, scales))
         stages[-1].look()
@@ -222,44 +188,3 @@ def _grid(points: Array, cells: Integers) -> Any:
     import pyvista as pv
 
     return pv.UnstructuredGrid({pv.CellType.TETRA: np.asarray(cells)}, np.asarray(points))
-
-
-def _behind(fields: Fields) -> NDArray[np.bool_]:
-    """Return which cells (n_cells,) lie at y > 0."""
-    return np.asarray(fields.points[fields.cells][:, :, 1].mean(axis=1) > 0)
-
-
-def _face(cut: medial.Medial, y: float) -> Any:
-    """Return the section as a surface at y mm with its values."""
-    import pyvista as pv
-
-    flat = np.full((len(cut.places), 3), y)
-    flat[:, [0, 2]] = cut.places
-    faces: Any = cut.triangles
-    surface = pv.PolyData.from_regular_faces(flat, faces)
-    surface["field"] = cut.values
-    return surface
-
-
-def _raster(fields: Fields, frame: int, cut: medial.Medial) -> medial.Raster:
-    """Render the colored section, and the half finger behind it, without perspective."""
-    x0, x1, z0, z1 = cut.extent
-    scale = PIXELS / max(x1 - x0, z1 - z0)
-    plotter = renderer.plotter((round(scale * (x1 - x0)), round(scale * (z1 - z0))))
-    moved = fields.points + fields.displacement[frame]
-    behind = _grid(moved, fields.cells[_behind(fields)]).extract_surface(algorithm=None)
-    plotter.add_mesh(behind, color=figures.BONE, ambient=0.6, diffuse=0.4)
-    # In front of cells that straddle the plane; without perspective it looks the same.
-    face = _face(cut, float(moved[:, 1].min()))
-    plotter.add_mesh(
-        face, scalars="field", cmap=cut.span.map(), clim=cut.span[:2], lighting=False,
-        show_scalar_bar=False, interpolate_before_map=True,
-    )  # fmt: skip
-    middle = ((x0 + x1) / 2, 0.0, (z0 + z1) / 2)
-    plotter.camera_position = [(middle[0], -200.0, middle[2]), middle, (0, 0, 1)]
-    plotter.enable_parallel_projection()
-    plotter.parallel_scale = (z1 - z0) / 2
-    plotter.reset_camera_clipping_range()
-    picture = np.array(plotter.screenshot(return_img=True))
-    plotter.close()
-    return medial.Raster(picture, cut.extent)

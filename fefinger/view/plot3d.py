@@ -6,11 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.geometry.profiles import Ellipsoid, Plane
 from fefinger.neural.train_record import FEW
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
-from fefinger.view.drawing import SOFT, Subject
+from fefinger.view.drawing import Drawing
 from fefinger.view.markers import Marks
 
 
@@ -57,7 +56,7 @@ class Stage:
     `keys`: what its colors stand for, by the title of the bar, the field first.
     """
 
-    def __init__(self, plotter: Any, shown: Subject, field: str, scales: Scales) -> None:
+    def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
         self.plotter, self.shown, self.field, self.scales = plotter, shown, field, scales
         self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
         self.props: list[Prop] = []
@@ -172,7 +171,7 @@ class Stage:
 
         move(0)
         self.moves.append(move)
-        if piece.name not in SOFT:
+        if piece.name not in surfaces.SOFT:
             how = {"lighting": False} if piece.flat else LIT
             actor = self.plotter.add_mesh(mesh, color=figures.BONE, **how)
             self.props.append(Prop(actor, (piece.name,)))
@@ -328,7 +327,7 @@ class Stage:
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
         added = [self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15, show_edges=False)]
-        if isinstance(touch.profile, Plane):
+        if touch.profile.plane:
             rim = shape.extract_surface(algorithm=None).extract_feature_edges(
                 feature_edges=False, manifold_edges=False
             )
@@ -354,13 +353,14 @@ def _shape(pose: indenter_pose.Pose) -> Any:
     """Return the surface of an indenter where it touches first."""
     import pyvista as pv
 
-    if isinstance(pose.profile, Plane):
+    if pose.profile.plane:
         return pv.Plane(center=pose.origin, direction=pose.axis, i_size=14, j_size=14)
-    if isinstance(pose.profile, Ellipsoid) and np.isfinite(pose.profile.radii).all():
-        shape = pv.ParametricEllipsoid(*pose.profile.radii, u_res=80, v_res=80)
+    half_axes = pose.profile.half_axes
+    if half_axes is not None and np.isfinite(half_axes).all():
+        shape = pv.ParametricEllipsoid(*half_axes, u_res=80, v_res=80)
         turn = np.eye(4)
         turn[:3, :3] = pose.frame.T
-        turn[:3, 3] = pose.origin - pose.profile.radii[2] * pose.axis
+        turn[:3, 3] = pose.origin - half_axes[2] * pose.axis
         return shape.transform(turn, inplace=False)
     line = np.linspace(-7, 7, 281)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)

@@ -1,30 +1,37 @@
 """The medial section of the finger as a figure: a field, the regions, indenter and end organs.
 
-The colored section itself comes from a renderer (`view.section_png`) or, without one, from
-matplotlib; everything on top of it is drawn here, so both look alike.
+matplotlib draws all of it, so the figure needs no renderer.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fefinger.geometry import section
+from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.train_record import FEW
 from fefinger.results.records import Array, Integers, ResultRecord
-from fefinger.view import figures, indenter_pose, quantities
+from fefinger.view import figures, frames, indenter_pose, quantities
 
 
 MARGIN = 1.2  # mm about the section
 CLOSE = 4.5  # mm: half the width of the close view
 OFF_PLANE = 0.5  # mm: end organs farther than this from the section are drawn hollow
+HALVINGS = 2  # of the triangles' edges, between which matplotlib mixes colors in place of values
 
 
-class Raster(NamedTuple):
-    """A picture (h, w, 3) of the section, and its extent (x0, x1, z0, z1) in mm."""
+def draw(
+    result: ResultRecord, *, field: str = quantities.DEFAULT, time: float | None = None
+) -> Any:
+    """Return the deformed medial section, colored by a field, as a matplotlib Figure.
 
-    picture: Any
-    extent: tuple[float, float, float, float]
+    It shows the stored frame next to `time` s, by default that of the largest force. Raises
+    InputError if the result has no fields or the field is unknown.
+    """
+    fields = quantities.fields_of(result)
+    moment = frames.peak_time(result) if time is None else time
+    return _figure(medial(result, field, frames.nearest_frame(fields, moment)))
 
 
 @dataclass(frozen=True)
@@ -48,12 +55,6 @@ class Medial:
     field: str
     title: str
 
-    @property
-    def extent(self) -> tuple[float, float, float, float]:
-        """Return x0, x1, z0, z1 in mm around the section."""
-        low, high = self.places.min(axis=0) - MARGIN, self.places.max(axis=0) + MARGIN
-        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
-
 
 def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
@@ -64,7 +65,7 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
     depth = float(np.interp(time, result.time, result.depth))
-    soft = cut.region != section.BONE
+    soft = cut.region != BONE
     return Medial(
         places=places,
         triangles=cut.triangles[soft],
@@ -95,16 +96,18 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
     return found
 
 
-def draw(cut: Medial, raster: Raster | None = None) -> Any:
+def _figure(cut: Medial) -> Any:
     """Draw the whole section, and a close view of the end organs under the indenter."""
     with figures.style():
         drawn = figures.figure(figures.WIDE, 4.4)
         whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
-        x0, x1, z0, z1 = cut.extent
+        low, high = cut.places.min(axis=0) - MARGIN, cut.places.max(axis=0) + MARGIN
         for axis in (whole, close):
-            _draw_section(axis, cut, raster)
+            _draw_section(axis, cut)
             axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
-        whole.set(xlim=(x0, x1), ylim=(z0, z1), title=f"medial section, {cut.title}")
+        whole.set(
+            xlim=(low[0], high[0]), ylim=(low[1], high[1]), title=f"medial section, {cut.title}"
+        )
         center = cut.indenter.mean(axis=0)
         if cut.organs:
             many = len(cut.organs) > FEW
@@ -121,26 +124,26 @@ def draw(cut: Medial, raster: Raster | None = None) -> Any:
         return drawn
 
 
-def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
+def _draw_section(axis: Any, cut: Medial) -> None:
     """Draw the colored section, the outlines of its regions, and the indenter."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Polygon
 
-    if raster is None:
-        bone = PolyCollection(list(cut.places[cut.bone]), color=figures.BONE)
-        axis.add_collection(bone)
-        axis.tripcolor(
-            *cut.places.T,
-            cut.triangles,
-            cut.values,
-            shading="gouraud",
-            cmap=cut.span.colors,
-            vmin=cut.span.low,
-            vmax=cut.span.high,
-            rasterized=True,
-        )
-    else:
-        axis.imshow(raster.picture, extent=raster.extent, interpolation="bilinear")
+    bone = PolyCollection(list(cut.places[cut.bone]), color=figures.BONE)
+    axis.add_collection(bone)
+    corners, triangles = np.column_stack([cut.places, cut.values]), cut.triangles
+    for _ in range(HALVINGS):
+        corners, triangles = _halved(corners, triangles)
+    axis.tripcolor(
+        *corners[:, :2].T,
+        triangles,
+        corners[:, 2],
+        shading="gouraud",
+        cmap=cut.span.map(),
+        vmin=cut.span.low,
+        vmax=cut.span.high,
+        rasterized=True,
+    )
     lines = LineCollection(
         list(cut.places[cut.outlines]), colors="white", linewidths=0.9, alpha=0.9
     )
@@ -149,6 +152,18 @@ def _draw_section(axis: Any, cut: Medial, raster: Raster | None) -> None:
         slab = Polygon(cut.indenter, facecolor="#b8c2cc", edgecolor=figures.INK, linewidth=0.9)
         axis.add_patch(slab)
     axis.grid(visible=False)
+
+
+def _halved(corners: Array, triangles: Integers) -> tuple[Array, Integers]:
+    """Return corners with the middles of all edges, and four triangles in place of each."""
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, side = np.unique(sides, axis=0, return_inverse=True)
+    (a, b, c), (ab, bc, ca) = triangles.T, len(corners) + side.reshape(-1, 3).T
+    quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    return (
+        np.concatenate([corners, corners[edges].mean(axis=1)]),
+        np.concatenate([np.column_stack(quarter) for quarter in quarters]),
+    )
 
 
 def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:

@@ -1,102 +1,98 @@
-"""The finger in pieces for pictures in space: skin, subcutaneous tissue and bone, cut open or not.
+"""Surfaces of the finger for pictures in space: skin, subcutaneous tissue and bone, cut or whole.
 
-numpy and scipy only. A piece is made once; its vertices lie on edges of the mesh, so that it
-follows the finger through all frames.
+A piece is made once; its vertices lie on edges of the mesh, so that it follows the finger through
+all frames. (Filters of VTK return places, not edges and weights: they would cut every frame anew.)
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry import section
+from fefinger.geometry import facets, section
+from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
 from fefinger.results.records import Array, Fields, Integers
 
 
-NAMES = {1: "skin", 2: "subcutaneous tissue", 3: "bone"}
-PAD = "pad"
+NAMES = {SKIN: "skin", SUBCUTANEOUS: "subcutaneous tissue", BONE: "bone"}
+PAD, FRONT = "pad", "other half"
+SOFT = (NAMES[SKIN], NAMES[SUBCUTANEOUS], PAD, FRONT)
+"""Pieces that have the colors of a field."""
+
 NEAREST = 24  # cells that are looked at to find the one around a point
-_FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])  # outward of a cell
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A surface whose vertices lie at `weight` from the first to the second point of an edge.
-
-    edges (n, 2) mesh points, weight (n,), triangles (k, 3); `flat`: it is a face of the cut.
-    """
+class Piece(section.EdgePoints):
+    """A surface of one tissue: triangles (k, 3) of its points; `flat`: it is a face of the cut."""
 
     name: str
-    edges: Integers
-    weight: Array
     triangles: Integers
     flat: bool = False
-
-    def at(self, nodal: Array) -> Array:
-        """Return values at the mesh points, (n_points, ...), at the vertices of the piece."""
-        first, second = nodal[self.edges[:, 0]], nodal[self.edges[:, 1]]
-        weight = self.weight.reshape(-1, *[1] * (nodal.ndim - 1))
-        return np.asarray((1 - weight) * first + weight * second)
 
 
 def cut_open(fields: Fields) -> tuple[Piece, ...]:
     """Return the half behind the medial plane: skin, subcutaneous tissue, bone, and the pad.
 
     A tissue has two pieces, its outer surface and its face in the cut. The pad is the outer skin
-    that is ever touched; the skin is without it.
+    that touches at any time; the skin is without it.
     """
     cut = section.cut(fields.points, fields.cells, fields.region)
-    touched = np.asarray((fields.pressure > 0).any(axis=0))
-    found = []
-    for region, name in NAMES.items():
-        if not (fields.region == region).any():
-            continue
-        faces = _boundary(fields, fields.region == region)
-        if region == 1:
-            outer = _boundary(fields, fields.region > 0)
-            pad = _among(faces, outer) & touched[faces].any(axis=1)
-            found.append(_clipped(PAD, fields.points, faces[pad]))
+    touches = np.asarray((fields.pressure > 0).any(axis=0))
+    pieces = []
+    for region, (faces, outer) in _boundaries(fields).items():
+        name = NAMES[region]
+        if region == SKIN:
+            pad = outer & touches[faces].any(axis=1)
+            pieces.append(_clipped(PAD, fields.points, faces[pad]))
             faces = faces[~pad]
-        found.append(_clipped(name, fields.points, faces))
+        pieces.append(_clipped(name, fields.points, faces))
         face = _turned(cut.at(fields.points), cut.triangles[cut.region == region])
-        found.append(_compact(name, cut.edges, cut.weight, face, flat=True))
-    return tuple(piece for piece in found if len(piece.triangles))
+        pieces.append(_compact(name, cut.edges, cut.weight, face, flat=True))
+    return tuple(piece for piece in pieces if len(piece.triangles))
+
+
+def other_half(fields: Fields) -> tuple[Piece, ...]:
+    """Return the outer skin before the medial plane, which `cut_open` leaves out."""
+    mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
+    return tuple(
+        replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
+        for piece in cut_open(mirrored)
+        if piece.name in (NAMES[SKIN], PAD) and not piece.flat
+    )
 
 
 def outlines(fields: Fields) -> Piece:
     """Return the lines that bound the regions of the medial section; `triangles` are (k, 2)."""
     cut = section.cut(fields.points, fields.cells, fields.region)
-    return Piece("outlines", cut.edges, cut.weight, cut.outlines())
+    return Piece(cut.edges, cut.weight, "outlines", cut.outlines())
 
 
 def entire(fields: Fields) -> tuple[Piece, ...]:
     """Return the outer surface of all of the finger as skin, and the bone inside of it."""
-    parts = {"skin": fields.region > 0, "bone": fields.region == section.BONE}
-    found = []
-    for name, cells in parts.items():
-        faces = _boundary(fields, cells)
-        corners = np.column_stack([np.arange(len(fields.points))] * 2)
-        found.append(_compact(name, corners, np.zeros(len(corners)), faces))
-    return tuple(piece for piece in found if len(piece.triangles))
+    points = np.column_stack([np.arange(len(fields.points))] * 2)
+    boundaries = _boundaries(fields)
+    outside = np.concatenate([faces[outer] for faces, outer in boundaries.values()])
+    parts = {"skin": outside, "bone": boundaries[BONE][0]}
+    pieces = [_compact(name, points, np.zeros(len(points)), faces) for name, faces in parts.items()]
+    return tuple(piece for piece in pieces if len(piece.triangles))
 
 
-def _boundary(fields: Fields, cells: NDArray[np.bool_]) -> Integers:
-    """Return the outward triangles (k, 3) that belong to one of the cells only."""
-    corners = fields.cells[cells]
-    a, b, c, d = fields.points[corners].transpose(1, 0, 2)
-    inverted = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) < 0
-    corners = np.where(inverted[:, None], corners[:, [0, 2, 1, 3]], corners)
-    faces = corners[:, _FACES].reshape(-1, 3)
-    _, first, count = np.unique(
-        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    return np.asarray(faces[first[count == 1]])
+def _boundaries(fields: Fields) -> dict[int, tuple[Integers, NDArray[np.bool_]]]:
+    """Return per region the outward triangles (k, 3) around it, and which of them lie outside.
 
-
-def _among(faces: Integers, others: Integers) -> NDArray[np.bool_]:
-    """Return which of the faces are among the others."""
-    known = set(map(tuple, np.sort(others, axis=1).tolist()))
-    return np.array([tuple(face) in known for face in np.sort(faces, axis=1).tolist()], bool)
+    The cells of a mirrored mesh are turned first.
+    """
+    inverted = volumes(fields.points, fields.cells) < 0
+    cells = np.where(inverted[:, None], fields.cells[:, [0, 2, 1, 3]], fields.cells)
+    faces, inner, outer = facets.interfaces(cells, fields.region)
+    around = {}
+    for region in NAMES:
+        within, beyond = inner == region, outer == region
+        triangles = np.concatenate([faces[within], faces[beyond][:, ::-1]])
+        outside = np.concatenate([outer[within] == 0, np.zeros(beyond.sum(), bool)])
+        around[region] = triangles, outside
+    return around
 
 
 def _clipped(name: str, points: Array, faces: Integers) -> Piece:
@@ -135,8 +131,8 @@ def _compact(
 ) -> Piece:
     """Return a piece with the vertices that its triangles use, each once."""
     used = triangles.ravel()
-    kept, first, vertex = np.unique(edges[used], axis=0, return_index=True, return_inverse=True)
-    return Piece(name, kept, weight[used][first], vertex.reshape(-1, 3), flat)
+    unique, first, vertex = np.unique(edges[used], axis=0, return_index=True, return_inverse=True)
+    return Piece(unique, weight[used][first], name, vertex.reshape(-1, 3), flat)
 
 
 @dataclass(frozen=True)
@@ -175,6 +171,6 @@ def follow(fields: Fields, points: Array) -> Followed:
     weight = np.concatenate([1 - last.sum(axis=-1, keepdims=True), last], axis=-1)
     best = np.argmax(weight.min(axis=-1), axis=1)
     rows = np.arange(len(points))
-    kept = np.maximum(weight[rows, best], 0.0)
-    kept /= kept.sum(axis=1, keepdims=True)
-    return Followed(points, fields.cells[near[rows, best]], kept, mirrored)
+    clipped = np.maximum(weight[rows, best], 0.0)
+    clipped /= clipped.sum(axis=1, keepdims=True)
+    return Followed(points, fields.cells[near[rows, best]], clipped, mirrored)

@@ -18,7 +18,9 @@ def test_a_curve_is_the_press_and_its_slope_and_inverse_are_its_own(count, formu
     slope = (found.force(x + 1e-5) - found.force(x - 1e-5)) / 2e-5
     np.testing.assert_allclose(found.stiffness(x), slope, rtol=1e-6)
     np.testing.assert_allclose(found.depth(found.force(x)), x, rtol=1e-10)
-    np.testing.assert_allclose(found.array_pressure(one.depth[10:11])[0], one.array_pressure[10], rtol=2e-2, atol=0.1)
+    np.testing.assert_allclose(
+        found.array_pressure(one.depth[10:11])[0], one.array_pressure[10], rtol=2e-2, atol=0.1
+    )
     assert found.force([-1.0, 0.0]).tolist() == [0, 0]
 
 
@@ -63,12 +65,16 @@ def test_a_family_learns_radius_ratio_and_a_better_press(law, formula):
         rtol=1e-4,
     )
     short = formula(2.0)
-    part = {name: getattr(short, name)[:18] for name in ("depth", "force", "array_pressure", "area")}
+    part = {
+        name: getattr(short, name)[:18] for name in ("depth", "force", "array_pressure", "area")
+    }
     ended = law.corrected(replace(short, **part), 2.0, 14.0).at(2.0, 14.0)
     assert ended.deepest == part["depth"][-1] < law.deepest
     x = np.linspace(0.2, 1.0, 5) * ended.deepest
     whole = law.at(2.0, 14.0)
     np.testing.assert_allclose(ended.force(x), whole.force(x), rtol=1e-4)
-    np.testing.assert_allclose(ended.array_pressure(x), whole.array_pressure(x), rtol=2e-2, atol=0.1)
+    np.testing.assert_allclose(
+        ended.array_pressure(x), whole.array_pressure(x), rtol=2e-2, atol=0.1
+    )
     with pytest.raises(InputError, match=r"family\.shapes: expected numbers that rise"):
         family((3.0, 1.0), 14.0, formula)

@@ -55,7 +55,9 @@ def test_a_bound_that_stops_the_search_is_named():
 
 def test_a_search_that_fails_says_so(monkeypatch):
     monkeypatch.setattr(inverse, "EVALUATIONS", 1)
-    with pytest.raises(ConvergenceError, match="to converge within 1 evaluations, it did not from any of 1"):
+    with pytest.raises(
+        ConvergenceError, match="to converge within 1 evaluations, it did not from any of 1"
+    ):
         inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), [unknown("p")])
 
 

@@ -21,7 +21,9 @@ def test_the_thesis_finds_its_own_half_space(formula):
     scale = 8e-3 / 3 * 3.0 * np.sqrt(14.0) * x**1.5 * t / one.force
     own = replace(one, force=scale * one.force, array_pressure=scale[:, None] * one.array_pressure)
     frames = targets.Frames(
-        np.repeat(x[20::20, None], 64, 1), own.array_pressure[20::20], np.hypot(*ArraySensor().positions.T)
+        np.repeat(x[20::20, None], 64, 1),
+        own.array_pressure[20::20],
+        np.hypot(*ArraySensor().positions.T),
     )
     found = pad_radius.thesis_fit(frames)
     assert (found.radius, found.m, found.c0_b) == pytest.approx((14.0, 1.5, 3.0), rel=0.02)

@@ -13,6 +13,7 @@ from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.press import operator, operator_cache
 from fefinger.mechanics.press.notes import RIGID_BONE
+from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError
@@ -171,29 +172,29 @@ def test_contact_beyond_the_palmar_part_is_solved_on_the_whole_mesh() -> None:
 def test_incompressible_tissue_is_answered_as_linear_does() -> None:
     finger = replace(FINGER, skin=replace(FINGER.skin, poisson=0.5))
     asked = scene("hold", finger=finger, ask=ff.Ask(fields=False))
-    assert condensed.refuse(asked) == ()
+    assert condensed.refuse(Situation.of(asked)) == ()
     expected, found = linear.respond(asked), condensed.respond(asked)
     for name in ("depth", "force", "pressure", "strain"):
         same(found, expected, name)
 
 
 def test_accuracy_is_refused_as_linear_does() -> None:
-    (refusal,) = condensed.refuse(scene("hold", indenter=ff.Sphere(radius=1)))
+    (refusal,) = condensed.refuse(Situation.of(scene("hold", indenter=ff.Sphere(radius=1))))
     assert (refusal.mechanics, refusal.about) == ("condensed", "accuracy")
 
 
 def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
-    error, source = condensed.error(scene("hold", indenter=ff.Flat(45)))
-    assert error > linear.error(scene("hold", indenter=ff.Flat(45)))[0]
+    error, source = condensed.error(Situation.of(scene("hold", indenter=ff.Flat(45))))
+    assert error > linear.error(Situation.of(scene("hold", indenter=ff.Flat(45))))[0]
     assert "reports/condensed-cost.json, flat-45" in source
-    assert np.isinf(condensed.error(scene("hold", indenter=ff.Sphere(2.0)))[0])
+    assert np.isinf(condensed.error(Situation.of(scene("hold", indenter=ff.Sphere(2.0))))[0])
 
 
 def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     finger = replace(FINGER, resolution="standard")
     row = reports.condensed()["standard"]
     asked = scene("hold", finger=finger)
-    assert condensed.cost(asked) > row["build_seconds"]
+    assert condensed.cost(Situation.of(asked)) > row["build_seconds"]
     operator_cache.folder(operator_cache.identity(finger, odd=False)).mkdir(parents=True)
-    assert condensed.cost(asked) < row["build_seconds"]
+    assert condensed.cost(Situation.of(asked)) < row["build_seconds"]
     assert not operator_cache.at_hand(replace(finger, width=60.0), half=True)

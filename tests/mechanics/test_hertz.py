@@ -9,6 +9,7 @@ import fefinger as ff
 from fefinger.mechanics import hertz, linear
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Touch, turned
+from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
@@ -249,21 +250,23 @@ REFUSED = [
 
 @pytest.mark.parametrize(("parts", "about", "reason"), REFUSED)
 def test_a_refusal_quotes_the_number_that_broke(parts, about, reason):
-    refusals = hertz.refuse(scene(**parts))
+    refusals = hertz.refuse(Situation.of(scene(**parts)))
     assert any(refusal.about == about and reason in refusal.reason for refusal in refusals)
 
 
 def test_a_scan_is_refused_because_one_radius_stands_for_it(tmp_path):
     file = tmp_path / "scan.stl"
     file.touch()
-    refusals = hertz.refuse(scene(finger=replace(FINGER, surface=str(file))))
+    refusals = hertz.refuse(Situation.of(scene(finger=replace(FINGER, surface=str(file)))))
     assert any("finger.surface" in refusal.reason for refusal in refusals)
 
 
 def test_a_place_beyond_the_pad_is_beyond_its_ability():
     tiny = replace(FINGER, pad_radius=4.0)
     beyond = scene(finger=tiny, indenter=ff.Sphere(5.0, at=(6.0, 0.0)))
-    unable = [refusal for refusal in hertz.refuse(beyond) if refusal.about == "ability"]
+    unable = [
+        refusal for refusal in hertz.refuse(Situation.of(beyond)) if refusal.about == "ability"
+    ]
     assert "indenter.at" in unable[0].reason
     with pytest.raises(InputError, match="expected a place on the pad"):
         hertz.respond(beyond)
@@ -279,7 +282,9 @@ def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
 def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
     soft = ff.Finger.subject("a.h.", tissue="saal2017")
     light = scene(finger=soft, indenter=ff.Sphere(1.0), motion=ff.Ramp(1, 0.05, corner=0))
-    assert hertz.error(light)[0] == pytest.approx(1.127 * np.sqrt(0.05 * 14 / 15) / 5, rel=0.06)
+    assert hertz.error(Situation.of(light))[0] == pytest.approx(
+        1.127 * np.sqrt(0.05 * 14 / 15) / 5, rel=0.06
+    )
     assert ff.explain(light).mechanics == "hertz"
     deeper = replace(light, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0))
     assert ff.explain(deeper).mechanics == "solid"
@@ -315,9 +320,9 @@ def test_on_homogeneous_tissue_the_finite_elements_agree_within_the_stated_error
     ball = scene(finger=soft, indenter=ff.Sphere(3.0), motion=ff.Trapezoid(20, 0.3, hold=0.1))
     mine, theirs = hertz.respond(ball), linear.respond(ball)
     stiffer = theirs.force.max() / mine.force.max() - 1
-    assert 0 < stiffer < hertz.error(ball)[0]
+    assert 0 < stiffer < hertz.error(Situation.of(ball))[0]
     apart = np.abs(theirs.force - mine.force)
-    assert apart.max() < hertz.error(ball)[0] * theirs.force.max()
+    assert apart.max() < hertz.error(Situation.of(ball))[0] * theirs.force.max()
     lost = [answer.time[answer.force > 0][-1] for answer in (mine, theirs)]
     assert lost[0] < mine.time[-1] - 1e-3  # before the ball is back
     assert lost[1] == pytest.approx(lost[0], abs=1e-3)

@@ -11,6 +11,7 @@ from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
 from fefinger.mechanics.evidence import machine, reports
 from fefinger.mechanics.press.layered_contact import Layered
+from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.indentation import paraboloid
@@ -151,9 +152,10 @@ def test_an_ellipsoid_is_answered_by_its_equivalent_circle():
 
 def test_what_it_cannot_do_is_refused():
     light = {"motion": ff.RampHold(20, 0.2, hold=0.1)}
-    assert {item.about for item in layered.refuse(scene(ask=ff.Ask(), **light))} == {"ability"}
-    assert layered.refuse(scene()) == ()
-    buried = layered.refuse(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8})))
+    asked = Situation.of(scene(ask=ff.Ask(), **light))
+    assert {item.about for item in layered.refuse(asked)} == {"ability"}
+    assert layered.refuse(Situation.of(scene())) == ()
+    buried = layered.refuse(Situation.of(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8}))))
     assert "4.8 mm is not above the bone at 4.7 mm" in buried[0].reason
     with pytest.raises(InputError, match="contact is at most as wide as the radius"):
         layered.respond(scene(indenter=ff.Sphere(0.5), motion=ff.RampHold(20, 1.5, hold=0.1)))
@@ -162,7 +164,7 @@ def test_what_it_cannot_do_is_refused():
 def test_a_skin_that_leaves_nothing_above_the_bone_is_refused_with_both_thicknesses():
     for thick in (4.65, 4.8):
         full = replace(FINGER, skin=replace(FINGER.skin, thickness=thick))
-        (refusal,) = layered.refuse(scene(finger=full))
+        (refusal,) = layered.refuse(Situation.of(scene(finger=full)))
         assert refusal.about == "ability"
         assert "expected at most 4.606 mm" in refusal.reason
         assert f"received {thick} mm" in refusal.reason
@@ -225,7 +227,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("parts", "reason"), REFUSED, ids=[reason[:20] for _, reason in REFUSED])
 def test_a_doubt_quotes_the_number_that_broke(parts, reason):
-    found = layered.refuse(scene(**parts))
+    found = layered.refuse(Situation.of(scene(**parts)))
     assert {item.about for item in found} == {"accuracy"}
     assert any(reason in item.reason for item in found)
 
@@ -282,9 +284,9 @@ def test_the_error_is_that_of_the_next_blunter_object(indenter, press):
 def test_the_expected_time_is_that_of_the_report():
     measured, motion = reports.layered(), ff.RampHold(20, 0.5, hold=1.0)
     setup = measured["setup_seconds"] * machine.slowness(measured)
-    assert layered.cost(scene(motion=motion)) > setup
-    more = layered.cost(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))
-    assert more > layered.cost(scene(motion=motion, ask=replace(ASK, spikes=())))
+    assert layered.cost(Situation.of(scene(motion=motion))) > setup
+    more = layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=("FAII",)))))
+    assert more > layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=()))))
 
 
 CHOSEN = [

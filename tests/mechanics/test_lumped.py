@@ -15,6 +15,7 @@ from fefinger import mechanics
 from fefinger.commands.console import run_record, run_summary
 from fefinger.mechanics import lumped
 from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.situation import Situation
 from fefinger.pages import report
 from fefinger.result import load
 from fefinger.scene import builtin, library
@@ -88,7 +89,7 @@ def test_it_gives_force_and_depth_and_says_whose(finger, whose):
 @pytest.mark.parametrize("what", ["pressure", "strain", "fields"])
 def test_anything_beyond_force_is_beyond_it(what):
     asked = scene(ask=replace(FORCE_ONLY, **{what: True}))
-    (refusal,) = lumped.refuse(asked)
+    (refusal,) = lumped.refuse(Situation.of(asked))
     assert refusal.about == "ability"
     assert refusal.reason == f"ask.{what}: asked, but it gives force and depth alone"
     assert ff.explain(asked).mechanics == "solid"
@@ -96,7 +97,7 @@ def test_anything_beyond_force_is_beyond_it(what):
 
 def test_spikes_are_beyond_it():
     asked = scene(ask=replace(FORCE_ONLY, spikes=("SAI",)))
-    assert [refusal.about for refusal in lumped.refuse(asked)] == ["ability"]
+    assert [refusal.about for refusal in lumped.refuse(Situation.of(asked))] == ["ability"]
 
 
 OTHER = "finger: of other size or tissue than those whose law was identified; that of Table 2.1, "
@@ -125,7 +126,7 @@ DOUBTS = [
 @pytest.mark.parametrize(("parts", "reason"), DOUBTS)
 def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(parts, reason):
     asked = scene(**parts)
-    (refusal,) = lumped.refuse(asked)
+    (refusal,) = lumped.refuse(Situation.of(asked))
     assert refusal.about == "accuracy"
     assert refusal.reason.startswith(reason)
     with suppress(ff.InputError):  # so deep that no press was like it
@@ -138,7 +139,7 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
 def test_an_error_that_no_press_tells_is_none_and_leaves_the_law_to_who_names_it():
     """The force of a plate falls by a quarter from 30 to 40 degrees, which the law does not see."""
     asked = scene(indenter=ff.Flat(angle=40), ask=replace(FORCE_ONLY, rel_error=0.4))
-    error, evidence = lumped.error(asked)
+    error, evidence = lumped.error(Situation.of(asked))
     assert np.isnan(error)
     assert evidence.startswith("not known")
     assert ff.explain(asked).mechanics != "lumped"
@@ -155,7 +156,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
         motion=ff.RampHold(60, 1.0, hold=5, corner=0),
         ask=replace(FORCE_ONLY, rel_error=0.9),
     )
-    assert lumped.refuse(asked) == ()
+    assert lumped.refuse(Situation.of(asked)) == ()
     plan = ff.explain(asked)
     assert plan.mechanics == "lumped"
     assert "18 % at the peaks of sinusoids against the measured" in plan.chosen.evidence
@@ -178,7 +179,7 @@ def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
         asked = scene(finger=finger, motion=ff.RampHold(60, float(x), hold=1e4))
         found = lumped.respond(asked).force[-1]
         assert found == pytest.approx(known, abs=0.05 * force[deepest][-1])
-        assert lumped.error(asked)[0] > abs(found / known - 1)
+        assert lumped.error(Situation.of(asked))[0] > abs(found / known - 1)
 
 
 def test_the_laws_are_those_of_the_presses_that_the_reports_hold():

@@ -149,7 +149,7 @@ def test_counts_that_change_are_named():
     a, b = respond(time, x, check=False), respond(time, 0.5 * x, check=False)
     sentences = count_changes(a.names, a.times, b.times, "the depth is halved")
     assert len(sentences) == int(np.sum(a.count() != b.count())) > 0
-    assert sentences[0].startswith("SAI: the spike count goes from ")
+    assert sentences[0].startswith("SAI: the spike count changes from ")
     assert count_changes(a.names, a.times, a.times, "nothing is") == ()
 
 
@@ -248,7 +248,7 @@ def test_many_units_are_fired_as_each_by_itself():
 def test_many_sentences_of_a_kind_become_one():
     time, x = press(hold=0.3)
     found = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
-    assert any("(so, or alike, 9 units)" in note for note in found.notes)
+    assert any("(this or similar for 9 units)" in note for note in found.notes)
     assert len(found.notes) < 9
 
 
@@ -256,7 +256,7 @@ def test_many_sentences_of_a_kind_become_one():
     ("changed", "said"),
     [
         (range(3, 12), "9 of 12 units change their spike count, by 11 at most, when it is"),
-        ([4], "unit 4: the spike count goes from 0 to 4 when it is"),
+        ([4], "unit 4: the spike count changes from 0 to 4 when it is"),
     ],
 )
 def test_many_counts_that_change_become_one_sentence(changed, said):

@@ -169,8 +169,8 @@ def test_files_that_are_no_spike_trains_are_refused(tmp_path):
     (tmp_path / "text.npz").write_text("hello")
     for name, message in (
         ("other.npz", "expected the format 'fefinger spike trains 1', received None"),
-        ("text.npz", "found none to read"),
-        ("missing.npz", "found none to read"),
+        ("text.npz", "which cannot be read"),
+        ("missing.npz", "which cannot be read"),
     ):
         with pytest.raises(InputError, match=message):
             SpikeTrains.from_npz(tmp_path / name)
@@ -215,7 +215,7 @@ def test_files_that_are_damaged_or_of_another_kind_are_refused(tmp_path):
     del arrays["offsets"]
     np.savez(tmp_path / "less.npz", **arrays)
     for name in ("short.npz", "empty.npz", "inside.npz", "one.npy"):
-        with pytest.raises(InputError, match="found none to read"):
+        with pytest.raises(InputError, match="which cannot be read"):
             SpikeTrains.from_npz(tmp_path / name)
     with pytest.raises(InputError, match=r"expected every array of spike trains.*'offsets'"):
         SpikeTrains.from_npz(tmp_path / "less.npz")

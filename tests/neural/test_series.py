@@ -73,14 +73,14 @@ def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
 def test_a_series_that_starts_pressed_is_noted(tmp_path):
     path = write(tmp_path / "late.csv", ("time", "displacement_mm"), [0, 0.5], [1, 1])
     trains = series.fire(series.read(path), ("SAI",))
-    assert any("takes for a jump from 0" in note for note in trains.notes)
+    assert any("which is a jump from 0" in note for note in trains.notes)
 
 
 @pytest.mark.parametrize(
     ("name", "values", "asked"),
     [
-        ("displacement_mm", -PRESS, "is it positive into the skin?"),
-        ("strain", -0.1 * PRESS, "is it positive where it excites the type?"),
+        ("displacement_mm", -PRESS, "expected are positive values into the skin"),
+        ("strain", -0.1 * PRESS, "expected are positive values where it excites the type"),
         ("displacement_mm", PRESS, None),
         ("displacement_mm", 0.3 * np.sin(1e3 * TIME) - 0.01, None),
         ("displacement_mm", np.zeros_like(TIME), None),
@@ -89,7 +89,7 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
 def test_a_column_of_the_wrong_sign_is_asked_about(name, values, asked, tmp_path):
     path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
     trains = series.fire(series.read(path), ("SAI",), length=2.0, corners=True)
-    found = [note for note in trains.notes if "is it positive" in note]
+    found = [note for note in trains.notes if "expected are positive" in note]
     assert len(found) == (asked is not None)
     assert all(asked in note for note in found)
 
@@ -169,7 +169,10 @@ def unusable(text, tmp_path):
         ("time strain\n0 0\n1 0.1\n", "received spaces in the first line"),
         ("time,strain\n0,0,0,0\n1,0,0,1\n", "row 1: expected 2 values, .* write 0.5 for 0,5"),
         ('time,strain\n0,0\n1,"0,1"\n', "row 2, column strain: .* '0,1'; write 0.5 for 0,5"),
-        ("time,strain,strain\n0,0,0\n1,0,0.1\n", "its own for each column, received 'strain' more"),
+        (
+            "time,strain,strain\n0,0,0\n1,0,0.1\n",
+            "different name for each column, received 'strain' more",
+        ),
     ],
 )
 def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
@@ -203,7 +206,7 @@ def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
     signals = series.read(press)
-    assert "Not used: --length" in " ".join(series.fire(signals, ("SAI",), length=2.0).notes)
+    assert "--length is not used" in " ".join(series.fire(signals, ("SAI",), length=2.0).notes)
     with pytest.raises(InputError, match="--length: expected"):
         series.fire(signals, ("SAI",), length=-1.0)
 

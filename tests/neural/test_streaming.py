@@ -161,7 +161,7 @@ def test_a_step_without_end_comes_to_an_end() -> None:
 
 def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
     three = Reference(0.5, TYPES[:3], REFERENCE.normals[:3], REFERENCE.strain[:3])
-    with pytest.raises(InputError, match=f"expected every type that is asked, {TYPES[3]} is"):
+    with pytest.raises(InputError, match=f"expected every type in use, {TYPES[3]} is"):
         Afferents.of(TYPES, NORMALS, three)
     with pytest.raises(InputError, match="types: expected one of"):
         Afferents.of(("SAX",), NORMALS[:1], REFERENCE)
@@ -176,7 +176,7 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
         ({"normals": 0 * NORMALS}, "normals: expected unit vectors"),
         (
             {"lengths": {"SAI": 1.0}},
-            "expected one in mm for every type of the units, SAII",
+            "expected a length in mm for every type of the units, SAII",
         ),
         ({"lengths": dict.fromkeys(TYPES, -1.0)}, "lengths.SAI: expected a finite number in mm"),
         ({"substeps": 0}, "substeps: expected a whole number of 1 or more, received 0"),

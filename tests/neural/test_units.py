@@ -206,8 +206,8 @@ class Other:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"unit": [0, 2]}, "each of 1 units has one or more; received \\[0, 2\\]"),
-        ({"unit": [0.0, 0.5]}, "index of its unit"),
+        ({"unit": [0, 2]}, "each of 1 units; received \\[0, 2\\]"),
+        ({"unit": [0.0, 0.5]}, "index of the unit"),
         ({"types": ()}, "one afferent unit or more, received none"),
         ({"types": ("SA",)}, "Did you mean"),
         ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),

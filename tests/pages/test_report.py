@@ -39,7 +39,7 @@ def test_a_full_report_has_every_section_and_stands_alone(
     assert sections(html) == [*parts, "plan", "limits", "files", "provenance"]
     sources = re.findall(r'src="([^"]*)"', html)
     assert len(sources) == 8
-    assert all(source.startswith("data:image/svg+xml;") for source in sources)
+    assert all(source.startswith("data:image/svg+xml,") for source in sources)
     assert set(re.findall(r'href="([^"]*)"', html)) == {"result.nc", "result.vtkhdf", "spikes.csv"}
     for text in (
         "No renderer (said in the test).",

@@ -15,7 +15,7 @@ from fefinger.pages import viewer
 from fefinger.result import Result
 from fefinger.scene.indenter import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
-from fefinger.view import indenter_pose, quantities, surfaces
+from fefinger.view import frames, indenter_pose, quantities, surfaces
 
 
 def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:
@@ -47,7 +47,7 @@ def test_the_page_holds_points_and_values_of_every_field_and_time(
 ) -> None:
     _, record, blob = page(synthetic, tmp_path)
     (scene,) = record["scenes"]
-    whole = viewer._whole(synthetic)
+    whole = frames.whole_result(synthetic)
     fields = whole.fields
     assert fields is not None
     back = surfaces.cut_open(fields)
@@ -70,7 +70,7 @@ def test_the_page_holds_points_and_values_of_every_field_and_time(
     # The other half is the mirror image, so together they look alike from both sides.
     assert points[..., 1].min() == pytest.approx(-points[..., 1].max(), rel=1e-5)
     assert {each["name"] for each in scene["pieces"]} == {
-        "skin", "pad", "subcutaneous tissue", viewer.FRONT
+        "skin", "pad", "subcutaneous tissue", surfaces.FRONT
     }  # fmt: skip
 
 

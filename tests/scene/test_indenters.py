@@ -1,5 +1,6 @@
 """Cylinders, bars, gratings and reliefs: from TOML and files, who answers them, how they look."""
 
+import ast
 import dataclasses
 from pathlib import Path
 
@@ -8,15 +9,17 @@ import pytest
 
 import fefinger as ff
 from fefinger.mechanics import hertz, layered, linear, lumped
-from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
 from fefinger.result import Result
-from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenter import INDENTERS, Indenter
+from fefinger.scene.motion import MOTIONS
 from fefinger.support.checks import InputError
 from fefinger.view import indenter_pose
 
 
 LINE = tuple(np.linspace(-6, 6, 25).tolist())
+FINE = np.linspace(-3, 3, 61)
 
 
 def dots(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -24,6 +27,7 @@ def dots(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 RELIEF = ff.Relief.of(dots, LINE, LINE)
+CHECKS = {"isinstance", "issubclass"}
 OBJECTS = [
     ff.Cylinder(4.0),
     ff.Cylinder(1 / 3, roll=90, at=(-1.0, 0.5)),
@@ -133,21 +137,72 @@ def test_what_cannot_be_an_object_gets_a_sentence(make: object, message: str) ->
 def test_mechanics_without_such_an_object_say_so(indenter: Indenter) -> None:
     bare = scene(indenter, **EXTENT)
     for mechanics in (lumped, hertz, layered):
-        (refusal,) = mechanics.refuse(bare)
+        (refusal,) = mechanics.refuse(Situation.of(bare))
         assert refusal.about == "ability"
         assert f"indenter.kind = '{indenter.kind}'" in refusal.reason
 
 
+ANSWERS = {
+    "flat": (ff.Flat(20, 5), (20, 5), (20, 5), None, 0, (np.inf, np.inf), None, np.inf),
+    "sphere": (ff.Sphere(3, at=(1, 2)), None, None, (1, 2), 0, (3, 3), 3, 3),
+    "ellipsoid": (ff.Ellipsoid((3, 2, 4)), None, None, None, 0, (9 / 4, 1), None, 1),
+    "cylinder": (ff.Cylinder(4, roll=90), None, None, None, 90, None, None, 4),
+    "bar": (ff.Bar(3, 0.7, at=(0, 1)), None, None, (0, 1), 0, None, None, 0.7),
+    "grating": (ff.Grating(3, 1, 0.5, roll=10), (30, 0), None, None, 10, None, None, 0.346),
+    "relief": (ff.Relief.of(dots, FINE, FINE, angle=9), (9, 0), None, None, 0, None, None, 1.14),
+}
+"""Of every kind an object, with its plate, flat, place, turn, hertzian radii, ball and least
+radius."""
+
+
+@pytest.mark.parametrize("kind", INDENTERS)
+def test_an_object_answers_for_itself(kind: str) -> None:
+    one, plate, flat, place, turn, hertzian, ball, least = ANSWERS[kind]
+    assert (one.kind, type(one)) == (kind, INDENTERS[kind])
+    assert (one.plate, one.flat, one.place, one.turn) == (plate, flat, place, turn)
+    assert (one.hertzian, one.ball_radius) == (hertzian, ball)
+    assert one.least_radius == pytest.approx(least, rel=0.05)
+    assert one.sharp == (kind in {"bar", "grating", "relief"})
+    assert one.profile.plane == (kind == "flat")
+    assert one.describe().startswith("a rigid ")
+
+
+@pytest.mark.parametrize("kind", INDENTERS)
+def test_the_radii_of_an_object_are_those_of_its_profile(kind: str) -> None:
+    one = ANSWERS[kind][0]
+    if one.hertzian is not None:
+        curvature = one.profile.height(np.zeros(2))[2]
+        assert np.diag(curvature) == pytest.approx(1 / np.array(one.hertzian))
+
+
+@pytest.mark.parametrize("kind", INDENTERS)
+def test_every_kind_is_a_final_class_with_one_line_of_bases(kind: str) -> None:
+    made = INDENTERS[kind]
+    assert made.__final__
+    assert [len(each.__bases__) for each in made.__mro__[:-1]] == [1] * (len(made.__mro__) - 1)
+
+
+def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion() -> None:
+    known = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
+    known |= {"Indenter", "PlateLike", "Placed", "Motion", "SampledMotion"}
+    seen = []
+    for room in ("fefinger", "validation"):
+        for file in (Path(__file__).parents[2] / room).rglob("*.py"):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and ast.unparse(node.func) in CHECKS:
+                    classes = {ast.unparse(part) for part in ast.walk(node.args[1])}
+                    classes = {name.rpartition(".")[2] for name in classes}
+                    seen += [f"{file.name}: {ast.unparse(node)}"] if classes & known else []
+    assert not seen
+
+
 def test_the_smallest_radius_of_an_object_is_that_of_its_sharpest_crest() -> None:
-    assert reports.smallest_radius(ff.Cylinder(4.0)) == 4
-    assert reports.smallest_radius(ff.Bar(4.0, 0.7)) == 0.7
+    assert ff.Cylinder(4.0).least_radius == 4
+    assert ff.Bar(4.0, 0.7).least_radius == 0.7
     ridge = 10 / np.sqrt(3) * 0.5 / 1.0**2  # largest S'' = 10 / sqrt(3)
-    assert reports.smallest_radius(ff.Grating(3, 1, 0.5)) == pytest.approx(1 / ridge, rel=0.01)
+    assert ff.Grating(3, 1, 0.5).least_radius == pytest.approx(1 / ridge, rel=0.01)
     wave = 0.2 * (2 * np.pi / 3) ** 2
-    fine = np.linspace(-3, 3, 61)
-    assert reports.smallest_radius(ff.Relief.of(dots, fine, fine)) == pytest.approx(
-        1 / wave, rel=0.05
-    )
+    assert ff.Relief.of(dots, FINE, FINE).least_radius == pytest.approx(1 / wave, rel=0.05)
 
 
 def peak(indenter: Indenter, **asked: object) -> float:

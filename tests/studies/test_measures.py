@@ -7,6 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.mechanics.evidence import force_control
+from fefinger.mechanics.situation import Situation
 from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results import pressure
@@ -102,7 +103,7 @@ def test_at_a_force_the_depth_has_an_error_and_at_a_depth_the_force(motion):
     assert told["end"].get("depth_rel_error") == errors.get("depth")
     press = replace(held.scene, motion=ff.Ramp(20, told["0.2 N"]["depth_mm"], corner=0))
     there = choose(press, "hertz").chosen
-    at_force = force_control.errors(there.errors, there.error, press)
+    at_force = force_control.errors(there.errors, there.error, Situation.of(press))
     for column, name in (("depth", "depth"), ("contact_area", "area"), ("strain", "strain")):
         assert told["0.2 N"][f"{column}_rel_error"] == pytest.approx(at_force[name], rel=1e-9)
 

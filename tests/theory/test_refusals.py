@@ -50,10 +50,6 @@ CALLS = [
     lambda: curvature.series_modulus((NAN, 0.5)),
     lambda: curvature.series_modulus((10.0, 0.6)),
     lambda: curvature.series_modulus((10.0, NAN)),
-    lambda: curvature.at_force(-1.0, 10.0, 30.0),
-    lambda: curvature.at_force(NAN, 10.0, 30.0),
-    lambda: curvature.at_force(1.0, -10.0, 30.0),
-    lambda: curvature.at_force(1.0, 10.0, 0.0),
     lambda: curvature.at_depth(-1.0, 10.0, 30.0),
     lambda: curvature.at_depth(NAN, 10.0, 30.0),
     lambda: curvature.at_depth(0.1, 0.0, 30.0),
@@ -86,51 +82,13 @@ CALLS = [
     lambda: BALL.pressure(-1.0),
     lambda: BALL.pressure(NAN),
     lambda: BALL.displacement(NAN),
-    lambda: loads.point_stress(NAN, 1.0, force=1.0, poisson=0.3),
-    lambda: loads.point_stress(1.0, 1.0, force=NAN, poisson=0.3),
-    lambda: loads.point_stress(1.0, 1.0, force=1.0, poisson=0.6),
     lambda: loads.point_displacement(0.0, 0.0, force=1.0, modulus=1.0, poisson=0.3),
     lambda: loads.point_displacement(1.0, 1.0, force=NAN, modulus=1.0, poisson=0.3),
-    lambda: loads.line_stress(NAN, 1.0, line_force=1.0),
-    lambda: loads.line_stress(1.0, 1.0, line_force=NAN),
-    lambda: loads.line_stress(1.0, NAN, line_force=1.0),
-    lambda: loads.line_displacement(
-        1.0, 1.0, reference=1.0, line_force=NAN, modulus=1.0, poisson=0.3
-    ),
-    lambda: loads.strip_stress(1.0, 0.0, half_width=1.0, pressure=1.0),
-    lambda: loads.strip_stress(1.0, 1.0, half_width=1.0, pressure=NAN),
-    lambda: loads.flat_strip_pressure(NAN, half_width=1.0, line_force=1.0),
-    lambda: loads.flat_strip_pressure(0.0, half_width=1.0, line_force=NAN),
-    lambda: loads.circle_axis_stress(NAN, radius=1.0, pressure=1.0, poisson=0.3),
-    lambda: loads.circle_axis_stress(1.0, radius=1.0, pressure=NAN, poisson=0.3),
-    lambda: loads.circle_displacement(-1.0, radius=1.0, pressure=1.0, modulus=1.0, poisson=0.3),
-    lambda: loads.circle_displacement(1.0, radius=1.0, pressure=NAN, modulus=1.0, poisson=0.3),
-    lambda: loads.rectangle_stress(
-        [0.0, NAN, 1.0], half_sides=(1.0, 1.0), pressure=1.0, poisson=0.3
-    ),
-    lambda: loads.rectangle_stress([0.0, 1.0], half_sides=(1.0, 1.0), pressure=1.0, poisson=0.3),
-    lambda: loads.rectangle_stress(
-        [0.0, 0.0, 1.0], half_sides=(1.0, 1.0), pressure=NAN, poisson=0.3
-    ),
-    lambda: loads.rectangle_stress(
-        [0.0, 0.0, 1.0], half_sides=(0.0, 1.0), pressure=1.0, poisson=0.3
-    ),
-    lambda: loads.rectangle_displacement(
-        [NAN, 0.0], half_sides=(1.0, 1.0), pressure=1.0, modulus=1.0, poisson=0.3
-    ),
-    lambda: loads.rectangle_displacement(
-        [1.0, 0.0, 0.0], half_sides=(1.0, 1.0), pressure=1.0, modulus=1.0, poisson=0.3
-    ),
-    lambda: loads.rectangle_displacement(
-        [1.0, 0.0], half_sides=(1.0, 1.0), pressure=NAN, modulus=1.0, poisson=0.3
-    ),
     lambda: Layer(NAN, 1.0, 0.3),
     lambda: Stack(()),
     lambda: STACK.kernels(NAN, 1.0),
     lambda: STACK.kernels(1.0, 9.0),
     lambda: STACK.kernels(1.0, NAN),
-    lambda: STACK.bar_profile(NAN, width=0.1),
-    lambda: STACK.bar_profile(1.0, width=0.0),
     lambda: Sheet(1.0, 1.0, 0.3).compliance(NAN),
     lambda: Sheet(1.0, 1.0, 0.3).compliance(-1.0),
     lambda: layer.Faced(Sheet(1.0, 1.0, 0.3), NAN, 0.5),
@@ -140,9 +98,6 @@ CALLS = [
     lambda: CONTACT.transform(NAN),
     lambda: CONTACT.displacement(-1.0),
     lambda: CONTACT.displacement(NAN),
-    lambda: layer.dimitriadis(NAN, 0.5),
-    lambda: layer.garcia(-1.0),
-    lambda: layer.Thin(0.1, 100.0, 1.0, 30.0).pressure(NAN),
     lambda: indentation.paraboloid(STACK, NAN, contact_radius=1.0),
     lambda: indentation.paraboloid_at(STACK, 10.0, depth=NAN),
     lambda: indentation.flat_punch(STACK, 1.0, depth=NAN),
@@ -154,7 +109,6 @@ CALLS = [
     lambda: PAD.depth_at(-1.0),
     lambda: PAD.depth_at(NAN),
     lambda: PAD.depth_at(INF),
-    lambda: PAD.against(0.0),
     lambda: PAD.lumped_ratio(0.0, 1.0, 1.0),
     lambda: PAD.lumped_ratio(1.0, NAN, 1.0),
     lambda: PAD.press(TIME, [0, NAN, 1.0]),
@@ -192,7 +146,6 @@ CALLS = [
     lambda: ergonomics.vibration(SPRING, PRONY, offset=NAN, peak_to_peak=0.1, frequency=10.0),
     lambda: ergonomics.vibration(SPRING, PRONY, offset=1.0, peak_to_peak=0.1, frequency=NAN),
     lambda: ergonomics.tap(SPRING, PRONY, depth=NAN, speed=1.0),
-    lambda: ergonomics.offset_scale(NAN, 1.0),
     lambda: sensor.ArraySensor(pitch=NAN),
     lambda: sensor.ArraySensor(elements=2.5),
     lambda: ARRAY.weights([[0.0, NAN]], [1.0]),

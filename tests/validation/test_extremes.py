@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 import fefinger as ff
 from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
 from fefinger.mechanics.press.time_steps import time_grid, too_long
+from fefinger.mechanics.situation import Situation
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
@@ -173,9 +174,9 @@ def test_slow_motions_take_longer_steps_and_endless_ones_are_refused(fast):
     with pytest.raises(InputError, match="take fewer cycles or a shorter motion"):
         time_grid(endless, fast=fast)
     scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=endless, ask=FORCE_ONLY)
-    assert not [each for each in lumped.refuse(scene) if each.about == "ability"]
+    assert not [each for each in lumped.refuse(Situation.of(scene)) if each.about == "ability"]
     for other in (hertz, layered, linear):
-        assert any(each.reason == reason for each in other.refuse(scene)), other.name
+        assert any(each.reason == reason for each in other.refuse(Situation.of(scene))), other.name
 
 
 def scene(**parts):
@@ -193,7 +194,7 @@ def test_end_organs_in_the_bone_are_refused():
 
 def test_a_contact_wider_than_its_radius_is_refused_whatever_is_asked():
     deep = scene(indenter=ff.Sphere(2), motion=ff.Ramp(60, 3.0))
-    assert any("Hertz ends there" in each.reason for each in hertz.refuse(deep))
+    assert any("Hertz ends there" in each.reason for each in hertz.refuse(Situation.of(deep)))
     with pytest.raises(InputError, match=r"narrower than its relative radius of 1.75 mm"):
         hertz.respond(deep)
 
@@ -206,11 +207,11 @@ def test_a_force_that_presses_through_the_tissue_is_refused(each):
 
 def test_a_contact_smaller_than_a_facet_is_told_from_none():
     shallow = scene(motion=ff.Ramp(60, 1e-3, corner=0))
-    reasons = [each.reason for each in linear.refuse(shallow)]
+    reasons = [each.reason for each in linear.refuse(Situation.of(shallow))]
     assert any("the mesh is too coarse for it" in reason for reason in reasons)
     with pytest.raises(InputError, match="smaller than a facet of the pad; press deeper"):
         linear.respond(shallow)
-    assert not any("too coarse" in each.reason for each in linear.refuse(scene()))
+    assert not any("too coarse" in each.reason for each in linear.refuse(Situation.of(scene())))
 
 
 @pytest.mark.usefixtures("operators")

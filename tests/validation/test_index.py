@@ -21,6 +21,7 @@ CASE = {
     "verdict": "pass",
 }
 REPORTS = Path(__file__).resolve().parents[2] / "reports"
+PAGE_LIMIT, FOLDER_LIMIT = 500_000, 5_000_000  # bytes
 
 
 def test_the_committed_index_is_fresh() -> None:
@@ -48,6 +49,14 @@ def test_every_file_is_linked_and_every_link_is_there() -> None:
         assert (REPORTS / link).is_file(), link
 
 
+def test_pages_and_the_folder_of_reports_are_small() -> None:
+    sizes = {path.name: path.stat().st_size for path in REPORTS.iterdir() if path.is_file()}
+    large = {name: size for name, size in sizes.items() if name.endswith(".html")
+             and size > PAGE_LIMIT}  # fmt: skip
+    assert not large
+    assert sum(sizes.values()) <= FOLDER_LIMIT
+
+
 @pytest.mark.parametrize("page", sorted(REPORTS.glob("*.html")), ids=lambda path: path.stem)
 def test_the_raw_data_that_a_page_names_is_beside_it(page: Path) -> None:
     html = page.read_text(encoding="utf-8")
@@ -70,15 +79,15 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "bench-x.json").write_text(json.dumps(made | {"figures": []}))
     (tmp_path / "new.json").write_text(json.dumps(made | {"about": "Something <new>."}))
     (tmp_path / "sweep.csv").write_text("a,b\n")
-    cells = "".join(f'<tr><th>{k}</th><td class="long">{v}</td></tr>' for k, v in made.items())
-    (tmp_path / "sweep.html").write_text(cells)
+    (tmp_path / "sweep.json").write_text(json.dumps({"data": "sweep.csv", "provenance": made}))
+    (tmp_path / "sweep.html").write_text("")
     return tmp_path
 
 
-def test_a_table_takes_its_making_from_its_page(folder: Path) -> None:
+def test_a_table_takes_its_provenance_from_the_record_beside_it(folder: Path) -> None:
     html = index.html(folder)
     (row,) = re.findall(r'<tr><td><a href="sweep.csv">.*?</tr>', html)
-    assert '<a href="sweep.html">' in row
+    assert re.findall(r'<a href="([^"]*)">', row) == ["sweep.csv", "sweep.json", "sweep.html"]
     assert "2026-01-02" in row
     assert "abc123" in row
     assert html.index('id="studies"') < html.index("sweep.csv") < html.index('id="benchmarks"')

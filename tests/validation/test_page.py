@@ -165,7 +165,7 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
     assert html.index('id="two"') < html.index("<figcaption>A line.")
     links = re.findall(r'(?:src|href)="([^"]*)"', html)
     assert links[:3] == ["validation.json", "#one", "#two"]
-    assert [link.partition(";")[0] for link in links[3:]] == ["data:image/svg+xml"]
+    assert [link.partition(",")[0] for link in links[3:]] == ["data:image/svg+xml"]
 
 
 def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():

@@ -11,11 +11,14 @@ import numpy as np
 import pytest
 from fefinger.validation.tradeoff import scenes as tradeoff_scenes
 from fefinger.validation.tradeoff import suite
-from fefinger.validation.tradeoff.held_out import label, summary
+from fefinger.validation.tradeoff.held_out import summary
 
 from fefinger import plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import tradeoff as _tradeoff
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.stated_errors import stated
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -42,9 +45,14 @@ def on(indenter, depth, resolution="standard"):
     )
 
 
+def stated_of(label, scene, quantity="force"):
+    """Return what is stated of a candidate, given by its label in the report."""
+    return stated(Candidate.of(label), Situation.of(scene), quantity)
+
+
 def by_hand(report, weights, candidate, depth, quantity="force", *, between=0, factor=1.0):
     """Return the stated error at a depth between presses, read from the report by other means."""
-    rules, mechanics = report["rules"], candidate.split()[0]
+    rules, mechanics = report["rules"], Candidate.of(candidate).mechanics
     numerical, model = (
         sum(
             weight * _at(rules["presses"][name], candidate, kind, quantity, depth)
@@ -64,7 +72,8 @@ def by_hand(report, weights, candidate, depth, quantity="force", *, between=0, f
 def _between_draws(candidate, depth, quantity):
     """Return the standard deviation over meshes of one finger, 10 mm thick; the larger of two."""
     measured = json.loads((REPORT.parent / "mesh-scatter.json").read_text(encoding="utf-8"))
-    mesh = {"fine": "standard"}.get(candidate.split()[-1], candidate.split()[-1])
+    mesh = Candidate.of(candidate).resolution
+    mesh = "standard" if mesh == "fine" else mesh
     if mesh not in measured["rows"]:
         return 0.0
     presses = [measured["rows"][mesh][name] for name in ("flat-0", "flat-15")]
@@ -83,9 +92,9 @@ def _at(row, candidate, kind, quantity, depth):
 @pytest.mark.parametrize("name", ["lumped", "hertz", "layered", "condensed", "linear", "solid"])
 @pytest.mark.parametrize("depth", [0.4, 1.5])
 def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, depth):
-    meshed = name in ("condensed", "linear", "solid")
+    meshed = MECHANICS[name].meshed
     candidate = f"{name} coarse" if meshed else name
-    error, source = get(name).error(on(Flat(30), depth, "coarse"))
+    error, source = get(name).error(Situation.of(on(Flat(30), depth, "coarse")))
     known = by_hand(report, {"flat-30": 1}, candidate, depth)
     assert error == pytest.approx(known + (1e-3 if name == "lumped" else 0.0), rel=1e-12)
     assert source.startswith("reports/tradeoff.json, flat-30")
@@ -94,9 +103,9 @@ def test_the_stated_error_is_the_one_of_the_report_that_it_cites(report, name, d
 @pytest.mark.parametrize("candidate", ["hertz", "condensed coarse", "solid standard"])
 @pytest.mark.parametrize("quantity", ["pressure", "area", "strain"])
 def test_what_else_is_stated_is_that_of_the_report_too(report, candidate, quantity):
-    mesh = candidate.partition(" ")[2]
+    mesh = Candidate.of(candidate).resolution
     scene = on(Flat(30), 0.7, mesh or "auto")
-    rung = next(each for each in plan.rungs(scene) if label(each) == candidate)
+    rung = next(each for each in plan.rungs(scene) if each.candidate.label == candidate)
     known = by_hand(report, {"flat-30": 1}, candidate, 0.7, quantity)
     assert rung.errors[quantity] == pytest.approx(known, rel=1e-12)
 
@@ -120,34 +129,34 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
 )
 @pytest.mark.parametrize("quantity", ["force", "strain"])
 def test_between_presses_the_error_is_between_theirs(report, indenter, weights, quantity):
-    found = _tradeoff.stated("solid standard", on(indenter, 0.5), quantity)
+    found = stated_of("solid standard", on(indenter, 0.5), quantity)
     known = by_hand(report, weights, "solid standard", 0.5, quantity, between=1)
     assert found.error == pytest.approx(known, rel=1e-9)
     assert all(press in found.source for press in weights)
 
 
 def test_a_neighbor_that_was_not_pressed_so_deep_tells_what_it_was_at_its_deepest(report):
-    error, _ = get("solid").error(on(Flat(12), 1.5))
+    error, _ = get("solid").error(Situation.of(on(Flat(12), 1.5)))
     weights = {"flat-0": 0.2, "flat-15": 0.8}
     known = by_hand(report, weights, "solid standard", 1.5, between=1)
     assert error == pytest.approx(known, rel=1e-9)
-    assert _tradeoff.stated("solid standard", on(Flat(0), 1.5)) is None
+    assert stated_of("solid standard", on(Flat(0), 1.5)) is None
 
 
 def test_a_little_beyond_the_deepest_press_errors_grow_on(report):
     deepest = report["rules"]["presses"]["flat-30"]["depth_mm"][-1]
     depths = deepest * np.array([0.97, 1.0, 1.05])
-    errors = [_tradeoff.stated("linear standard", on(Flat(30), depth)).error for depth in depths]
+    errors = [stated_of("linear standard", on(Flat(30), depth)).error for depth in depths]
     known = [by_hand(report, {"flat-30": 1}, "linear standard", depth) for depth in depths]
     assert errors == pytest.approx(known, rel=1e-9)
     assert errors == sorted(errors)
-    assert _tradeoff.stated("linear standard", on(Flat(30), 1.07 * deepest)) is None
+    assert stated_of("linear standard", on(Flat(30), 1.07 * deepest)) is None
 
 
 @pytest.mark.parametrize("quantity", ["pressure", "area", "strain"])
 def test_of_all_but_force_on_another_finger_the_worst_plate_tells(report, quantity):
     other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse"))
-    found = _tradeoff.stated("solid coarse", other, quantity)
+    found = stated_of("solid coarse", other, quantity)
     every = [
         by_hand(report, {press: 1}, "solid coarse", 1.0, quantity, between=1)
         for press in ("flat-0", "flat-15", "flat-30")
@@ -161,20 +170,20 @@ def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report
     factor = report["rules"]["fingers"]["linear"]
     known = by_hand(report, {"flat-30": 1}, "linear standard", 1.0, between=1, factor=factor)
     assert factor > 1
-    assert get("linear").error(other)[0] == pytest.approx(known, rel=1e-9)
+    assert get("linear").error(Situation.of(other))[0] == pytest.approx(known, rel=1e-9)
 
 
 def test_what_was_not_measured_is_not_stated():
-    assert _tradeoff.stated("solid standard", on(Flat(30), 2.1)) is None
-    assert _tradeoff.stated("solid standard", on(Flat(40), 0.5)) is None
-    assert _tradeoff.stated("solid standard", on(Flat(30, tilt=5), 0.5)) is None
-    assert _tradeoff.stated("solid standard", on(Sphere(1.0), 0.5)) is None
-    assert _tradeoff.stated("solid standard", on(Sphere(5.0, at=(5.0, 0.0)), 0.5)) is None
+    assert stated_of("solid standard", on(Flat(30), 2.1)) is None
+    assert stated_of("solid standard", on(Flat(40), 0.5)) is None
+    assert stated_of("solid standard", on(Flat(30, tilt=5), 0.5)) is None
+    assert stated_of("solid standard", on(Sphere(1.0), 0.5)) is None
+    assert stated_of("solid standard", on(Sphere(5.0, at=(5.0, 0.0)), 0.5)) is None
     soft = on(Flat(30), 1.0)
     other = replace(soft, finger=Finger.subject("a.h.", tissue="saal2017"))
-    assert _tradeoff.stated("solid standard", other) is None
+    assert stated_of("solid standard", other) is None
     deviatoric = replace(soft, finger=replace(soft.finger, relaxation="deviatoric"))
-    assert _tradeoff.stated("solid standard", deviatoric) is None
+    assert stated_of("solid standard", deviatoric) is None
 
 
 @pytest.mark.parametrize(
@@ -189,9 +198,9 @@ def test_what_was_not_measured_is_not_stated():
     ids=str,
 )
 def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
-    error, source = get("solid").error(on(indenter, 0.3))
+    error, source = get("solid").error(Situation.of(on(indenter, 0.3)))
     assert source.endswith(f"(reports/tradeoff.json has none for {said})")
-    assert error > _tradeoff.rules()["steps"]["solid"]["force"]
+    assert error > tradeoff.rules()["steps"]["solid"]["force"]
 
 
 @pytest.mark.parametrize(
@@ -201,9 +210,11 @@ def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said
 )
 @pytest.mark.parametrize("candidate", ["linear standard", "solid standard"])
 def test_where_no_press_was_like_it_no_less_is_stated_than_next_to_it(indenter, nearest, candidate):
-    name, _, mesh = candidate.partition(" ")
+    name, mesh = Candidate.of(candidate).mechanics, Candidate.of(candidate).resolution
     for depth in (0.3, 0.5):
-        errors = [get(name).error(on(each, depth, mesh))[0] for each in (indenter, nearest)]
+        errors = [
+            get(name).error(Situation.of(on(each, depth, mesh)))[0] for each in (indenter, nearest)
+        ]
         assert errors[0] >= errors[1]
 
 
@@ -225,8 +236,8 @@ def test_what_is_known_less_of_has_no_smaller_error_of_mesh_and_steps(
     scene = Scene(finger=finger, indenter=indenter, motion=Ramp(60, depth, corner=0))
     pressed = Finger.subject("a.h.", resolution=mesh)
     like = Scene(finger=pressed, indenter=Flat(30), motion=Ramp(60, 1.5, corner=0))
-    known = _tradeoff.stated(f"solid {mesh}", like)
-    assert get("solid").error(scene)[0] >= known.error - known.model
+    known = stated_of(f"solid {mesh}", like)
+    assert get("solid").error(Situation.of(scene))[0] >= known.error - known.model
 
 
 @pytest.mark.parametrize("indenter", [Flat(45), Flat(60), Flat(30, tilt=5), Cylinder(4.0)], ids=str)
@@ -234,7 +245,7 @@ def test_what_is_known_less_of_has_no_smaller_error_of_mesh_and_steps(
 def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indenter, name):
     for depth in (0.3, 1.0):
         scenes = (on(indenter, depth, mesh) for mesh in ("coarse", "standard", "fine"))
-        errors = [get(name).error(scene)[0] for scene in scenes]
+        errors = [get(name).error(Situation.of(scene))[0] for scene in scenes]
         assert errors == sorted(errors, reverse=True)
 
 
@@ -252,7 +263,7 @@ def test_the_planner_states_today_what_the_report_says_that_it_states(report):
     drawn = tradeoff_scenes.held_out()
     assert set(drawn) == set(report["held_out"])
     for key in list(drawn)[::6]:
-        stated = {label(rung): rung for rung in plan.rungs(drawn[key])}
+        stated = {rung.candidate.label: rung for rung in plan.rungs(drawn[key])}
         for name, row in report["held_out"][key]["candidates"].items():
             told = {"force": stated[name].error, **stated[name].errors}
             known = {
@@ -290,6 +301,6 @@ def test_an_object_that_was_not_pressed_states_no_less_than_the_nearest_press() 
         Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
         for indenter in (Bar(3.0, 1.0), Flat(30))
     )
-    near = _tradeoff.stated("condensed standard", plate)
+    near = stated_of("condensed standard", plate)
     assert near is not None
-    assert get("condensed").error(bar)[0] >= near.error > 0.0203
+    assert get("condensed").error(Situation.of(bar))[0] >= near.error > 0.0203

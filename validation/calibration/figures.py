@@ -51,7 +51,7 @@ def _split() -> Any:
         axes.plot([library.pawluk_bulk()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
-    axes.set_xlabel("m in 1/mm (line: Table 2.1)")
+    axes.set_xlabel("m / 1/mm (line: Table 2.1)")
     axes.legend(ncols=len(PARTS), loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     return made
 
@@ -71,8 +71,8 @@ def _stiffness() -> Any:
         mine = stiffness(found.curve, 1.0, found.prony, wanted.force)
         axes.plot(wanted.force, wanted.stiffness, "--", color=color)
         axes.plot(wanted.force, mine, color=color, label=name)
-    axes.set_xlabel("T in N")
-    axes.set_ylabel("dT/dx in N/mm")
+    axes.set_xlabel("T / N")
+    axes.set_ylabel("dT/dx / N/mm")
     axes.legend(frameon=False)
     return made
 

@@ -11,7 +11,7 @@ from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
 NAMES = ("radius", "m", "c0_b")
-HEADS = ("R in mm", "m in 1/mm", "c0 b in kPa/mm")
+HEADS = ("R / mm", "m / 1/mm", "c0 b / kPa/mm")
 OF_FORCE = ("stiffness_m", "stiffness_b", "radius")
 MISSES = 0.1
 """Misfit from which a finger no longer has the force of its subject: ten times that of the best."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled
 from fefinger.mechanics import condensed, linear
-from fefinger.mechanics.press.small_strain import WHOLE_MESH, press
+from fefinger.mechanics.press import small_strain
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -34,7 +34,7 @@ from fefinger.theory.relaxation import Prony
 
 Array = NDArray[np.float64]
 
-SAME_MESH = replace(WHOLE_MESH, touch=lambda indenter: None)
+SAME_MESH = replace(small_strain.WHOLE_MESH, touch=lambda indenter: None)
 """`linear` on the mesh of the operator, where its own would follow the touch."""
 
 INCOMPRESSIBLE = "plate, Poisson's ratio 0.5"
@@ -83,7 +83,7 @@ def answers(resolution: str, name: str) -> tuple[Response, Response]:
     indenter, motion = PRESSES[name]
     chosen = pressed_finger(resolution, name)
     scene = Scene(finger=chosen, indenter=indenter, motion=motion, ask=Ask(fields=False))
-    exact = press(scene, mechanics=linear.name, notes=linear.NOTES, method=SAME_MESH)
+    exact = small_strain.respond(scene, mechanics=linear.name, notes=linear.NOTES, method=SAME_MESH)
     return exact, condensed.respond(scene)
 
 

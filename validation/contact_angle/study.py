@@ -1,9 +1,11 @@
 """The contact angle: what the model says of 0 to 60 degrees, how sure it is, what to measure.
 
 Run as `python -m fefinger.validation.contact_angle.study WORK reports`; it takes about ten minutes
-on two cores, goes on where it was stopped, and writes contact-angle.csv and contact-angle.html.
+on two cores and goes on where it was stopped. It writes contact-angle.csv, contact-angle.html and
+contact-angle.json, the record of how the table was made.
 """
 
+import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +16,7 @@ from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.provenance import provenance
 
 from fefinger.studies.study import study
+from fefinger.support import atomic_write
 
 
 ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
@@ -57,11 +60,10 @@ STUDIES: dict[str, tuple[str, Mapping[str, Any], str, tuple[float, ...]]] = {
 """Scene, changes, mechanics and angles of each part of the work; all but one on coarse meshes."""
 
 
-def collect(work: Path, names: tuple[str, ...] = tuple(STUDIES)) -> list[dict[str, Any]]:
+def collect(work: Path) -> list[dict[str, Any]]:
     """Return the rows of the studies, with the column "case"; finished scenes stay in `work`."""
     rows: list[dict[str, Any]] = []
-    for name in names:
-        scene, changes, mechanics, angles = STUDIES[name]
+    for name, (scene, changes, mechanics, angles) in STUDIES.items():
         over = {"indenter.angle": angles}
         found = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
         rows += [{"case": name, **_rounded(row)} for row in found.rows]
@@ -84,13 +86,17 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def main() -> None:
-    """Answer the studies and write their table and page."""
+    """Answer the studies and write their table, page and record."""
     work, folder = Path(sys.argv[1]), Path(sys.argv[2])
     rows = collect(work)
-    table(rows).to_csv(folder / "contact-angle.csv", index=False)
-    command = "python -m fefinger.validation.contact_angle.study WORK reports"
-    page = contact_angle_page.html(rows, provenance(command))
-    (folder / "contact-angle.html").write_text(page, encoding="utf-8")
+    made = provenance("python -m fefinger.validation.contact_angle.study WORK reports")
+    record = {"data": "contact-angle.csv", "provenance": made}
+    texts = {
+        "contact-angle.csv": table(rows).to_csv(index=False),
+        "contact-angle.html": contact_angle_page.html(rows, made),
+        "contact-angle.json": json.dumps(record, indent=1) + "\n",
+    }
+    atomic_write.write(folder, texts)
 
 
 if __name__ == "__main__":

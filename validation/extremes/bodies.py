@@ -127,10 +127,10 @@ def _points() -> Iterator[Row]:
         for name, law in _laws(poisson).items():
             for size in (1e-15, 1e-8, 0.5):
                 case = f"{name}, nu = {poisson:g}, gradient {size:g}"
-                yield "material point", case, partial(_point, law, poisson, size), ANSWERED
+                yield "material point", case, partial(_point, law, size), ANSWERED
 
 
-def _point(law: Law, poisson: float, size: float) -> Findings:
+def _point(law: Law, size: float) -> Findings:
     """Return the stress against Hooke's at small strain, that it turns along, and its symmetry."""
     body = continuum(box(*3 * (np.array([0.0, 1.0]),)), {1: law})
     shape = np.array([[0.3, 0.2, -0.1], [0.1, -0.5, 0.2], [0.05, -0.2, 0.2]])  # no trace

@@ -8,6 +8,7 @@ import numpy as np
 from fefinger.validation.extremes.scenes import PULP, pressed
 from fefinger.validation.extremes.trial import Findings, Trial
 
+from fefinger.results.candidate import MECHANICS
 from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
 from fefinger.scene.motion import ForceRampHold, Motion, Ramp, RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.tissue import Tissue
@@ -36,7 +37,7 @@ def _drawn() -> Iterator[Trial]:
 def drawn(mechanics: str, seed: tuple[int, ...]) -> Findings:
     """Return the invariants of a scene drawn by a seed; what it cannot be is refused."""
     rng = np.random.default_rng(seed)
-    meshed = mechanics in ("linear", "condensed", "solid")
+    meshed = MECHANICS[mechanics].meshed
     rough = np.random.default_rng((*seed[:2], seed[2] % 3)) if meshed else rng
     settings: dict[str, Any] = {
         "indenter": _indenter(rng),

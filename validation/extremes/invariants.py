@@ -7,10 +7,9 @@ from fefinger.validation.extremes.trial import Findings
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.evidence.reports import smallest_radius
 from fefinger.results.pressure import net, pressed
 from fefinger.results.records import Pad, Response
-from fefinger.scene.indenter import STANDARD, Flat, Indenter, direction
+from fefinger.scene.indenter import STANDARD, Indenter, direction
 from fefinger.scene.scene import Scene
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -123,7 +122,7 @@ def _balance(scene: Scene, response: Response) -> tuple[float, float]:
     areas, limit = response.pad.areas, ROUNDING
     if response.gap is None:
         limit = 1e-6
-    elif not (response.finite or isinstance(scene.indenter, Flat)):
+    elif not (response.finite or scene.indenter.flat is not None):
         areas, limit = _across(scene.indenter, response), LEANING
     carried = response.pressure @ areas * NEWTON_PER_MILLINEWTON
     peak = float(response.force.max()) or 1.0
@@ -139,9 +138,9 @@ def _across(indenter: Indenter, response: Response) -> Array:
     assert response.pad is not None
     assert response.pressure is not None
     pad = pressed(response.pad, np.any(response.pressure > 0, axis=0))
-    origin, axis = _touch(getattr(indenter, "at", None), response.pad)
+    origin, axis = _touch(indenter.place, response.pad)
     fine = net(pad, CUTS)
-    sideways = frame(axis, getattr(indenter, "roll", 0.0))[:2]
+    sideways = frame(axis, indenter.turn)[:2]
     _, slope, _ = indenter.profile.height((fine.between @ pad.points - origin) @ sideways.T)
     return np.asarray(fine.loads.T @ (1 / np.sqrt(1 + np.sum(slope**2, axis=-1))))
 
@@ -183,7 +182,7 @@ def _spread(response: Response) -> tuple[float, float]:
 def _sunk(scene: Scene, response: Response) -> tuple[float, float]:
     """Return how far the pad is in the obstacle, in mm."""
     assert response.gap is not None
-    around = min(smallest_radius(scene.indenter), 0.5 * scene.finger.thickness)
+    around = min(scene.indenter.least_radius, 0.5 * scene.finger.thickness)
     limit = SUNK * float(response.depth.max()) + FACET**2 / (4 * around)
     return max(0.0, -float(response.gap.min())), limit
 

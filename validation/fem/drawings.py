@@ -19,7 +19,7 @@ DRAWN = (
     *("sphere, a / R = 0.3", "cone", "ellipse", "bonded layer, a = h"),
     *("bonded layer, a = h, nu 0.5", "sliding layer, a = h"),
 )
-COLUMNS = ("program", "nodes", "force %", "peak %", "pressure RMS %", "CPU s")
+COLUMNS = ("program", "nodes", "force %", "peak %", "pressure RMS %", "CPU time / s")
 
 
 def figures() -> Iterator[tuple[str, Any]]:
@@ -125,7 +125,7 @@ def kinds(rows: list[dict[str, Any]]) -> Any:
                 axis.loglog(seconds, error, "o-", ms=3, color=color, label=kind.name)
                 axis.tick_params(which="minor", length=0)
         column[0].set_title(f"{case}, nu {poisson:g}" if case == "Hertz" else "skin on soft tissue")
-        column[1].set_xlabel("CPU s")
+        column[1].set_xlabel("CPU time / s")
     axes[0, 0].set(ylabel="force error / %", ylim=(0.01, 50))
     axes[1, 0].set(ylabel="strain error / %", ylim=(0.2, 40))
     handles, labels = axes[0, 0].get_legend_handles_labels()
@@ -196,9 +196,9 @@ def _finite_strain() -> Any:
     for color, (name, (depth, found, exact)) in zip(COLORS, drawn["cubes"].items(), strict=False):
         left.plot(100 * depth, exact, color=color, label=name)
         left.plot(100 * depth, found, "o", color=color, markersize=3)
-    left.set(xlabel="squeezed by (%)", ylabel="nominal pressure (kPa)")
+    left.set(xlabel="compression / %", ylabel="nominal pressure / kPa")
     left.legend()
     right.semilogx(np.maximum(drawn["time"], 1e-3), drawn["force"], color=INK)
     right.plot([0.025, 5.025], [1.11, 0.432], "s", color=STEEL)
-    right.set(xlabel="time (s)", ylabel="force (N)")
+    right.set(xlabel="time / s", ylabel="force / N")
     return drawing

@@ -16,9 +16,8 @@ from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import solid
-from fefinger.mechanics.press import placement
+from fefinger.mechanics.press import finite_strain, placement
 from fefinger.mechanics.press.constitutive import laws, tissues
-from fefinger.mechanics.press.finite_strain import squeeze
 from fefinger.mechanics.press.materials import held
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
@@ -137,7 +136,8 @@ def finer(motion: Motion) -> float:
     ask = replace(PRESSURE, pressure=False)
     asked = replace(scene("a.h.", "flat-30", "coarse"), motion=motion, ask=ask)
     few, many = (
-        squeeze(asked, mechanics="solid", notes=(), refine=refine).force for refine in (1, FINER)
+        finite_strain.respond(asked, mechanics="solid", notes=(), refine=refine).force
+        for refine in (1, FINER)
     )
     return float(np.abs(few - many).max() / many.max())
 

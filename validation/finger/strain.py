@@ -18,7 +18,7 @@ from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mechanics.press.materials import held
-from fefinger.mechanics.press.sites import sites
+from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.indenter import Flat, Indenter, Sphere
@@ -38,7 +38,7 @@ def strains(resolution: str, name: str) -> Array:
     mesh = ready(finger, half=True, touch=meshed_at(scene.indenter))
     whole = body(mesh, tissues(finger), held(finger))
     touch = placement.obstacle(scene.indenter, whole)
-    points = sites(scene, touch.origin, touch.axis).points
+    points = central_sites(scene.ask, scene.finger.pulp, touch.origin, touch.axis).points
     probes = (
         recovered_strain_at(whole.space, points, whole.planes),
         strain_at(whole.space, points, whole.planes),

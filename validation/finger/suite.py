@@ -1,6 +1,6 @@
 """Suite `finger`: a real finger balances, converges, fires the same again, and is not Hertz's."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -19,11 +19,9 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear, solid
-from fefinger.mechanics.press import placement
+from fefinger.mechanics.press import finite_strain, placement, small_strain
 from fefinger.mechanics.press.constitutive import tissues
-from fefinger.mechanics.press.finite_strain import squeeze
 from fefinger.mechanics.press.materials import held, with_nail
-from fefinger.mechanics.press.small_strain import press
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -128,9 +126,9 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
     scene = builtin.load("flat-press", {"ask.fields": False})
     if mechanics == solid.name:
         scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
-    answers: dict[str, Callable[..., Response]] = {linear.name: press, solid.name: squeeze}
-    answer = answers[mechanics]
-    fired = fire(scene.ask, answer(scene, mechanics=mechanics, notes=(), refine=refine))
+    solver = {linear.name: small_strain, solid.name: finite_strain}[mechanics]
+    response = solver.respond(scene, mechanics=mechanics, notes=(), refine=refine)
+    fired = fire(scene.ask, response)
     return dict(zip(fired.types, fired.count().tolist(), strict=True))
 
 

@@ -217,7 +217,7 @@ def _force() -> Any:
             organ = under_force(END_ORGANS[kind], nerve=1.0, parallel=parallel)
             out = organ.respond([0.0, 20.0], [1.0, 1.0], after)
             axis.plot(after, out, line, color=color, label=kind if parallel else "_", lw=1.3)
-    axis.set(xscale="log", xlabel="time after the step / s", ylabel="x nerve / force, mm/mN")
+    axis.set(xscale="log", xlabel="time after the step / s", ylabel="x nerve per force / mm/mN")
     axis.legend()
     return drawn
 

@@ -40,8 +40,6 @@ MAGNITUDES = {
 
 TAPS = ((1, 41), (10, 44), (50, 46), (100, 45), (300, 33))  # mm/s, %
 RELAXED = 16.0  # s, after which the slowest exponential is below 1e-4
-SLOPES = ((30, 200, -17.5, 0.06), (1, 10, -17, 0.5), (200, 1e3, -19.9, 0.06))
-"""Slope of |G| in dB per decade: from and to Hz, its value, its tolerance (recomputed)."""
 
 
 def periodic_work(offset: float, peak_to_peak: float, frequency: float) -> tuple[float, float]:

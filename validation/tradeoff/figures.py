@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.validation.tradeoff.held_out import ENOUGH
 from fefinger.validation.tradeoff.study import front
 
+from fefinger.results.candidate import Candidate
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
@@ -42,7 +43,7 @@ def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
-    mechanics, _, how = candidate.partition(" ")
+    mechanics, how = Candidate.of(candidate).mechanics, Candidate.of(candidate).resolution or ""
     axes.plot(
         cost,
         max(error, LEAST),
@@ -64,7 +65,7 @@ def _scatter(axes: Any, points: dict[str, tuple[float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
 
 
-def _legend(drawn: Any, axes: Any) -> None:
+def _legend(drawn: Any) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -99,8 +100,7 @@ def _fronts_caption() -> str:
 
 def _fronts(data: dict[str, Any]) -> Any:
     rows = data["scenes"]
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    drawn, axes = _per_scene(len(rows), "error of the force")
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
             key: (each["expected_s"], each["force"]) for key, each in row["candidates"].items()
@@ -108,15 +108,22 @@ def _fronts(data: dict[str, Any]) -> Any:
         _scatter(axis, points)
         axis.axhline(max(row["bars"]["force"], LEAST), color=INK, linewidth=0.8, linestyle="--")
         axis.set_title(name)
-    for axis in axes[len(rows) :]:
+    return drawn
+
+
+def _per_scene(count: int, quantity: str) -> tuple[Any, Any]:
+    """Return a figure with a legend, and its axes of a quantity over time for each base scene."""
+    drawn = figure(WIDE, 5.2)
+    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    for axis in axes[count:]:
         axis.set_axis_off()
     for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
+        axis.set_xlabel("expected time / s")
     for axis in (axes[0], axes[4]):
-        axis.set_ylabel("error of the force")
+        axis.set_ylabel(quantity)
     axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
-    return drawn
+    _legend(drawn)
+    return drawn, axes
 
 
 def _others_caption() -> str:
@@ -144,8 +151,8 @@ def _others(data: dict[str, Any]) -> Any:
             axis.set_title(f"{name}: {said}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
-        axis.set_xlabel("expected time, s")
-    _legend(drawn, grid[0, 0])
+        axis.set_xlabel("expected time / s")
+    _legend(drawn)
     return drawn
 
 
@@ -158,8 +165,7 @@ def _spikes_caption() -> str:
 
 def _spikes(data: dict[str, Any]) -> Any:
     rows = data["scenes"]
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
+    drawn, axes = _per_scene(len(rows), "distance per spike")
     for axis, (name, row) in zip(axes, rows.items(), strict=False):
         points = {
             key: (each["expected_s"], max(each["spikes"]["distance"], 1e-3))
@@ -168,14 +174,6 @@ def _spikes(data: dict[str, Any]) -> Any:
         }
         _scatter(axis, points)
         axis.set_title(f"{name}: {sum(row['spikes'].values())} spikes", fontsize=8)
-    for axis in axes[len(rows) :]:
-        axis.set_axis_off()
-    for axis in axes[4:]:
-        axis.set_xlabel("expected time, s")
-    for axis in (axes[0], axes[4]):
-        axis.set_ylabel("distance per spike")
-    axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn, axes[0])
     return drawn
 
 
@@ -199,7 +197,7 @@ def _split(data: dict[str, Any]) -> Any:
                 continue
             numerical = rows[name]["numerical"]["force"]
             model = rows[name]["model"]["force"]
-            color = COLORS[name.split()[0]]
+            color = COLORS[Candidate.of(name).mechanics]
             axis.barh(place - 0.2, max(numerical, LEAST), 0.36, left=LEAST / 2, color=color)
             axis.barh(place + 0.2, max(model, LEAST), 0.36, left=LEAST / 2, color=color, alpha=0.4)
         deepest = data["rules"]["presses"][press]["depth_mm"][-1]
@@ -247,7 +245,7 @@ def _held(data: dict[str, Any]) -> Any:
                     max(row["actual"][quantity], LEAST),
                     marker="o",
                     markersize=6 if picked else 2.5,
-                    color=COLORS[name.split()[0]],
+                    color=COLORS[Candidate.of(name).mechanics],
                     markeredgecolor=INK if picked else "none",
                     linestyle="none",
                     zorder=2 if picked else 1,
@@ -258,7 +256,7 @@ def _held(data: dict[str, Any]) -> Any:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
         axis.set_ylabel("actual error")
-    _legend(drawn, grid[0, 0])
+    _legend(drawn)
     return drawn
 
 

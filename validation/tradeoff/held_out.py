@@ -33,18 +33,13 @@ SMALLER = (0.9, 0.8, 0.7, 0.6, 0.5)
 """Factors of all that is stated, to see what margins cost and what they are for."""
 
 
-def label(rung: Rung) -> str:
-    """Return the name of a rung as a candidate."""
-    return f"{rung.mechanics} {rung.resolution or ''}".strip()
-
-
 def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
     """Return the pick, the best possible and the stated and actual errors of a scene."""
     reference = motion.passage(true, scene)
     rows: dict[str, dict[str, Any]] = {}
     ladder = rungs(scene)
     for rung in ladder:
-        name = label(rung)
+        name = rung.candidate.label
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
         actual = off(name, motion.passage(found[name], scene), reference)
@@ -77,7 +72,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
 def _unjudged(ladder: Sequence[Rung]) -> str | None:
     """Return what the planner takes where none of the judged answers: a fine mesh, if anything."""
     willing = [rung for rung in ladder if not rung.refusals and np.isfinite(rung.error)]
-    return label(min(willing, key=lambda rung: rung.seconds)) if willing else None
+    return min(willing, key=lambda rung: rung.seconds).candidate.label if willing else None
 
 
 def cheapest(rows: dict[str, dict[str, Any]], tolerance: float, by: str = "actual") -> str | None:

@@ -34,8 +34,8 @@ from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports, tradeoff
 from fefinger.mechanics.evidence.lumped_law import between
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
 
 
 Array = NDArray[np.float64]
@@ -80,13 +80,13 @@ def springs(name: str) -> tuple[float, float]:
         return own.b, own.m
     plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
     rows = [
-        {"angle": plate.angle, "b": identified(each).b, "m": identified(each).m}
+        {"angle": plate.flat.angle, "b": identified(each).b, "m": identified(each).m}
         for each, plate in plates.items()
-        if isinstance(plate, Flat)
+        if plate.flat is not None
     ]
-    plate = scenes.PRESSES[name].indenter
-    assert isinstance(plate, Flat)
-    found = between(rows, plate.angle)
+    flat = scenes.PRESSES[name].indenter.flat
+    assert flat is not None
+    found = between(rows, flat.angle)
     assert found is not None
     return found
 
@@ -136,10 +136,10 @@ def _short(values: Array) -> list[float]:
 def row(name: str) -> dict[str, Any]:
     """Return what the rules hold of one press."""
     true, made = converged(name), scenes.PRESSES[name]
-    kind = {"angle": getattr(made.indenter, "angle", None)}
+    flat = made.indenter.flat
     return {
-        **kind,
-        "radius": getattr(made.indenter, "radius", None),
+        "angle": None if flat is None else flat.angle,
+        "radius": made.indenter.ball_radius,
         "width_mm": scenes.finger(name).width,
         "thickness_mm": scenes.finger(name).thickness,
         "pad_radius_mm": scenes.finger(name).pad_radius,
@@ -200,7 +200,7 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
     for each in motions.values():
         for candidate, found in each["direct"].items():
-            known = factors[candidate.split()[0]]
+            known = factors[Candidate.of(candidate).mechanics]
             for quantity in found.keys() - {"area"}:
                 error = found[quantity]
                 factor = error / _own(presses[each["press"]], candidate, each, quantity)
@@ -220,7 +220,9 @@ def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -
     else:
         actual = tradeoff.total(own["candidates"][candidate], quantity)
     for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = tradeoff.told(others, candidate, place, depth / own["thickness_mm"], quantity)
+        told = tradeoff.interpolated(
+            others, candidate, place, depth / own["thickness_mm"], quantity
+        )
         if told is not None:
             yield error - sum(told)
 

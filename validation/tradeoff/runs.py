@@ -26,6 +26,7 @@ from fefinger.mechanics import get
 from fefinger.mechanics.press.discretization import meshed_at
 from fefinger.mesh.store import ready
 from fefinger.results import pressure as pressures
+from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.scene.indenter import Flat
 from fefinger.scene.motion import Ramp
@@ -116,19 +117,16 @@ def respond(run: Run, scene: Scene) -> Response:
     """Answer the scene of a run."""
     if run.refine == 1:
         return get(run.mechanics).respond(scene)
-    if run.mechanics == "solid":
-        from fefinger.mechanics.press.finite_strain import squeeze
+    from fefinger.mechanics.press import finite_strain, small_strain
 
-        return squeeze(scene, mechanics="solid", notes=(), refine=run.refine)
-    from fefinger.mechanics.press.small_strain import press
-
-    return press(scene, mechanics="linear", notes=(), refine=run.refine)
+    solver = finite_strain if MECHANICS[run.mechanics].finite else small_strain
+    return solver.respond(scene, mechanics=run.mechanics, notes=(), refine=run.refine)
 
 
 def measure(run: Run) -> dict[str, Any]:
     """Return the arrays of a run, with its cost; a refusal in a sentence is kept as "refused"."""
     chosen, scene = get(run.mechanics), run.scene
-    if run.mechanics in ("linear", "condensed", "solid"):  # compiles
+    if MECHANICS[run.mechanics].meshed:  # compiles
         small = replace(scene.finger, resolution="coarse")
         chosen.respond(
             replace(scene, finger=small, indenter=Flat(30), motion=Ramp(60.0, 0.1, corner=0.0))
@@ -157,7 +155,7 @@ def _at_first(run: Run) -> Iterator[None]:
     A campaign would otherwise be cheaper where operators are kept from another one.
     """
     finger, touch = run.scene.finger, meshed_at(run.scene.indenter)
-    if run.mechanics in ("linear", "condensed", "solid"):
+    if MECHANICS[run.mechanics].meshed:
         with suppress(InputError):  # told by the run itself
             ready(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)

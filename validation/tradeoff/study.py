@@ -19,12 +19,12 @@ from fefinger.validation.tradeoff.runs import Run
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import machine
+from fefinger.mechanics.situation import Situation
 from fefinger.neural.membranes import LARGEST_STEP
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import green_lagrange
 from fefinger.scene.scene import Scene
 
-
-FITTED = ("hertz identified", "layered identified")
 
 EXACT = 5e-6
 """s: step of the Runge-Kutta run that integrators are compared with."""
@@ -48,9 +48,8 @@ def spent(candidate: str, name: str) -> dict[str, float]:
     expected_s: as the planner states them, from reports measured on a free machine; cpu_s: of the
     run, beside which others ran; memory_MB: of its process.
     """
-    mechanics, _, mesh = candidate.partition(" ")
-    mesh = mesh if mesh in ("coarse", "standard") else "standard"
-    expected = get(mechanics).cost(scenes.press(name, mesh)) / machine.slowness({})
+    mechanics, mesh = _run_of(candidate)
+    expected = get(mechanics).cost(Situation.of(scenes.press(name, mesh))) / machine.slowness({})
     if candidate == "lumped":
         return {"expected_s": expected}
     arrays = runs.load(Run("press", name, mechanics, mesh))
@@ -62,11 +61,18 @@ def spent(candidate: str, name: str) -> dict[str, float]:
     }
 
 
+def _run_of(label: str) -> tuple[str, str]:
+    """Return mechanics and mesh of the run that a candidate was measured by."""
+    candidate = Candidate.of(label)
+    mesh = candidate.resolution
+    return candidate.mechanics, mesh if mesh in ("coarse", "standard") else "standard"
+
+
 def split(name: str) -> dict[str, dict[str, Any]]:
     """Return numerical, model and total errors at the full depth of a press, and what it cost."""
     true, rows = converged(name).press, {}
     for candidate, own in found(name).items():
-        mechanics = candidate.split()[0]
+        mechanics = Candidate.of(candidate).mechanics
         all_, zero = errors(own, true), dict.fromkeys(presses.QUANTITIES, 0.0)
         numerical, model = zero, _last(all_)
         if mechanics in ("condensed", "linear"):
@@ -102,9 +108,7 @@ def base(name: str) -> dict[str, Any]:
         if candidate == "lumped":
             row = {"force": row["force"]}
         else:
-            mechanics, _, mesh = candidate.partition(" ")
-            mesh = mesh if mesh in ("coarse", "standard") else "standard"
-            fired = motion.spikes(passed, Run("press", pressed, mechanics, mesh))
+            fired = motion.spikes(passed, Run("press", pressed, *_run_of(candidate)))
             row["spikes"] = motion.spike_errors(fired, trains)
         rows[candidate] = _rounded(row | spent(candidate, pressed))
     run = motion.direct(name, "solid", "coarse")

@@ -4,8 +4,10 @@ from typing import Any
 
 from fefinger.validation.tradeoff.held_out import ENOUGH
 
-from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.plan_text import SAID
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -96,11 +98,11 @@ def _stated() -> dict[str, Any]:
     """Return the table of what is stated under the 30 degree plate."""
     rows = []
     for candidate in CANDIDATES:
-        mesh = candidate.partition(" ")[2] or "standard"
+        mesh = Candidate.of(candidate).resolution or "standard"
         finger = Finger.subject("a.h.", resolution=mesh)
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
-        found = [tradeoff.stated(candidate, scene, name) for name in STATED]
+        found = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
         rows.append([candidate, *("-" if each is None else percent(each.error) for each in found)])
     caption = (
         f"Stated errors of a press by a plate at 30 degrees, {DEPTH:g} mm deep, with margins: "

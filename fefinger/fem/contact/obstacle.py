@@ -8,7 +8,7 @@ axis itself, g = (x - origin) . axis + h - d, with its derivatives at the deform
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from fefinger.geometry.profiles import Plane, Profile, frame
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
 
 
+@runtime_checkable
 class Rigid(Protocol):
     """Interface of a rigid obstacle: its direction of travel and its distance from points."""
 

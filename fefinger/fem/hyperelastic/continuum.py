@@ -115,12 +115,6 @@ class Continuum:
         )
         return isochoric, volumetric
 
-    def energy(self, values: Array, history: HistoryStress) -> float:
-        """Return the potential in mN mm."""
-        return float(
-            element_kernels.energy(*self._element_data(values), history.gains, history.past)
-        )
-
 
 def continuum(
     space: Space, tissues: Mapping[int, Law], soft: Collection[int] | None = None

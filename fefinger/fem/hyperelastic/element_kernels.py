@@ -285,43 +285,6 @@ def _couple(
 
 
 @njit(cache=True)
-def energy(
-    values: Array,
-    unknowns: Integers,
-    jacobians: Array,
-    weights: Array,
-    reference: Array,
-    shapes: Array,
-    laws: Array,
-    gains: Array,
-    past: Array,
-) -> float:
-    """Return the potential in mN mm, written apart from its derivatives so that it checks them."""
-    moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
-    total = 0.0
-    for e in range(len(unknowns)):
-        mu, compressibility, share, exponent = laws[e]
-        _gather(values, unknowns[e], moved, pressures)
-        for q in range(len(reference)):
-            _gradient(moved, reference[q], jacobians[e], gradient)
-            p = _mean(shapes[q], pressures)
-            deformation = gradient + np.eye(3)
-            c = deformation.T @ deformation
-            volume = np.linalg.det(deformation)
-            one = np.trace(c) * volume ** (-2 / 3) - 3
-            two = (np.trace(c) ** 2 - np.trace(c @ c)) / 2 * volume ** (-4 / 3) - 3
-            rising = np.expm1(exponent * one) / exponent if exponent > 0 else one
-            work = gains[e, 0] * mu / 2 * (share * rising + (1 - share) * two)
-            work += gains[e, 1] * (p * (volume - 1) - p * p * compressibility / 2)
-            for row in range(6):
-                i, j = PAIRS[row]
-                twice = 1.0 if i == j else 2.0
-                work += twice * past[e, q, row] * (c[i, j] - (1.0 if i == j else 0.0)) / 2
-            total += weights[e, q] * work
-    return total
-
-
-@njit(cache=True)
 def slots(
     members: Integers, starts: NDArray[np.int32], columns: NDArray[np.int32]
 ) -> NDArray[np.int32]:

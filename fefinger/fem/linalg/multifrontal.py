@@ -8,6 +8,7 @@ J. Optim. 5:100, 1995): F = L D L' with D = 1 on displacements and -1 on pressur
 factors, so that nearly all the work is done by dense matrix products.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -157,6 +158,45 @@ def dissect(
     return Dissection(order, fronts)
 
 
+class Assembly:
+    """Fronts of a matrix, filled one after the other.
+
+    updates: Schur complements (m, m) of eliminated fronts, by number, until they are added to the
+    front that has them as a part; their lower triangles count.
+    """
+
+    def __init__(self, arranged: sparse.csr_matrix, fronts: Sequence[Front]) -> None:
+        self.updates: dict[int, Floats] = {}
+        self._arranged, self._fronts = arranged, fronts
+        self._place = np.full(arranged.shape[0], -1, dtype=np.int64)
+
+    def front(self, index: int) -> tuple[Floats, Floats]:
+        """Return the pivots' columns (n + m, n) and the lower triangle of the rest (m, m)."""
+        front, place = self._fronts[index], self._place
+        n, m = front.stop - front.start, len(front.rest)
+        place[front.start : front.stop] = np.arange(n)
+        place[front.rest] = n + np.arange(m)
+        columns = np.zeros((n + m, n), dtype=self._arranged.dtype, order="F")
+        rest = np.zeros((m, m), dtype=self._arranged.dtype, order="F")
+        self._gather(columns, front)
+        for part in front.parts:
+            where = place[self._fronts[part].rest]
+            _add_lower(columns, rest, self.updates.pop(part), where, int(np.searchsorted(where, n)))
+        place[front.start : front.stop] = -1
+        place[front.rest] = -1
+        return columns, rest
+
+    def _gather(self, columns: Floats, front: Front) -> None:
+        """Put the matrix entries of the pivots' rows into the columns of the front."""
+        matrix = self._arranged
+        block = slice(matrix.indptr[front.start], matrix.indptr[front.stop])
+        lengths = np.diff(matrix.indptr[front.start : front.stop + 1])
+        row = np.repeat(np.arange(front.stop - front.start), lengths)
+        member = self._place[matrix.indices[block]]
+        inside = member >= 0
+        columns[member[inside], row[inside]] = matrix.data[block][inside]
+
+
 def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
     """Factor a symmetric quasi-definite matrix (n, n), given in the order of its unknowns.
 
@@ -168,28 +208,17 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()
     diagonal = np.abs(arranged.diagonal())
-    place = np.full(len(order), -1, dtype=np.int64)
-    updates: dict[int, Array] = {}
+    assembly = Assembly(arranged, dissection.fronts)
     done: list[Eliminated] = []
     for index, front in enumerate(dissection.fronts):
-        n, m = front.stop - front.start, len(front.rest)
-        place[front.start : front.stop] = np.arange(n)
-        place[front.rest] = n + np.arange(m)
-        columns = np.zeros((n + m, n), order="F")
-        rest = np.zeros((m, m), order="F")
-        gather(columns, arranged, front, place)
-        for part in front.parts:
-            where = place[dissection.fronts[part].rest]
-            add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
-        place[front.start : front.stop] = -1
-        place[front.rest] = -1
+        columns, rest = assembly.front(index)
         split = front.pressure - front.start
         lower, below, signs = _eliminate(columns, split)
         pivots = np.diagonal(lower) ** 2
         if (pivots < SINGULAR_PIVOT * diagonal[front.start : front.stop]).any():
             raise InputError(SINGULAR)
         eliminated = Eliminated(front, lower, below, signs)
-        updates[index] = _schur(rest, eliminated.below, split)
+        assembly.updates[index] = _schur(rest, eliminated.below, split)
         done.append(eliminated)
     return Factor(order, tuple(done))
 
@@ -233,18 +262,8 @@ def _members(unknowns: Integers) -> Integers:
     return members[members >= 0]
 
 
-def gather(columns: Floats, matrix: sparse.csr_matrix, front: Front, place: Integers) -> None:
-    """Copy the matrix entries of the pivots' rows into the columns of the front."""
-    block = slice(matrix.indptr[front.start], matrix.indptr[front.stop])
-    lengths = np.diff(matrix.indptr[front.start : front.stop + 1])
-    row = np.repeat(np.arange(front.stop - front.start), lengths)
-    member = place[matrix.indices[block]]
-    inside = member >= 0
-    columns[member[inside], row[inside]] = matrix.data[block][inside]
-
-
 @njit(cache=True)
-def add_lower(
+def _add_lower(
     columns: Floats, rest: Floats, update: Floats, where: Integers, n_pivots: int
 ) -> None:
     """Add a child's Schur complement (lower triangle); its first `n_pivots` rows are pivots."""
@@ -257,7 +276,7 @@ def add_lower(
             rest[where[i] - n, where[j] - n] += update[i, j]
 
 
-def _eliminate(columns: Array, split: int) -> tuple[Array, Array, Array]:
+def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
     """Factor the pivot block: L (n, n), the rows below it, and the signs of D.
 
     Only the lower triangle is read.
@@ -283,7 +302,7 @@ def _eliminate(columns: Array, split: int) -> tuple[Array, Array, Array]:
     return lower, below, signs
 
 
-def _schur(rest: Array, below: Array, split: int) -> Array:
+def _schur(rest: Floats, below: Array, split: int) -> Floats:
     """Schur complement rest - L D L' of the rows below the pivots; the lower triangle is set."""
     if len(rest) == 0:
         return rest
@@ -294,11 +313,11 @@ def _schur(rest: Array, below: Array, split: int) -> Array:
     return rest
 
 
-def _cholesky(block: Array) -> Array:
+def _cholesky(block: Floats) -> Floats:
     return np.asarray(cholesky(block, lower=True, check_finite=False)) if block.size else block
 
 
-def _divided(lower: Array, rows: Array) -> Array:
+def _divided(lower: Floats, rows: Floats) -> Floats:
     """Return rows @ inv(lower).T."""
     if rows.size == 0:
         return rows

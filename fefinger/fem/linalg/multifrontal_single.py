@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.linalg.lapack import get_lapack_funcs
 
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.linalg.multifrontal import SINGULAR, Dissection, Floats, Front, add_lower, gather
+from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Dissection, Floats, Front
 from fefinger.support.checks import InputError
 
 
@@ -81,27 +81,17 @@ def factor(
         raise InputError(LARGE.format("single" if precision is np.float32 else "double"))
     table, values, places = _empty(dissection.fronts, precision)
     negative = 0
-    place = np.full(len(order), -1, dtype=np.int64)
-    updates: dict[int, Floats] = {}
-    for index, (front, (inverse, below)) in enumerate(zip(dissection.fronts, places, strict=True)):
-        n, m = front.stop - front.start, len(front.rest)
-        place[front.start : front.stop] = np.arange(n)
-        place[front.rest] = n + np.arange(m)
-        columns = np.zeros((n + m, n), dtype=precision, order="F")
-        rest = np.zeros((m, m), dtype=precision, order="F")
-        gather(columns, arranged, front, place)
-        for part in front.parts:
-            where = place[dissection.fronts[part].rest]
-            add_lower(columns, rest, updates.pop(part), where, int(np.searchsorted(where, n)))
-        place[front.start : front.stop] = -1
-        place[front.rest] = -1
+    assembly = Assembly(arranged, dissection.fronts)
+    for index, (inverse, below) in enumerate(places):
+        columns, rest = assembly.front(index)
+        n = columns.shape[1]
         inverse[:], below_zero = _inverse(columns[:n])
         negative += below_zero
         np.matmul(columns[n:], inverse, out=below)
-        for first in range(0, m, STRIP):
+        for first in range(0, len(rest), STRIP):
             strip = slice(first, first + STRIP)
             rest[first:, strip] -= below[first:] @ columns[n:][strip].T
-        updates[index] = rest
+        assembly.updates[index] = rest
     rests = np.concatenate([front.rest for front in dissection.fronts])
     return Rough(order, table, rests, values, negative)
 

@@ -6,31 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.evidence import tradeoff
-from fefinger.scene.scene import Scene
+from fefinger.mechanics.evidence.tradeoff import rules
+from fefinger.mechanics.situation import Situation
 
 
-def errors(at_depth: Mapping[str, float], force: float, scene: Scene) -> dict[str, float]:
+def errors(at_depth: Mapping[str, float], force: float, case: Situation) -> dict[str, float]:
     """Return the relative errors at a force, of those `at_depth` and that of the `force` there.
 
     What grows no faster than the force is wrong by no more than the force in addition. The force
     grows as depth to a power p, so that the depth is wrong by (1 - force)^(-1/p) - 1 at most.
     """
-    depth = (1 - force) ** (-1 / steepness(scene)) - 1 if force < 1 else math.inf
+    depth = (1 - force) ** (-1 / steepness(case)) - 1 if force < 1 else math.inf
     return {"depth": depth} | {name: error + force for name, error in at_depth.items()}
 
 
-def steepness(scene: Scene) -> float:
+def steepness(case: Situation) -> float:
     """Return the least p of the measured presses next to a scene, about its depth.
 
     Of a scene that is like none of them it is 1: a contact only stiffens as it grows.
     """
-    place = tradeoff.where(scene)
-    if place is None or not tradeoff.like(scene.finger):
+    if case.place is None or not case.measured_tissue:
         return 1.0
-    presses = tradeoff.rules()["presses"]
-    names = tradeoff.neighbors(presses, place)
-    return max(1.0, min(_power(presses[name], tradeoff.part(scene, name)) for name in names))
+    rows = rules()["presses"]
+    return max(1.0, min(_power(rows[name], case.deepest(name)) for name in case.neighbors))
 
 
 def _power(press: Mapping[str, Any], part: float) -> float:

@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import reached_depth, reports, tradeoff
+from fefinger.mechanics.evidence import reached_depth, reports
 from fefinger.mechanics.evidence.reached_depth import REPORT
+from fefinger.mechanics.evidence.stated_errors import moving, stated
+from fefinger.mechanics.evidence.tradeoff import measured_tissue, rules
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
@@ -46,26 +48,27 @@ class Law(NamedTuple):
     doubt: str = ""
 
 
-def law(scene: Scene) -> Law:
+def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    fitted = reached_depth.calibrated(scene.finger)
+    fitted = reached_depth.calibrated(case.finger)
     if fitted is not None:
-        return _table(scene, *_misfit(scene, fitted))
-    rows = [row for row in reports.read(REPORT)["rows"] if _same(scene.finger, row)]
+        return _table(case, *_misfit(case, fitted))
+    rows = [row for row in reports.read(REPORT)["rows"] if _same(case.finger, row)]
     if not rows:
-        return _table(scene, doubt=_strange(scene.finger))
-    if isinstance(scene.indenter, Flat) and not scene.indenter.tilt:
-        found = between(rows, scene.indenter.angle)
+        return _table(case, doubt=_strange(case.finger))
+    flat = case.indenter.flat
+    if flat is not None and not flat.tilt:
+        found = between(rows, flat.angle)
         if found is not None:
-            return _own(scene, rows, *found)
+            return _own(case, rows, *found)
     angles = sorted(row["angle"] for row in rows)
-    return _table(scene, doubt=f"its law is known under plates at {_listed(angles)} degrees")
+    return _table(case, doubt=f"its law is known under plates at {_listed(angles)} degrees")
 
 
 def _table(
-    scene: Scene, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
+    case: Situation, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
 ) -> Law:
-    rows, subject = library.pawluk_bulk(), scene.finger.subject_name
+    rows, subject = library.pawluk_bulk(), case.finger.subject_name
     name = subject if subject in rows else MEANS
     row, source = rows[name], f"Table 2.1, {name} ({library.PAWLUK})"
     if doubt:
@@ -73,18 +76,18 @@ def _table(
     return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, doubt)
 
 
-def _own(scene: Scene, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:
+def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:
     """Return the law of a finger that was pressed, with all moduli as large as the scene's."""
-    finger = scene.finger
+    finger = case.finger
     stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
     source = f"reports/{REPORT}: identified from {' and '.join(row['source'] for row in rows)}"
-    stated = tradeoff.stated("lumped", scene)
-    if stated is None:
+    measured = stated(Candidate("lumped"), case)
+    if measured is None:
         return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
-    evidence = f"{stated.source}, identified from presses of the same finger (reports/{REPORT})"
-    return Law(spring, finger.prony, source, False, stated.error, evidence)
+    evidence = f"{measured.source}, identified from presses of the same finger (reports/{REPORT})"
+    return Law(spring, finger.prony, source, False, measured.error, evidence)
 
 
 def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, float] | None:
@@ -106,21 +109,21 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     skin = finger.skin.thickness or 0.0
     own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
-    return tradeoff.like(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
+    return measured_tissue(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
-def _misfit(scene: Scene, row: Mapping[str, Any]) -> tuple[float, str]:
+def _misfit(case: Situation, row: Mapping[str, Any]) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    indenter, angle, unknown = scene.indenter, reached_depth.read()["angle"], float("nan")
-    if not isinstance(indenter, Flat) or indenter.tilt or indenter.angle != angle:
+    angle, unknown = reached_depth.read()["angle"], float("nan")
+    if case.indenter.flat != (angle, 0.0):
         return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
-    depth = scene.finger.thickness * reached_depth.part(scene, row, row["force_N"])
+    depth = case.finger.thickness * case.depth_over_thickness(row, row["force_N"])
     if depth > row["depth_mm"][-1]:
         return unknown, f"not known: its finger was calibrated to {row['depth_mm'][-1]:g} mm"
     error = float(np.interp(depth, row["depth_mm"], row["error"]))
-    shares = tradeoff.rules()["margins"]["lumped"]["force"]["motion"]
-    error *= 1 + tradeoff.moving(shares, (f"flat-{indenter.angle:g}",))
-    more = float(row["relaxing"]) if scene.finger.prony.v else 0.0
+    shares = rules()["margins"]["lumped"]["force"]["motion"]
+    error *= 1 + moving(shares, (f"flat-{angle:g}",))
+    more = float(row["relaxing"]) if case.finger.prony.v else 0.0
     source = f"reports/{REPORT}: Table 2.1 against the finger that was fitted to it"
     return error + more, f"{source}, and {percent(more)} for what relaxation adds"
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fefinger.results.candidate import Candidate
 from fefinger.support.package_data import report
 
 
@@ -21,12 +22,11 @@ def _read() -> dict[str, Any]:
     return rows
 
 
-def scatter(candidate: str, part: float, quantity: str) -> float:
+def scatter(candidate: Candidate, part: float, quantity: str) -> float:
     """Return the relative standard deviation of a quantity at a depth over the thickness.
 
     The larger of the presses that were measured; that of the fine mesh is taken for as large as
-    that of the standard one. None without a mesh.
+    that of the standard one. 0 without a mesh.
     """
-    mesh = candidate.partition(" ")[2].replace("fine", "standard")
-    rows = _read().get(mesh, {}).values()
+    rows = _read().get(candidate.measured.resolution or "", {}).values()
     return max((float(np.interp(part, row["part"], row[quantity])) for row in rows), default=0.0)

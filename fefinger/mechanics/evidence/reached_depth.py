@@ -1,4 +1,4 @@
-"""How deep a scene goes: under force control when the finger has crept, as presses like it tell."""
+"""Indentation over finger thickness under a force, read from relaxed curves of measured presses."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -9,8 +9,6 @@ import numpy as np
 
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.scene import Scene
 from fefinger.support.package_data import report
 
 
@@ -34,22 +32,23 @@ def calibrated(finger: Finger) -> dict[str, Any] | None:
     return row if finger == shipped else None
 
 
-def part(scene: Scene, row: Mapping[str, Any], force: Sequence[float]) -> float:
-    """Return depth over thickness, by a press `row` and its forces in N at its depths.
+def under_force(
+    finger: Finger,
+    force: float,
+    row: Mapping[str, Any],
+    forces: Sequence[float],
+    curve: Mapping[str, Any] | None = None,
+) -> float:
+    """Return depth over thickness under a force in N, by a press `row` and the forces in N of it.
 
-    Forces scale with the modulus and the square of the size; under a plate a calibrated finger has
-    a curve of its own. Beyond the largest force the depth is taken to grow on as before, more than
-    it does.
+    Forces scale with the modulus and the square of the size; a calibrated finger may have a `curve`
+    of its own. Beyond the largest force the depth is taken to grow on as before, more than it does.
     """
-    thickness, wanted = scene.finger.thickness, scene.motion.peak
-    if scene.motion.control == "depth":
-        return wanted / thickness
-    own = calibrated(scene.finger) if isinstance(scene.indenter, Flat) else None
-    if own is not None:
-        return _extended(wanted, own["force_N"], own["depth_mm"]) / thickness
-    stiffer = scene.finger.subcutaneous.modulus / row["subcutaneous_kPa"]
-    larger = (thickness / row["thickness_mm"]) ** 2
-    return _extended(wanted / stiffer / larger, force, row["depth_mm"]) / row["thickness_mm"]
+    if curve is not None:
+        return _extended(force, curve["force_N"], curve["depth_mm"]) / finger.thickness
+    stiffer = finger.subcutaneous.modulus / row["subcutaneous_kPa"]
+    larger = (finger.thickness / row["thickness_mm"]) ** 2
+    return _extended(force / stiffer / larger, forces, row["depth_mm"]) / row["thickness_mm"]
 
 
 def _extended(wanted: float, force: Sequence[float], depth: Sequence[float]) -> float:

@@ -6,25 +6,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.mechanics.evidence import reached_depth
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.press.discretization import meshed_at, symmetric
 from fefinger.mechanics.press.operator_cache import at_hand
-from fefinger.mechanics.press.time_steps import moving, time_grid
+from fefinger.mechanics.situation import Situation
 from fefinger.scene.finger import RESOLUTIONS
 from fefinger.scene.indenter import (
-    Bar,
-    Cylinder,
-    Ellipsoid,
-    Flat,
-    Grating,
     Indenter,
-    Relief,
-    Sphere,
 )
-from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
 from fefinger.support.text import percent
@@ -82,26 +71,25 @@ def linear() -> dict[str, Any]:
     return resolutions
 
 
-def linear_seconds(scene: Scene) -> float:
+def linear_seconds(case: Situation) -> float:
     """Return the expected wall time of `linear` in s, from the times in the report."""
-    whole = _spent(linear()[scene.finger.mesh], scene, 1.0 if symmetric(scene) else WHOLE)
-    return whole * slowness(read(LINEAR_REPORT)) + mesh_seconds(scene)
+    whole = _spent(linear()[case.mesh], case, 1.0 if case.half else WHOLE)
+    return whole * slowness(read(LINEAR_REPORT)) + mesh_seconds(case)
 
 
-def _spent(row: Mapping[str, Any], scene: Scene, bodies: float) -> float:
+def _spent(row: Mapping[str, Any], case: Situation, bodies: float) -> float:
     """Return the expected time in s of a press as that of a row, on so many times its body.
 
     The area is that of the whole pad, and read where contact changes.
     """
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     setup, fields = float(row["setup_seconds"]), float(row["fields_seconds"])
-    spent = bodies * (setup + fields if scene.ask.fields else setup)
-    spent += len(time) * float(row["step_seconds"])
-    areas = moving(scene.motion, time) * float(row["area_seconds"])
-    return spent + areas if scene.ask.pressure else spent
+    spent = bodies * (setup + fields if case.ask.fields else setup)
+    spent += len(case.times) * float(row["step_seconds"])
+    areas = case.changes * float(row["area_seconds"])
+    return spent + areas if case.ask.pressure else spent
 
 
-def mesh_seconds(scene: Scene, *, follow: bool = True) -> float:
+def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
     """Return the expected time in s to build the mesh of a scene, none where it is at hand.
 
     `follow`: that is the mesh that follows the touch.
@@ -109,11 +97,11 @@ def mesh_seconds(scene: Scene, *, follow: bool = True) -> float:
     from fefinger.mesh.store import at_hand as built
 
     try:
-        if built(scene.finger, meshed_at(scene.indenter) if follow else None):
+        if built(case.finger, case.touch if follow else None):
             return 0.0
     except InputError:  # no mesh can be made for a finger of this size
         return 0.0
-    return MESH_SECONDS[scene.finger.mesh] * slowness({})
+    return MESH_SECONDS[case.mesh] * slowness({})
 
 
 def condensed() -> dict[str, Any]:
@@ -122,44 +110,45 @@ def condensed() -> dict[str, Any]:
     return resolutions
 
 
-def condensed_seconds(scene: Scene) -> float:
+def condensed_seconds(case: Situation) -> float:
     """Return the expected wall time of `condensed` in s: more, if its operator is to be built.
 
     A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
     """
-    whole = _spent(condensed()[scene.finger.mesh], scene, 1.0 if symmetric(scene) else 2.0)
-    whole = whole * slowness(read(CONDENSED_REPORT)) + once("condensed", scene)
-    steep = isinstance(scene.indenter, Flat | Grating | Relief) and scene.indenter.angle > STEEPEST
-    return whole + linear_seconds(scene) if steep else whole
+    whole = _spent(condensed()[case.mesh], case, 1.0 if case.half else 2.0)
+    whole = whole * slowness(read(CONDENSED_REPORT)) + condensed_once(case)
+    plate = case.indenter.plate
+    steep = plate is not None and plate.angle > STEEPEST
+    return whole + linear_seconds(case) if steep else whole
 
 
-def once(mechanics: str, scene: Scene) -> float:
-    """Return which time in s goes into what is kept for the next time: a mesh, an operator."""
-    spent = mesh_seconds(scene, follow=mechanics != "condensed")
-    if mechanics == "condensed" and not at_hand(scene.finger, half=symmetric(scene)):
-        build = float(condensed()[scene.finger.mesh]["build_seconds"])
-        spent += (1 if symmetric(scene) else 2) * build * slowness(read(CONDENSED_REPORT))
+def condensed_once(case: Situation) -> float:
+    """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
+    spent = mesh_seconds(case, follow=False)
+    if not at_hand(case.finger, half=case.half):
+        build = float(condensed()[case.mesh]["build_seconds"])
+        spent += (1 if case.half else 2) * build * slowness(read(CONDENSED_REPORT))
     return spent
 
 
-def linear_error(scene: Scene) -> tuple[float, str]:
+def linear_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of the force of `linear`, and its source.
 
     It is the sum of the errors of the mesh and of small strain, which do not know of each other.
     """
-    mesh, press = linear_mesh_error(scene)
-    return _with_small_strain(scene, mesh, f"reports/{LINEAR_REPORT}, {press}")
+    mesh, press = linear_mesh_error(case)
+    return _with_small_strain(case, mesh, f"reports/{LINEAR_REPORT}, {press}")
 
 
-def condensed_error(scene: Scene) -> tuple[float, str]:
+def condensed_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of the force of `condensed`, and its source, as `linear_error`.
 
     Its mesh is that of the 30 degree plate and does not follow the touch.
     """
     measured: dict[str, dict[str, float | None]] = read(CONDENSED_REPORT)["force_error"]["presses"]
-    press = linear_press(scene.indenter, tuple(measured[scene.finger.mesh]))
-    mesh = _of_mesh({name: row[press] for name, row in measured.items()}, scene.finger.mesh)
-    return _with_small_strain(scene, mesh, f"reports/{CONDENSED_REPORT}, {press}")
+    press = linear_press(case.indenter, tuple(measured[case.mesh]))
+    mesh = _of_mesh({name: row[press] for name, row in measured.items()}, case.mesh)
+    return _with_small_strain(case, mesh, f"reports/{CONDENSED_REPORT}, {press}")
 
 
 def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
@@ -170,44 +159,42 @@ def _of_mesh(errors: Mapping[str, float | None], resolution: str) -> float:
     return max(errors.get(name) or 0.0 for name in finer)
 
 
-def _with_small_strain(scene: Scene, mesh: float, source: str) -> tuple[float, str]:
-    strain = small_strain_error(scene)
+def _with_small_strain(case: Situation, mesh: float, source: str) -> tuple[float, str]:
+    strain = small_strain_error(case)
     if np.isinf(mesh):
         return mesh, f"{source}: the mesh is too coarse for it"
     both = (
-        f"{source}: {percent(mesh)} of the mesh; reports/{SOLID_REPORT}, {solid_press(scene)}: "
+        f"{source}: {percent(mesh)} of the mesh; reports/{SOLID_REPORT}, {solid_press(case)}: "
         f"{percent(strain)} of small strain"
     )
     return mesh + strain, both
 
 
-def linear_mesh_error(scene: Scene) -> tuple[float, str]:
+def linear_mesh_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of the force against the extrapolated mesh, and on which press.
 
     The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
     round indenter.
     """
-    press = linear_press(scene.indenter, tuple(linear()[scene.finger.mesh]["force_error"]))
+    press = linear_press(case.indenter, tuple(linear()[case.mesh]["force_error"]))
     errors = {name: row["force_error"][press] for name, row in linear().items()}
-    return _of_mesh(errors, scene.finger.mesh), press
+    return _of_mesh(errors, case.mesh), press
 
 
-def linear_radius(scene: Scene) -> float:
+def linear_radius(case: Situation) -> float:
     """Return the smallest radius in mm for which the mesh error of `linear` is measured."""
-    sharp = isinstance(scene.indenter, Bar | Grating | Relief)
-    return LINEAR_EDGE if sharp else LINEAR_RADIUS
+    return LINEAR_EDGE if case.indenter.sharp else LINEAR_RADIUS
 
 
 def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
     """Return which of the measured presses is next to that of an indenter."""
-    if isinstance(indenter, Flat):
+    flat = indenter.flat
+    if flat is not None:
         angles = {press: float(press[5:]) for press in presses if press.startswith("flat-")}
-        return min(angles, key=lambda press: abs(angles[press] - indenter.angle))
-    if isinstance(indenter, Bar):
-        return "edge"
-    if isinstance(indenter, Grating | Relief):
-        return "grating"
-    return "sphere-5" if smallest_radius(indenter) >= 5 else "sphere-2"
+        return min(angles, key=lambda press: abs(angles[press] - flat.angle))
+    if indenter.sharp:
+        return "edge" if indenter.plate is None else "grating"
+    return "sphere-5" if indenter.least_radius >= 5 else "sphere-2"
 
 
 def layered() -> dict[str, Any]:
@@ -215,9 +202,9 @@ def layered() -> dict[str, Any]:
     return read(LAYERED_REPORT)
 
 
-def layered_seconds(scene: Scene) -> float:
+def layered_seconds(case: Situation) -> float:
     """Return the expected wall time of `layered` in s, from the times in the report."""
-    steps = len(time_grid(scene.motion, fast="FAII" in scene.ask.spikes))
+    steps = len(case.times)
     whole = float(layered()["setup_seconds"]) + steps * float(layered()["step_seconds"])
     return whole * slowness(layered())
 
@@ -242,41 +229,9 @@ def layered_depth(indenter: Indenter) -> float:
 
 def layered_press(indenter: Indenter) -> str:
     """Return the measured press whose object is next blunter, because the error grows with it."""
-    radius = smallest_radius(indenter)
-    if isinstance(indenter, Ellipsoid):
-        a, b, c = indenter.radii
-        radius = max(a, b) ** 2 / c
+    radius = max(indenter.hertzian or (indenter.least_radius,))
     blunter = [press for press, measured in LAYERED_PRESSES.items() if measured >= radius]
     return min(blunter, key=LAYERED_PRESSES.__getitem__)
-
-
-def smallest_radius(indenter: Indenter) -> float:
-    """Return the smallest radius of curvature in mm of what the pad meets of an indenter.
-
-    That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
-    """
-    if isinstance(indenter, Sphere | Cylinder):
-        return indenter.radius
-    if isinstance(indenter, Ellipsoid):
-        a, b, c = indenter.radii
-        return min(a, b) ** 2 / c
-    if isinstance(indenter, Bar):
-        return indenter.corner
-    if isinstance(indenter, Grating | Relief):
-        _, _, curvature = indenter.profile.height(_crests(indenter))
-        return float(1 / max(np.linalg.eigvalsh(curvature).max(), 1e-12))
-    return float("inf")
-
-
-def _crests(indenter: Grating | Relief) -> NDArray[np.float64]:
-    """Return places (n, 2) mm that are close enough to find the sharpest crest within 1 %."""
-    if isinstance(indenter, Grating):
-        return np.column_stack([np.linspace(0, indenter.period, 401), np.zeros(401)])
-    fine = (
-        np.interp(np.arange(0, len(x) - 1, 0.2), np.arange(len(x)), x)
-        for x in (indenter.x, indenter.y)
-    )
-    return np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def solid() -> dict[str, Any]:
@@ -286,16 +241,16 @@ def solid() -> dict[str, Any]:
     return {press: rows[name] for press, name in own.items() if name in rows}
 
 
-def solid_press(scene: Scene) -> str:
+def solid_press(case: Situation) -> str:
     """Return the measured press whose object is next blunter and that was measured so deep.
 
     Small strain errs more under a blunter object; an edge or ridge is none of these.
     """
-    if isinstance(scene.indenter, Bar | Grating | Relief):
+    if case.indenter.sharp:
         return "flat-30"
-    radius = smallest_radius(scene.indenter)
+    radius = case.indenter.least_radius
     for press in sorted(solid(), key=LAYERED_PRESSES.__getitem__):
-        if LAYERED_PRESSES[press] >= radius and _part(scene, press) <= solid_reach(press):
+        if LAYERED_PRESSES[press] >= radius and _part(case, press) <= solid_reach(press):
             return press
     return "flat-30"
 
@@ -306,43 +261,43 @@ def solid_reach(press: str) -> float:
     return float(row["depth_mm"][-1] / row["thickness_mm"])
 
 
-def small_strain_part(scene: Scene) -> float:
+def small_strain_part(case: Situation) -> float:
     """Return the depth of the scene over the finger's thickness, which small strain errs by."""
-    return _part(scene, solid_press(scene))
+    return _part(case, solid_press(case))
 
 
-def small_strain_error(scene: Scene) -> float:
+def small_strain_error(case: Situation) -> float:
     """Return the measured difference of the forces of `linear` and `solid` to the scene's depth.
 
     It is the largest on the way, of the force there; linear between the measured depths, constant
     beyond them, and none at first touch; of tissue that relaxes, where that was measured.
     """
-    press = solid_press(scene)
+    press = solid_press(case)
     row = solid()[press]
     parts = np.array([0.0, *row["depth_mm"]]) / row["thickness_mm"]
     told = (row["relaxing_N"], row["force_N"])
     forces = next(each for each in told if each and None not in each["solid"])
     small, finite = (np.array(forces[name]) for name in ("linear", "solid"))
     apart = np.maximum.accumulate(np.abs(small - finite)) / finite
-    return float(np.interp(_part(scene, press), parts, [0.0, *apart]))
+    return float(np.interp(_part(case, press), parts, [0.0, *apart]))
 
 
-def _part(scene: Scene, press: str) -> float:
+def _part(case: Situation, press: str) -> float:
     row = solid()[press]
-    return reached_depth.part(scene, row, row["force_N"]["solid"])
+    return case.depth_over_thickness(row, row["force_N"]["solid"])
 
 
-def solid_error(scene: Scene) -> tuple[float, str]:
+def solid_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of the force against the extrapolated mesh, and its source.
 
     It is that of `linear` under the object most like the scene's, or that of `solid` where that is
     larger: measured under fewer objects and, for the fine mesh, on the standard one.
     """
-    error, press = linear_mesh_error(scene)
+    error, press = linear_mesh_error(case)
     source = f"reports/{LINEAR_REPORT}, {press}"
-    own = linear_press(scene.indenter, tuple(solid()))
+    own = linear_press(case.indenter, tuple(solid()))
     errors = solid().get(own, {"mesh_error": None})["mesh_error"]
-    resolution = scene.finger.mesh
+    resolution = case.mesh
     if errors is not None:
         measured = errors["standard" if resolution == "fine" else resolution]
         if measured > error:

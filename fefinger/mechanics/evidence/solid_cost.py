@@ -1,19 +1,18 @@
 """What `solid` costs: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
 
 from functools import cache, lru_cache
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.tradeoff import LAW
-from fefinger.mechanics.press.discretization import symmetric
 from fefinger.mechanics.press.load_steps import memories, stride
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.scene.indenter import Bar, Grating, Relief
+from fefinger.mechanics.situation import Situation
+from fefinger.scene.indenter import INDENTERS
 from fefinger.scene.motion import Motion
-from fefinger.scene.scene import Scene
 from fefinger.theory.relaxation import Prony
 
 
@@ -21,10 +20,6 @@ REPORT = "solid-cost.json"
 
 MESHES = ("coarse", "standard")
 """The measured ones; the fine one costs more as these do with their unknowns."""
-
-
-SHARP = Bar | Grating | Relief
-"""Objects around which skin folds, which takes more factors."""
 
 
 class Cost(NamedTuple):
@@ -52,7 +47,7 @@ def cost(mesh: str) -> Cost:
         [
             *(row["mesh"] == name for name in MESHES),
             row["depth_mm"] / row["thickness_mm"],
-            row["kind"] in {kind.kind for kind in get_args(SHARP)},
+            INDENTERS[row["kind"]].sharp,
             row["law"] != LAW,
         ]
         for row in rows
@@ -78,14 +73,14 @@ def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
     return len(stride(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 
-def seconds(scene: Scene) -> float:
+def seconds(case: Situation) -> float:
     """Return the expected wall time in s."""
-    spent, finger = cost(scene.finger.mesh), scene.finger
-    steps = _steps(scene.motion, memories(finger), fast="FAII" in scene.ask.spikes)
-    deep = min(reports.small_strain_part(scene), spent.deepest)
-    harder = spent.growth * deep + spent.sharp * isinstance(scene.indenter, SHARP)
+    spent, finger = cost(case.mesh), case.finger
+    steps = _steps(case.motion, memories(finger), fast=case.fast)
+    deep = min(reports.small_strain_part(case), spent.deepest)
+    harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
     whole = spent.setup + steps * spent.step * np.exp(harder)
-    whole += spent.reference if scene.ask.spikes else 0.0
-    whole *= 1.0 if symmetric(scene) else reports.WHOLE
-    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(scene)
+    whole += spent.reference if case.ask.spikes else 0.0
+    whole *= 1.0 if case.half else reports.WHOLE
+    return float(whole * slowness(reports.read(REPORT))) + reports.mesh_seconds(case)

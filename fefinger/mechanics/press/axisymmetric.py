@@ -4,26 +4,30 @@ The finger is a body with one G whose pad is a sphere; its contact grows in circ
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.press.sites import REFERENCE_DEPTH, organs, sites
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH, central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import spherical
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.neural.reference import Reference
 from fefinger.results.records import Pad, Response, Sites
-from fefinger.scene.indenter import STANDARD, Flat, direction
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Indenter, direction
+from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.theory.relaxation import Prony
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.populations import Surface
+    from fefinger.neural.reference import Reference
     from fefinger.theory.contact.ting import ContactHistory
 
 Array = NDArray[np.float64]
@@ -31,7 +35,7 @@ Array = NDArray[np.float64]
 RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
 
 
-class Contact(Protocol):
+class ElasticContact(Protocol):
     """A contact of the relaxed body, by the depth (n,) mm of the indenter."""
 
     def force(self, depth: Array) -> Array:
@@ -58,27 +62,27 @@ class Touch:
     axis: Array
 
 
-def touch(scene: Scene) -> Touch | None:
+def touch(finger: Finger, indenter: Indenter) -> Touch | None:
     """Return the first touch on the spherical pad, or None if the place is not on it."""
     upright = direction(STANDARD)
-    center = scene.finger.pad_radius * upright
-    at = getattr(scene.indenter, "at", None)
-    if isinstance(scene.indenter, Flat):
-        axis = direction(scene.indenter)
+    center = finger.pad_radius * upright
+    at, flat = indenter.place, indenter.flat
+    if flat is not None:
+        axis = direction(flat)
     elif at is None:
         axis = upright
     else:
-        across = (center[:2] - np.asarray(at)) / scene.finger.pad_radius
+        across = (center[:2] - np.asarray(at)) / finger.pad_radius
         if across @ across >= 1:
             return None
         axis = np.append(across, np.sqrt(1 - across @ across))
-    return Touch(center - scene.finger.pad_radius * axis, axis)
+    return Touch(center - finger.pad_radius * axis, axis)
 
 
-def press(
+def respond(
     scene: Scene,
-    contact: Contact,
-    plate: Contact,
+    contact: ElasticContact,
+    plate: ElasticContact,
     progress: Progress | None = None,
     *,
     mechanics: str,
@@ -92,25 +96,29 @@ def press(
     InputError
         If the indenter is placed beyond the pad.
     """
-    stages = Stages(progress)
-    first = _touched(scene)
+    stages, finger, motion = Stages(progress), scene.finger, scene.motion
+    first = _first_touch(scene)
     with stages.stage("contact"):
-        history = _march(scene, contact)
-        _check_width(scene, contact, float(history.depth.max()), numbers["relative_radius_mm"])
-        force = history.stress(contact.force(history.nodes)) / scene.finger.prony.long_time
+        time = time_grid(motion, fast="FAII" in scene.ask.spikes)
+        history = _march(motion, time, finger.prony, contact)
+        deepest = float(history.depth.max())
+        check_reached(motion, finger.pulp, deepest)
+        _check_width(contact, deepest, numbers["relative_radius_mm"])
+        force = history.stress(contact.force(history.nodes)) / finger.prony.long_time
     pad = pressure = area = middle = None
     if scene.ask.pressure:
         with stages.stage("pressure"):
-            pad, pressure = _pressure(scene, contact, first, history)
+            pad, pressure = _pressure(finger, contact, first, history)
             area = np.pi * contact.radius(history.edge) ** 2
             middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
-    found = reference = strain = None
+    sites = reference = strain = None
     if scene.ask.strain or scene.ask.spikes:
         with stages.stage("strain"):
-            found = organs(scene, first.origin, first.axis, lambda: _skin(scene))
-            r, z, frames = _cylinder(first, found)
+            skin = partial(spherical, finger.pad_radius, direction(STANDARD))
+            sites = end_organ_sites(scene.ask, finger.pulp, first.origin, first.axis, skin)
+            r, z, frames = _cylinder(first, sites)
             strain = turned(history.strain(contact.strain(history.nodes, r, z)), frames)
-            reference = _reference(scene, plate) if scene.ask.spikes else None
+            reference = _reference(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
     return Response(
         mechanics=mechanics,
@@ -121,7 +129,7 @@ def press(
         centroid=middle,
         pad=pad,
         pressure=pressure,
-        sites=found,
+        sites=sites,
         strain=strain,
         reference=reference,
         fields=None,
@@ -132,21 +140,20 @@ def press(
     )
 
 
-def _touched(scene: Scene) -> Touch:
+def _first_touch(scene: Scene) -> Touch:
     """Return the first touch, or raise InputError for a place that is not on the pad."""
-    first = touch(scene)
+    first = touch(scene.finger, scene.indenter)
     if first is None:
         msg = (
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
-            f"under the 30 degree plate, received {getattr(scene.indenter, 'at', None)}"
+            f"under the 30 degree plate, received {scene.indenter.place}"
         )
         raise InputError(msg)
     return first
 
 
-def _check_width(scene: Scene, contact: Contact, deepest: float, radius: float) -> None:
-    """Raise InputError for a contact as wide as its relative radius, or through the tissue."""
-    check_reached(scene, deepest)
+def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None:
+    """Raise InputError for a contact that is wider than its relative radius in mm."""
     widest = float(contact.radius(np.array([deepest]))[0])
     if widest > radius * (1 + 1e-9):
         msg = (
@@ -157,14 +164,12 @@ def _check_width(scene: Scene, contact: Contact, deepest: float, radius: float) 
         raise InputError(msg)
 
 
-def _march(scene: Scene, contact: Contact) -> "ContactHistory":
-    """Follow the motion of the scene, by depth or by force."""
+def _march(motion: Motion, time: Array, prony: Prony, contact: ElasticContact) -> "ContactHistory":
+    """Follow a motion at times (n_t,) s, by depth or by force."""
     from fefinger.theory.contact.ting import press_by_depth, press_by_force, radius_nodes
 
-    prony = scene.finger.prony
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-    value = scene.motion.value(time)
-    if scene.motion.control == "depth":
+    value = motion.value(time)
+    if motion.control == "depth":
         return press_by_depth(prony, time, value, radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
     nodes = radius_nodes(contact.depth(float(force.max())) * (1 + 1e-9))
@@ -174,15 +179,15 @@ def _march(scene: Scene, contact: Contact) -> "ContactHistory":
 
 
 def _pressure(
-    scene: Scene, contact: Contact, first: Touch, history: "ContactHistory"
+    finger: Finger, contact: ElasticContact, first: Touch, history: "ContactHistory"
 ) -> tuple[Pad, Array]:
     """Return the pad out to the widest contact and the pressure (n_t, n_pad) in kPa on it."""
     nodes = history.nodes
     last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
     reach = float(contact.radius(nodes[last : last + 1])[0])
-    pad, cells = _pad(first, reach, scene.finger.pad_radius)
+    pad, cells = _pad(first, reach, finger.pad_radius)
     load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
-    rings = history.stress(load / cells.areas) / scene.finger.prony.long_time
+    rings = history.stress(load / cells.areas) / finger.prony.long_time
     return pad, rings[:, cells.ring]
 
 
@@ -205,10 +210,12 @@ def turned(components: Array, frames: Array) -> Array:
     return tensors.reshape(*components.shape[:2], 3, 3)
 
 
-def _reference(scene: Scene, plate: Contact) -> Reference:
+def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
     """Press the standard plate a little on the relaxed finger."""
+    from fefinger.neural.reference import Reference
+
     standard = Touch(np.zeros(3), direction(STANDARD))
-    central = sites(scene, standard.origin, standard.axis)
+    central = central_sites(ask, pulp, standard.origin, standard.axis)
     r, z, frames = _cylinder(standard, central)
     strain = turned(plate.strain(np.array([REFERENCE_DEPTH]), r, z), frames)[0]
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
@@ -234,11 +241,6 @@ def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
         organs.depths,
         np.stack([radial, np.cross(inward, radial), inward], 1),
     )
-
-
-def _skin(scene: Scene) -> "Surface":
-    """Return the skin of the spherical pad that a population lies under."""
-    return spherical(scene.finger.pad_radius, direction(STANDARD))
 
 
 def _sideways(axis: Array) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief
+from fefinger.scene.indenter import STANDARD, Indenter
 from fefinger.scene.scene import Scene
 
 
@@ -25,10 +25,10 @@ def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:
     Angles and places are rounded, so that neighboring scenes share a mesh; None is the mesh that is
     fine around the touch of the 30 degree plate.
     """
-    if isinstance(indenter, Flat | Grating | Relief):
-        angle = MESHED_ANGLE * round(indenter.angle / MESHED_ANGLE)
+    if indenter.plate is not None:
+        angle = MESHED_ANGLE * round(indenter.plate.angle / MESHED_ANGLE)
         return None if angle == STANDARD.angle else float(angle)
-    x, y = getattr(indenter, "at", None) or (0.0, 0.0)
+    x, y = indenter.place or (0.0, 0.0)
     if np.hypot(x, y) <= MESHED_NEAR:
         return None
     return (

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from fefinger.fem.body import Body
 from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum
@@ -10,11 +9,9 @@ from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.mechanics.press import placement, problem
-from fefinger.mechanics.press.sites import REFERENCE_DEPTH, sites
+from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.neural.reference import Reference
-from fefinger.scene.indenter import STANDARD
-from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError
 
 
@@ -22,25 +19,25 @@ STEPS = 2
 """In which the reference depth is reached; its equilibrium does not depend on them."""
 
 
-def reference(scene: Scene, finger: Body, elements: Continuum) -> Reference:
-    """Return the logarithmic strain under the standard plate on the relaxed finger.
+def finite_reference_press(press: Press, elements: Continuum, plate: ReferencePlate) -> Reference:
+    """Return the logarithmic strain at the sites under the standard plate on the relaxed finger.
 
     Raises
     ------
     ConvergenceError
         If the plate finds no equilibrium, or its contact leaves the candidates.
     """
-    touch = placement.obstacle(STANDARD, finger)
-    reach = 2 * problem.REACH * REFERENCE_DEPTH
-    contact = contact_surface(finger.space, finger.pad, finger.normals, touch, reach)
-    equilibrium = Equilibrium(elements, contact, finger.system)
+    body = press.body
+    reach = 2 * REACH * REFERENCE_DEPTH
+    contact = contact_surface(body.space, body.pad, body.normals, plate.obstacle, reach)
+    equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
     if (states[-1].pressure[contact.on.edge] > 0).any():
         message = "reference press: contact left its patch; the pad is much flatter than expected"
         raise ConvergenceError(message)
-    central = sites(scene, touch.origin, touch.axis)
-    probe = recovered_gradient_at(finger.space, central.points, finger.planes)
+    central = plate.sites
+    probe = recovered_gradient_at(body.space, central.points, body.planes)
     strain = logarithmic((probe @ states[-1].values).reshape(-1, 3, 3))
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)

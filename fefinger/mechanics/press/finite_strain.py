@@ -1,18 +1,15 @@
-"""Contact of a finger at finite strain, from a scene to a response."""
+"""Contact of a finger at finite strain: hyperelastic and relaxing, in load steps."""
 
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.body import Body
-from fefinger.fem.contact.contact_area import CandidateSurface
+from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Candidates
-from fefinger.fem.elements.probe import gradient_at_vertices
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, follow
@@ -20,33 +17,42 @@ from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement, problem, response, small_strain
+from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
-from fefinger.mechanics.press.discretization import meshed_at, symmetric
 from fefinger.mechanics.press.failure import told
-from fefinger.mechanics.press.finite_reference import reference
+from fefinger.mechanics.press.finite_reference import finite_reference_press
+from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
 from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
-from fefinger.mechanics.press.sites import folded, organs, unfolded
-from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mesh.store import ready
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.response import finite_strain_response
+from fefinger.mechanics.press.sites import folded
+from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
-from fefinger.results.records import Fields, Pad, Response, Sites
+from fefinger.results.records import Response
+from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
-from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-Array = NDArray[np.float64]
-
-SOLVER = "single"  # of the tangents; in double precision where that fails, which a note says
 WORTH = 4  # steps that are worth keeping when a run has to stop
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
-VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
+
+def _with_first_factor(
+    finger: Finger, mesh: FingerMesh, solver: str | None, report: Callable[[float], None]
+) -> Body:
+    body = assembled(finger, mesh, solver, factored=False)
+    _ = body.system.rough  # that all steps start from
+    return body
 
 
-def squeeze(
+FINITE_STRAIN = replace(WHOLE_MESH, body=_with_first_factor)
+"""How `solid` builds the body; its steps make factors of their own tangents."""
+
+
+def respond(
     scene: Scene,
     progress: Progress | None = None,
     *,
@@ -55,7 +61,7 @@ def squeeze(
     refine: int = 1,
     allowance: Allowance | None = None,
 ) -> Response:
-    """Answer the scene; `refine` divides every step of the motion.
+    """Answer the scene; `refine` divides every load step.
 
     Without an `allowance` its steps may take any work.
 
@@ -70,95 +76,59 @@ def squeeze(
         If that are fewer than WORTH.
     """
     stages = Stages(progress)
-    with stages.stage("mesh"):
-        mesh = ready(scene.finger, half=symmetric(scene), touch=meshed_at(scene.indenter))
+    press = Press.of(scene, FINITE_STRAIN, stages, mechanics=mechanics, notes=notes)
+    history = solve(press, stages, refine=refine, allowance=allowance)
+    response = finite_strain_response(press, history, stages)
+    if history.halt:
+        raise Stopped(history.halt, response)
+    return response
+
+
+def solve(
+    press: Press, stages: Stages, *, refine: int = 1, allowance: Allowance | None = None
+) -> FiniteStrainHistory:
+    """Solve the load steps, as far as they converge, and the reference press.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
+    ConvergenceError
+        If fewer than WORTH steps converge.
+    """
     with stages.stage("factor"):
-        finger = small_strain.assembled(scene, mesh, factored=False)
-        _ = finger.system.rough  # that all steps start from
-        elements = continuum(finger.space, laws(scene.finger), soft=(1, 2))
-    touch = placement.obstacle(scene.indenter, finger)
-    limits.check_depth(scene, mesh, touch)
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes)
-    steps = stride(scene.motion, time, memories(scene.finger), refine)
-    passage = _passage(scene, finger, elements, touch, steps, stages, allowance)
-    if passage.halt:
-        steps = steps.until(len(passage.depth))
+        elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
+    steps = stride(press.motion, press.time, memories(press.finger), refine)
+    history = _steps(press, elements, steps, stages, allowance)
     with stages.stage("reference"):
-        pressed = _reference(scene, finger, elements, passage)
-    with stages.stage("fields"):
-        fields = _fields(passage, finger, mesh) if scene.ask.fields else None
-    with stages.stage("pressure"):
-        answer = _answer(scene, finger, passage, steps)
-    answered = Response(
-        mechanics=mechanics,
-        time=steps.time,
-        **answer,
-        sites=passage.sites,
-        reference=pressed,
-        fields=fields,
-        seconds=stages.seconds,
-        notes=(
-            *notes,
-            *response.scene_notes(scene),
-            *mesh.quality.get("notes", ()),
-            *response.gave_way(finger),
-        ),
-        sources=response.origins(mesh, finger, stages) | {"solver": SOLVER},
-    )
-    if passage.halt:
-        raise Stopped(passage.halt, answered)
-    return answered
+        reference = _reference(press, elements, history.halt)
+    return replace(history, reference=reference)
 
 
-def _reference(
-    scene: Scene, finger: Body, elements: Continuum, passage: "_Passage"
-) -> Reference | None:
+def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None:
     """Return the reference press of afferents; None after a halt, of which all else is kept."""
-    if not scene.ask.spikes:
+    if press.reference is None:
         return None
     try:
-        return reference(scene, finger, elements)
+        return finite_reference_press(press, elements, press.reference)
     except ConvergenceError:
-        if passage.halt:
+        if halt:
             return None
         raise
 
 
-@dataclass(frozen=True)
-class _Passage:
-    """The solved steps.
-
-    depth (n,) mm; pressure kPa (n, n_candidates); gap and moved mm (n, n_seen), the latter in three
-    components; moment (n, 3) mN mm of the meshed part; strain (n, n_sites, 3, 3).
-    """
-
-    contact: ContactSurface
-    sites: Sites | None
-    depth: Array
-    pressure: Array
-    gap: Array
-    moved: Array
-    moment: Array
-    strain: Array
-    times: Array
-    frames: dict[int, Array]
-    halt: str
-    status: str
-    numbers: dict[str, float]
-
-
-class _Rim(Exception):
-    """The contact has met the rim of its candidates, or of the pad: what follows is in vain."""
+class _RimReachedError(Exception):
+    """Contact has reached the rim of its candidates, or of the pad: what follows is in vain."""
 
 
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, finger: Body, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
+    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
         self.contact, self.probe, self.wanted = contact, probe, frames
-        self.places = finger.space.node_points
+        self.places = body.space.node_points
         on = contact.on
-        self.rim = on.edge | np.isin(on.vertices, placement.border(finger))
+        self.rim = on.edge | np.isin(on.vertices, placement.border(body))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -181,7 +151,7 @@ class _Recorder:
         if number in self.wanted:
             self.frames[number] = state.values
         if (state.pressure[self.rim] > 0).any():
-            raise _Rim
+            raise _RimReachedError
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
@@ -191,192 +161,75 @@ class _Recorder:
         return np.asarray(np.cross(arms, forces).sum(axis=0))
 
 
-def _passage(
-    scene: Scene,
-    finger: Body,
-    elements: Continuum,
-    touch: Obstacle,
-    steps: Stride,
-    stages: Stages,
-    allowance: Allowance | None,
-) -> _Passage:
-    """Solve all steps, with more candidate vertices as long as the contact meets their rim."""
-    skin = partial(small_strain.skin, finger)
-    found = organs(scene, touch.origin, touch.axis, skin) if _asked(scene) else None
-    motion = scene.motion
-    deepest = motion.peak
-    if motion.control != "depth":
-        deepest = problem.FORCE_DEPTH * scene.finger.thickness
-    reach = SPREAD * problem.REACH * deepest
+def _steps(
+    press: Press, elements: Continuum, steps: Stride, stages: Stages, allowance: Allowance | None
+) -> FiniteStrainHistory:
+    """Solve all steps, with more candidate vertices as long as the contact reaches their rim."""
+    body = press.body
+    reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
-        contact = contact_surface(finger.space, finger.pad, finger.normals, touch, reach)
-        limits.check_under(scene, len(contact))
-        passage = _followed(scene, finger, elements, contact, found, steps, stages, allowance)
-        pressed = np.asarray((passage.pressure > 0).any(axis=0))
-        _check_contact(finger, contact.on, pressed, passage.depth)
+        contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
+        limits.check_under(press.motion, len(contact))
+        history = _on_candidates(press, elements, contact, steps, stages, allowance)
+        pressed = np.asarray((history.pressure > 0).any(axis=0))
+        _check_contact(body, contact.on, pressed, history.depth)
         if not (pressed & contact.on.edge).any():
-            return passage
+            return history
         reach *= problem.GROW
-    message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
-    raise ConvergenceError(message)
+    raise ConvergenceError(limits.spread_beyond(reach))
 
 
-def _followed(
-    scene: Scene,
-    finger: Body,
+def _on_candidates(
+    press: Press,
     elements: Continuum,
     contact: ContactSurface,
-    sites: Sites | None,
     steps: Stride,
     stages: Stages,
     allowance: Allowance | None,
-) -> _Passage:
+) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
-    motion = scene.motion
-    sides = 2 if finger.half else 1
-    unit = 1.0 if motion.control == "depth" else 1 / NEWTON_PER_MILLINEWTON / sides
-    path = Path(motion.control, steps.times, lambda t: unit * float(motion.value(t)))
-    where = sites.points if sites else np.empty((0, 3))
-    where = folded(where) if finger.half else where
-    probe = recovered_gradient_at(finger.space, where, finger.planes)
-    frames = set(response.frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    frames |= heaviest(motion, steps, memories(scene.finger))
-    equilibrium = Equilibrium(elements, contact, finger.system)
-    deviatoric = scene.finger.relaxation == "deviatoric"
-    history = StressHistory(elements, relaxations(scene.finger), deviatoric=deviatoric)
-    recorder = _Recorder(finger, contact, probe, frames)
+    body, motion, finger = press.body, press.motion, press.finger
+    path = Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t)))
+    where = press.sites.points if press.sites else np.empty((0, 3))
+    where = folded(where) if body.half else where
+    probe = recovered_gradient_at(body.space, where, body.planes)
+    frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    frames |= heaviest(motion, steps, memories(finger))
+    equilibrium = Equilibrium(elements, contact, press.system)
+    deviatoric = finger.relaxation == "deviatoric"
+    stress = StressHistory(elements, relaxations(finger), deviatoric=deviatoric)
+    recorder = _Recorder(body, contact, probe, frames)
     halt = ""
     with stages.stage("steps") as report:
         try:
-            follow(equilibrium, history, path, recorder.keep, report, allowance)
-        except _Rim:
+            follow(equilibrium, stress, path, recorder.keep, report, allowance)
+        except _RimReachedError:
             pass  # seen again by the caller
         except ConvergenceError as error:
             halt = told(error, elements, recorder.last)
             if len(recorder.depth) < WORTH:
                 raise ConvergenceError(halt) from error
-    gap = np.array(recorder.gap)
-    penetration = response.inside(gap)
-    return _Passage(
+    return FiniteStrainHistory(
         contact=contact,
-        sites=sites,
+        steps=steps.until(len(recorder.depth)) if halt else steps,
         depth=np.array(recorder.depth),
         pressure=np.array(recorder.pressure),
-        gap=gap,
+        gap=np.array(recorder.gap),
         moved=np.array(recorder.moved),
         moment=np.array(recorder.moment),
         strain=np.array(recorder.strain),
-        times=steps.times,
         frames=recorder.frames,
+        reference=None,
+        iterations=equilibrium.iterations,
+        descents=equilibrium.descents,
+        factors=equilibrium.factors,
         halt=halt,
-        status=_status(equilibrium, len(recorder.depth), penetration, halt),
-        numbers={
-            "unknowns": finger.space.n_unknowns,
-            "candidates": len(contact),
-            "half": float(finger.half),
-            "steps": len(recorder.depth),
-            "iterations": equilibrium.iterations,
-            "downhill": equilibrium.descents,
-            "penetration_mm": penetration,
-        },
     )
 
 
-def _status(solver: Equilibrium, steps: int, penetration: float, halt: str) -> str:
-    downhill = (
-        f", {solver.descents} of them downhill past unstable ones," if solver.descents else ""
-    )
-    return (
-        f"{'Stopped' if halt else 'Solved'}: {steps} steps{downhill} in {solver.iterations} "
-        f"iterations on {solver.factors + 1} factors, with {response.exact(penetration)}."
-        f"{f' Then: {halt}' if halt else ''}"
-    )
-
-
-def _asked(scene: Scene) -> bool:
-    return scene.ask.strain or bool(scene.ask.spikes)
-
-
-def _check_contact(finger: Body, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
-    placement.check_inside(finger, on.vertices[pressed], float(depth.max()))
+def _check_contact(body: Solid, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
+    placement.check_inside(body, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(limits.unresolved(float(depth.max())))
     if (pressed & on.rim).any():
         raise InputError(limits.rim_reached(len(pressed)))
-
-
-def _answer(scene: Scene, finger: Body, passage: _Passage, steps: Stride) -> dict[str, Any]:
-    """Return the fields of a Response that the solved steps give, at all times."""
-    pressure = steps.bounded(passage.pressure)
-    by_force = scene.motion.control == "force"
-    sides = 2 if finger.half else 1
-    force = sides * pressure @ passage.contact.travel * NEWTON_PER_MILLINEWTON
-    if by_force:  # between the steps as well
-        share = np.divide(steps.path, force, out=np.ones_like(force), where=force > 0)
-        pressure, force = pressure * share[:, None], force * share
-    answer = {
-        "depth": steps.bounded(passage.depth) if by_force else steps.path,
-        "force": force,
-        "strain": _strain(finger, passage, steps),
-        "status": passage.status,
-        "numbers": passage.numbers,
-    }
-    on_pad = ("contact_area", "centroid", "pad", "pressure", "gap", "moment")
-    if not scene.ask.pressure:
-        return answer | dict.fromkeys(on_pad)
-    seen = passage.contact.neighborhood
-    pad, column = response.whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
-    pressure = response.on_seen(pressure, seen)[:, column]
-    return answer | {
-        "contact_area": steps.bounded(_areas(passage, pad, column)),
-        "centroid": response.centroid(pad, pressure),
-        "pad": pad,
-        "pressure": pressure,
-        "gap": steps.smooth(passage.gap)[:, column],
-        "moment": response.whole_moment(steps.smooth(passage.moment), finger.half),
-    }
-
-
-def _areas(passage: _Passage, pad: Pad, column: NDArray[np.int64]) -> Array:
-    """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
-    touch, seen, sign = (
-        passage.contact.obstacle,
-        passage.contact.neighborhood,
-        np.ones((len(column), 3)),
-    )
-    sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
-    pressed = response.on_seen(passage.pressure, seen)[:, column] > 0
-    areas = np.empty(len(passage.depth))
-    for step, moved in enumerate(passage.moved):
-        surface = CandidateSurface(
-            pad.points + sign * moved[column], pad.triangles, touch.axis, touch
-        )
-        areas[step] = surface.area(pressed[step][None], passage.gap[step][column][None])[0]
-    return areas
-
-
-def _strain(finger: Body, passage: _Passage, steps: Stride) -> Array | None:
-    """Return the strain at the sites of the whole finger at all times."""
-    if passage.sites is None:
-        return None
-    strain = steps.smooth(passage.strain)
-    return unfolded(strain, passage.sites.points) if finger.half else strain
-
-
-def _fields(passage: _Passage, finger: Body, mesh: FingerMesh) -> Fields:
-    """Return the kept states on the mesh."""
-    numbers = np.array(sorted(passage.frames))
-    n_points, n_frames = len(mesh.points), len(numbers)
-    displacement = np.zeros((n_frames, n_points, 3))
-    strain, pressure = np.zeros((n_frames, n_points, 6)), np.zeros((n_frames, n_points))
-    gradients = gradient_at_vertices(finger.space)
-    pressed = finger.original[passage.contact.on.vertices]
-    for frame, number in enumerate(numbers):
-        values = passage.frames[number]
-        own = values[: 3 * len(finger.original)].reshape(-1, 3)
-        displacement[frame, finger.original] = own
-        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
-        strain[frame, finger.original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
-        pressure[frame, pressed] = passage.pressure[number]
-    times = passage.times[numbers]
-    return Fields(mesh.points, mesh.cells, mesh.region, times, displacement, strain, pressure)

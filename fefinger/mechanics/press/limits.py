@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.scene.scene import Scene
+from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 
 
@@ -18,11 +18,10 @@ NOTHING_UNDER = (
 )
 
 
-def check_under(scene: Scene, count: int) -> None:
+def check_under(motion: Motion, count: int) -> None:
     """Raise InputError if the indenter has `count` = 0 vertices of the pad under it."""
     if count == 0:
-        by_depth = scene.motion.control == "depth"
-        raise InputError(unresolved(scene.motion.peak) if by_depth else NOTHING_UNDER)
+        raise InputError(unresolved(motion.peak) if motion.control == "depth" else NOTHING_UNDER)
 
 
 def rim_reached(count: int) -> str:
@@ -43,24 +42,29 @@ def unresolved(depth: float) -> str:
     )
 
 
-def check_reached(scene: Scene, deepest: float) -> None:
-    """Raise InputError for a force that presses the tissue to nothing, to `deepest` mm."""
-    if scene.motion.control == "force" and deepest >= scene.finger.pulp:
+def spread_beyond(reach: float) -> str:
+    """Return what to say when contact spread beyond all candidates, up to a gap of `reach` mm."""
+    return f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
+
+
+def check_reached(motion: Motion, pulp: float, deepest: float) -> None:
+    """Raise InputError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
+    if motion.control == "force" and deepest >= pulp:
         message = (
-            f"motion.force: expected one that presses less deep than the {scene.finger.pulp:g} mm "
-            f"of tissue under the pad, received {scene.motion.peak:g} N, which presses "
-            f"{deepest:.3g} mm deep; press less"
+            f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue "
+            f"under the pad, received {motion.peak:g} N, which presses {deepest:.3g} mm deep; "
+            "press less"
         )
         raise InputError(message)
 
 
-def check_depth(scene: Scene, mesh: FingerMesh, touch: "Obstacle") -> None:
+def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
     """Raise InputError for a depth that leaves no tissue over the bone."""
     bone = mesh.points[np.unique(mesh.facets["bone"])]
-    pulp = float(np.min(np.linalg.norm(bone - touch.origin, axis=1)))
-    if scene.motion.control == "depth" and scene.motion.peak >= pulp:
+    pulp = float(np.min(np.linalg.norm(bone - obstacle.origin, axis=1)))
+    if motion.control == "depth" and motion.peak >= pulp:
         message = (
             f"motion.depth: expected less than the {pulp:.3g} mm of tissue over the bone, "
-            f"received {scene.motion.peak:g} mm"
+            f"received {motion.peak:g} mm"
         )
         raise InputError(message)

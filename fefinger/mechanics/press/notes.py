@@ -1,5 +1,6 @@
 """Notes that several mechanics leave with their answers."""
 
+from fefinger.mechanics.refusals import Doubt
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.theory.relaxation import Prony
@@ -13,15 +14,19 @@ def normalized(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).",)
 
 
-def apart(finger: Finger) -> tuple[str, ...]:
+def apart(finger: Finger) -> tuple[Doubt, ...]:
     """Return what keeps a mechanics that relaxes all stress with one function from a finger."""
-    found = []
+    doubts = []
     if finger.relaxation != "whole":
-        found.append(f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress")
+        reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
+        doubts.append(Doubt("finger.relaxation", reason))
     for layer in ("skin", "subcutaneous"):
         if getattr(finger, layer).prony not in (None, finger.prony):
-            found.append(f"finger.{layer}.prony: set, but it relaxes all tissue with one function")
-    return tuple(found)
+            field = f"finger.{layer}.prony"
+            doubts.append(
+                Doubt(field, f"{field}: set, but it relaxes all tissue with one function")
+            )
+    return tuple(doubts)
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
@@ -37,22 +42,32 @@ def relaxing(finger: Finger) -> tuple[str, ...]:
     return tuple(found)
 
 
+def of_finger(finger: Finger) -> tuple[str, ...]:
+    """Return what a reader has to know of how the tissue of a finger is held and relaxes."""
+    cut = "held" if finger.cut == "fixed" else "free"
+    return (
+        f"The proximal cut of the tissue is {cut}.",
+        *normalized(finger.prony),
+        *relaxing(finger),
+    )
+
+
 RIGID_BONE = (
     "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
     "one of 17 GPa, held at its cut, would take 0.2 % off the relaxed force and 0.6 % off a peak."
 )
 
 
-def yielding(finger: Finger) -> list[str]:
+def yielding(finger: Finger) -> tuple[Doubt, ...]:
     """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
-    found = []
+    doubts = []
     if isinstance(finger.bone, Hard):
-        found.append(
-            f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: it knows no elastic bone"
-        )
+        reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: it knows no elastic bone"
+        doubts.append(Doubt("finger.bone", reason))
     if finger.nail is not None:
-        found.append("finger.nail: set, but it takes the nail as held with the bone")
-    return found
+        reason = "finger.nail: set, but it takes the nail as held with the bone"
+        doubts.append(Doubt("finger.nail", reason))
+    return tuple(doubts)
 
 
 def hard(finger: Finger) -> tuple[str, ...]:

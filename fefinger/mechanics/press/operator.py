@@ -190,7 +190,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 METHOD = Method(
-    lambda scene, mesh, report: operator(scene.finger, half=mesh.half, progress=report),
+    lambda finger, mesh, solver, report: operator(finger, half=mesh.half, progress=report),
     reduction.reduce,
     step_compiled.march,
     reduction.displaced,

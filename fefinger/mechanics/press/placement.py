@@ -9,7 +9,7 @@ from fefinger.fem.body import Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import foremost, smooth_places
 from fefinger.fem.elements.spaces import trace
-from fefinger.scene.indenter import STANDARD, Flat, Grating, Indenter, Relief, direction
+from fefinger.scene.indenter import STANDARD, Indenter, direction
 from fefinger.support.checks import InputError
 
 
@@ -27,14 +27,12 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     InputError
         If the place `at` is not on the pad, or the first touch lies on the border of the pad.
     """
-    roll = getattr(indenter, "roll", 0.0)
-    if isinstance(indenter, Flat | Grating | Relief):
-        axis = direction(indenter)
-        smooth = Flat(indenter.angle, indenter.tilt)
-        origin = np.zeros(3) if smooth == STANDARD else _met(body, axis)
+    plate, at, roll = indenter.plate, indenter.place, indenter.turn
+    if plate is not None:
+        axis = direction(plate)
+        origin = np.zeros(3) if plate == STANDARD.plate else _met(body, axis)
         placed = Obstacle(axis, origin, indenter.profile, roll)
-        return _touching(placed, body, f"indenter.angle {indenter.angle:g} degrees")
-    at = getattr(indenter, "at", None)
+        return _touching(placed, body, f"indenter.angle {plate.angle:g} degrees")
     origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
     return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 

@@ -1,15 +1,33 @@
-"""What a finite-element press is given: the method, and the contact that is solved."""
+"""A press as a finite-element solver sees it, and how it is made from a scene."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Self
 
-from fefinger.fem.body import Reduced
-from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.body import Body, Reduced, Solid
+from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.viscoelastic import History
+from fefinger.fem.linalg.system import System
+from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.discretization import symmetric
+from fefinger.mechanics.press.limits import check_depth
+from fefinger.mechanics.press.notes import of_finger
+from fefinger.mechanics.press.sites import central_sites, end_organ_sites
+from fefinger.mechanics.press.skin import meshed
+from fefinger.mechanics.press.time_steps import time_grid
+from fefinger.mesh.store import ready
+from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
-from fefinger.scene.indenter import Indenter
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.motion import Motion
+from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
+from fefinger.support.progress import Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 REACH = 1.25  # candidate vertices are those whose gap at first touch is below this times the depth
@@ -26,13 +44,14 @@ FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finge
 
 @dataclass(frozen=True)
 class Method:
-    """How a mechanics solves: the solid, its reduction to a patch, its march and its fields.
+    """How a mechanics builds a body and solves it.
 
-    solid(scene, mesh, report); reduce and march as in `fem.body` and `fem.march`; unknowns(solid,
-    loads) gives the displacement under loads on the pad; touch(indenter) where the mesh is fine.
+    body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
+    reduce and march as in `fem.body` and `fem.contact.viscoelastic`; unknowns(body, loads) gives
+    the displacement under loads on the pad; touch(indenter) where the mesh is fine.
     """
 
-    solid: Callable[..., Any]
+    body: Callable[..., Any]
     reduce: Callable[..., Reduced]
     march: Callable[..., History]
     unknowns: Callable[[Any, Array], Array]
@@ -40,11 +59,121 @@ class Method:
 
 
 @dataclass(frozen=True)
-class Contact:
-    """The solved contact: where, on what, when, and the end organs that it strains."""
+class ReferencePlate:
+    """The standard plate at first touch, and the central sites below it: the reference press."""
 
-    touch: Rigid
-    reduced: Reduced
-    sites: Sites | None
+    obstacle: Obstacle
+    sites: Sites
+
+
+@dataclass(frozen=True)
+class Press:
+    """A press as a finite-element solver sees it; a solver sees nothing else of a scene.
+
+    mechanics: the name that the answer carries; method: how the body was built and is solved;
+    mesh: of all regions; body: the soft tissue that is solved; finger: its sizes and tissues;
+    obstacle: the indenter at first touch; standard: whether that is the standard plate; motion, and
+    time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
+    the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
+    wanted; notes: the simplifications that a reader of the answer has to know.
+    """
+
+    mechanics: str
+    method: Method
+    mesh: FingerMesh
+    body: Solid
+    finger: Finger
+    obstacle: Obstacle
+    standard: bool
+    motion: Motion
     time: Array
-    history: History
+    sites: Sites | None
+    reference: ReferencePlate | None
+    pressure: bool
+    fields: bool
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        method: Method,
+        stages: Stages,
+        *,
+        mechanics: str,
+        notes: tuple[str, ...],
+        refine: int = 1,
+    ) -> Self:
+        """Mesh the finger of a scene, build its body and place on it what the scene names.
+
+        `refine` divides every time step.
+
+        Raises
+        ------
+        InputError
+            If the indenter does not touch the pad, or goes deeper than the tissue allows.
+        """
+        finger, ask, motion = scene.finger, scene.ask, scene.motion
+        with stages.stage("mesh"):
+            mesh = ready(finger, half=symmetric(scene), touch=method.touch(scene.indenter))
+        with stages.stage("factor") as report:
+            body = method.body(finger, mesh, ask.solver, report)
+        obstacle = placement.obstacle(scene.indenter, body)
+        check_depth(motion, mesh, obstacle)
+        sites = None
+        if ask.strain or ask.spikes:
+            skin = partial(skin_of, body)
+            sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
+        return cls(
+            mechanics=mechanics,
+            method=method,
+            mesh=mesh,
+            body=body,
+            finger=finger,
+            obstacle=obstacle,
+            standard=scene.indenter == STANDARD,
+            motion=motion,
+            time=time_grid(motion, fast="FAII" in ask.spikes, refine=refine),
+            sites=sites,
+            reference=reference_plate(finger, body, ask) if ask.spikes else None,
+            pressure=ask.pressure,
+            fields=ask.fields,
+            notes=(*notes, *of_finger(finger), *mesh.quality.get("notes", ())),
+        )
+
+    @property
+    def expected_depth(self) -> float:
+        """Largest depth in mm, that of the motion or, under force control, a first guess."""
+        by_depth = self.motion.control == "depth"
+        return self.motion.peak if by_depth else FORCE_DEPTH * self.finger.thickness
+
+    @property
+    def system(self) -> System:
+        """The linear system of a body on a whole mesh; a reduced body has none."""
+        if not isinstance(self.body, Body):
+            message = f"press: expected a Body with a system, received {type(self.body).__name__}"
+            raise TypeError(message)
+        return self.body.system
+
+    @property
+    def sides(self) -> int:
+        """How many times the meshed part makes the whole finger."""
+        return 2 if self.body.half else 1
+
+    @property
+    def load_unit(self) -> float:
+        """A unit of the motion, mm or N, as the solvers count: in mm, or mN on the meshed part."""
+        by_depth = self.motion.control == "depth"
+        return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
+
+
+def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
+    """Place the standard plate on the body of a finger, with one site per type below it."""
+    obstacle = placement.obstacle(STANDARD, body)
+    sites = central_sites(ask, finger.pulp, obstacle.origin, obstacle.axis)
+    return ReferencePlate(obstacle, sites)
+
+
+def skin_of(body: Solid) -> Surface:
+    """Return the skin of the pad that a population lies under."""
+    return meshed(body.space.points, body.pad, body.normals, half=body.half)

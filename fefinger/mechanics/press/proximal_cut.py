@@ -1,9 +1,9 @@
 """Whether a plate along the finger reaches the proximal cut, told before anything is solved."""
 
+from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, direction
-from fefinger.scene.scene import Scene
+from fefinger.scene.indenter import Plate, direction
 
 
 ALONG = 15.0
@@ -17,26 +17,26 @@ coarse meshes of d.p. at 1.05 to 1.15, `solid` at 0.97 to 0.99, on the tissue ca
 """
 
 
-def reached(name: str, scene: Scene) -> tuple[Refusal, ...]:
+def reached(name: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the refusal of a mechanics by name, if the plate goes too deep for the finger."""
-    indenter, motion, finger = scene.indenter, scene.motion, scene.finger
-    if not isinstance(indenter, Flat) or indenter.angle > ALONG:
+    flat, motion, finger = case.indenter.flat, case.motion, case.finger
+    if flat is None or flat.angle > ALONG:
         return ()
     if motion.control != "depth" or finger.surface is not None:
         return ()
-    gap = _gap(finger, indenter)
-    if motion.peak <= NEAR * gap:
+    gap = _gap(finger, flat)
+    if case.peak <= NEAR * gap:
         return ()
-    sure = motion.peak > FAR * gap
+    sure = case.peak > FAR * gap
     reason = (
-        f"depth / gap at the proximal cut = {motion.peak:.3g} / {gap:.3g} mm: contact "
+        f"depth / gap at the proximal cut = {case.peak:.3g} / {gap:.3g} mm: contact "
         f"{'reaches' if sure else 'may reach'} the cut, behind which there is no finger; press "
         "less, or at a steeper angle"
     )
-    return (Refusal(name, "ability" if sure else "accuracy", reason),)
+    return (Refusal(name, "ability" if sure else "accuracy", reason, "motion.depth"),)
 
 
-def _gap(finger: Finger, plate: Flat) -> float:
+def _gap(finger: Finger, plate: Plate) -> float:
     from fefinger.mesh.first_touch import at_cut
     from fefinger.mesh.recipe import Recipe
 

@@ -1,48 +1,142 @@
-"""The Response of a finite-element press: pad, areas, centroid, frames and notes."""
-
-from typing import Any
+"""The Response of a finite-element press, from its solved contact."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
-from fefinger.fem.contact.patch import Neighborhood
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press.notes import normalized, relaxing
-from fefinger.mechanics.press.problem import Contact
+from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
+from fefinger.mechanics.press.history import (
+    TANGENT_SOLVER,
+    FiniteStrainHistory,
+    SmallStrainHistory,
+)
+from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
+from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.sites import unfolded
-from fefinger.neural.reference import Reference
-from fefinger.results.records import Fields, Pad
-from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array
+from fefinger.results.records import Pad, Response
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-FRAMES_MOVING, FRAMES_RESTING = 20, 6
+def small_strain_response(press: Press, history: SmallStrainHistory, stages: Stages) -> Response:
+    """Return the answer that a press solved at small strain gives."""
+    with stages.stage("fields"):
+        fields = small_strain_fields(press, history) if press.fields else None
+    with stages.stage("pressure"):
+        contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
+        pad, column = whole_pad(press.body, on_pad.neighborhood)
+        pressure = on_seen(contact.pressure, on_pad.neighborhood)[:, column]
+        approach = contact.elastic @ history.reduced.approach.T
+        gap = on_pad.clearance(contact.depth, approach)[:, column]
+        area = middle = moment = None
+        if press.pressure:
+            surface = CandidateSurface(
+                pad.points, pad.triangles, press.obstacle.axis, press.obstacle
+            )
+            area, middle = surface.area(pressure > 0, gap), centroid(pad, pressure)
+            moment = whole_moment(contact.pressure @ on_pad.moment, half)
+        force = press.sides * contact.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
+        strain = _small_strain(press, history)
+    penetration = inside(gap)
+    return Response(
+        mechanics=press.mechanics,
+        time=press.time,
+        depth=contact.depth,
+        force=force,
+        contact_area=area,
+        centroid=middle,
+        pad=pad if press.pressure else None,
+        pressure=pressure if press.pressure else None,
+        sites=press.sites,
+        strain=strain,
+        reference=history.reference,
+        fields=fields,
+        status=f"Solved: {contact.exchanges} contact solutions with {exact(penetration)}.",
+        seconds=stages.seconds,
+        notes=(*press.notes, *gave_way(press.body)),
+        numbers={
+            "unknowns": press.body.space.n_unknowns,
+            "candidates": len(on_pad.vertices),
+            "half": float(half),
+            "penetration_mm": penetration,
+        },
+        sources=origins(press.mesh, press.body, stages),
+        gap=gap if press.pressure else None,
+        moment=moment,
+    )
 
 
-def origins(mesh: FingerMesh, finger: Solid, stages: Stages) -> dict[str, str]:
+def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: Stages) -> Response:
+    """Return the answer that a press solved at finite strain gives, at all times up to its end."""
+    with stages.stage("fields"):
+        fields = finite_strain_fields(press, history) if press.fields else None
+    with stages.stage("pressure"):
+        steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
+        pressure, force = _between_steps(press, history)
+        pad = area = middle = gap = moment = None
+        if press.pressure:
+            pad, column = whole_pad(press.body, seen)
+            pressure = on_seen(pressure, seen)[:, column]
+            area, middle = steps.bounded(_areas(history, pad, column)), centroid(pad, pressure)
+            gap = steps.smooth(history.gap)[:, column]
+            moment = whole_moment(steps.smooth(history.moment), half)
+        by_force = press.motion.control == "force"
+        depth = steps.bounded(history.depth) if by_force else steps.path
+        strain = _finite_strain(press, history)
+    penetration = inside(history.gap)
+    return Response(
+        mechanics=press.mechanics,
+        time=steps.time,
+        depth=depth,
+        force=force,
+        contact_area=area,
+        centroid=middle,
+        pad=pad,
+        pressure=pressure if press.pressure else None,
+        sites=press.sites,
+        strain=strain,
+        reference=history.reference,
+        fields=fields,
+        status=_status(history, penetration),
+        seconds=stages.seconds,
+        notes=(*press.notes, *gave_way(press.body)),
+        numbers={
+            "unknowns": press.body.space.n_unknowns,
+            "candidates": len(history.contact),
+            "half": float(half),
+            "steps": len(history.depth),
+            "iterations": history.iterations,
+            "downhill": history.descents,
+            "penetration_mm": penetration,
+        },
+        sources=origins(press.mesh, press.body, stages) | {"solver": TANGENT_SOLVER},
+        gap=gap,
+        moment=moment,
+    )
+
+
+def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
     """Return what an answer was computed from, with what solver, and in how much memory."""
     found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    return found | {"solver": finger.system.name} if isinstance(finger, Body) else found
+    return found | {"solver": body.system.name} if isinstance(body, Body) else found
 
 
-def gave_way(finger: Solid) -> tuple[str, ...]:
+def gave_way(body: Solid) -> tuple[str, ...]:
     """Return which factors in single precision failed."""
-    if not isinstance(finger, Body):
+    if not isinstance(body, Body):
         return ()
-    count = len(finger.system.failed)
+    count = len(body.system.failed)
     if not count:
-        return finger.system.solver.notes
+        return body.system.solver.notes
     tangents = (
         f"Single precision failed for {count} factor{'s' if count > 1 else ''} of the tangent; "
         f"{'those' if count > 1 else 'that'} in double precision, of twice the memory, "
         f"{'were' if count > 1 else 'was'} taken instead."
     )
-    return (*finger.system.solver.notes, tangents)
+    return (*body.system.solver.notes, tangents)
 
 
 def inside(gap: Array) -> float:
@@ -61,119 +155,53 @@ def exact(penetration: float) -> str:
     )
 
 
-def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
-    """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
-    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
-    moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))
-    evenly = np.linspace(0, len(depth) - 1, FRAMES_RESTING).round()
-    return np.unique(np.concatenate([moving, evenly, [peak]]).astype(np.int64))
+def _small_strain(press: Press, history: SmallStrainHistory) -> Array | None:
+    """Return the strain (n_t, n_sites, 3, 3) at the sites of the whole finger."""
+    if press.sites is None:
+        return None
+    components = history.contact.elastic @ history.reduced.strain.T
+    strain = tensors(components.reshape(len(press.time), -1, 6))
+    return unfolded(strain, press.sites.points) if press.body.half else strain
 
 
-def answer(
-    scene: Scene,
-    finger: Solid,
-    contact: Contact,
-    reference: Reference | None,
-    fields: Fields | None,
-) -> dict[str, Any]:
-    """Return the fields of a Response that the solved contact gives."""
-    history, on_pad = contact.history, contact.reduced.patch
-    seen = on_pad.neighborhood
-    pad, column = whole_pad(finger, seen.vertices, seen.triangles, seen.areas)
-    pressure = on_seen(history.pressure, seen)[:, column]
-    sides = 2 if finger.half else 1
-    force = sides * history.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
-    strain = None
-    if contact.sites is not None:
-        components = history.elastic @ contact.reduced.strain.T
-        strain = tensors(components.reshape(len(contact.time), -1, 6))
-        strain = unfolded(strain, contact.sites.points) if finger.half else strain
-    asked = scene.ask.pressure
-    approach = history.elastic @ contact.reduced.approach.T
-    gap = on_pad.clearance(history.depth, approach)[:, column]
-    penetration = inside(gap)
-    surface = CandidateSurface(pad.points, pad.triangles, contact.touch.axis, contact.touch)
-    return {
-        "time": contact.time,
-        "depth": history.depth,
-        "force": force,
-        "contact_area": surface.area(pressure > 0, gap) if asked else None,
-        "centroid": centroid(pad, pressure) if asked else None,
-        "pad": pad if asked else None,
-        "pressure": pressure if asked else None,
-        "gap": gap if asked else None,
-        "moment": whole_moment(history.pressure @ on_pad.moment, finger.half) if asked else None,
-        "sites": contact.sites,
-        "strain": strain,
-        "reference": reference,
-        "fields": fields,
-        "status": f"Solved: {history.exchanges} contact solutions with {exact(penetration)}.",
-        "numbers": {
-            "unknowns": finger.space.n_unknowns,
-            "candidates": len(on_pad.vertices),
-            "half": float(finger.half),
-            "penetration_mm": penetration,
-        },
-    }
+def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
+    """Return the strain (n_t, n_sites, 3, 3) at the sites of the whole finger at all times."""
+    if press.sites is None:
+        return None
+    strain = history.steps.smooth(history.strain)
+    return unfolded(strain, press.sites.points) if press.body.half else strain
 
 
-def on_seen(pressure: Array, seen: Neighborhood) -> Array:
-    """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
-    return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
+def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:
+    """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times."""
+    pressure = history.steps.bounded(history.pressure)
+    force = press.sides * pressure @ history.contact.travel * NEWTON_PER_MILLINEWTON
+    if press.motion.control == "force":  # that is prescribed between the steps as well
+        ratio = np.divide(history.steps.path, force, out=np.ones_like(force), where=force > 0)
+        pressure, force = pressure * ratio[:, None], force * ratio
+    return pressure, force
 
 
-def whole_moment(meshed: Array, half: bool) -> Array:
-    """Return the moment (n_t, 3) N mm on the whole finger about the origin."""
-    whole = meshed * np.array([0.0, 2.0, 0.0]) if half else meshed
-    return np.asarray(whole * NEWTON_PER_MILLINEWTON)
+def _areas(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
+    """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
+    obstacle, seen = history.contact.obstacle, history.contact.neighborhood
+    sign = np.ones((len(column), 3))
+    sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
+    pressed = on_seen(history.pressure, seen)[:, column] > 0
+    areas = np.empty(len(history.depth))
+    for step, moved in enumerate(history.moved):
+        points = pad.points + sign * moved[column]
+        surface = CandidateSurface(points, pad.triangles, obstacle.axis, obstacle)
+        areas[step] = surface.area(pressed[step][None], history.gap[step][column][None])[0]
+    return areas
 
 
-def centroid(pad: Pad, pressure: Array) -> Array:
-    """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
-    total = (pressure @ pad.areas)[:, None]
-    moment = pressure @ first_moments(pad)[:, :2]
-    return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
-
-
-def first_moments(pad: Pad) -> Array:
-    """Return the integrals (n_pad, 3) mm³ of every hat times the place, over the triangles."""
-    corners = pad.points[pad.triangles]
-    sides = corners[:, 1:] - corners[:, :1]
-    twelfths = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 24
-    moments = np.zeros_like(pad.points)
-    share = twelfths[:, None, None] * (corners + corners.sum(axis=1, keepdims=True))
-    np.add.at(moments, pad.triangles, share)
-    return moments
-
-
-def whole_pad(
-    finger: Solid, vertices: NDArray[np.int64], faces: NDArray[np.int64], areas: Array
-) -> tuple[Pad, NDArray[np.int64]]:
-    """Return the pad of the whole finger, and which of `vertices` each of its points is."""
-    points, normals = finger.space.points[vertices], finger.normals[vertices]
-    column = np.arange(len(points))
-    number = np.full(len(finger.space.points), -1, dtype=np.int64)
-    number[vertices] = column
-    triangles = number[faces]
-    triangles = triangles[(triangles >= 0).all(axis=1)]
-    if not finger.half:
-        return Pad(points, areas, normals, triangles), column
-    mirror = np.array([1.0, -1.0, 1.0])
-    off = points[:, 1] > 0
-    twin = column.copy()
-    twin[off] = len(points) + np.arange(off.sum())
-    whole = np.where(off, areas, 2 * areas)
-    pad = Pad(
-        points=np.concatenate([points, points[off] * mirror]),
-        areas=np.concatenate([whole, whole[off]]),
-        normals=np.concatenate([normals, normals[off] * mirror]),
-        triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
+def _status(history: FiniteStrainHistory, penetration: float) -> str:
+    downhill = (
+        f", {history.descents} of them downhill past unstable ones," if history.descents else ""
     )
-    return pad, np.concatenate([column, column[off]])
-
-
-def scene_notes(scene: Scene) -> tuple[str, ...]:
-    """Return what a reader has to know of this scene's finger."""
-    cut = "held" if scene.finger.cut == "fixed" else "free"
-    own = relaxing(scene.finger)
-    return (f"The proximal cut of the tissue is {cut}.", *normalized(scene.finger.prony), *own)
+    return (
+        f"{'Stopped' if history.halt else 'Solved'}: {len(history.depth)} steps{downhill} in "
+        f"{history.iterations} iterations on {history.factors + 1} factors, with "
+        f"{exact(penetration)}.{f' Then: {history.halt}' if history.halt else ''}"
+    )

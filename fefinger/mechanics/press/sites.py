@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.records import Sites
+from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import STANDARD, direction
 from fefinger.scene.library import receptors
-from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 
 
@@ -27,41 +27,37 @@ REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
 
-def sites(scene: Scene, origin: Array, axis: Array) -> Sites:
-    """Return one site per type asked for (all four when only strain is) under the first touch.
+def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
+    """Place one site per type of `ask` (all four where it names none) under the first touch.
 
-    They lie at the depths of their types along the inward normal `axis` (3,) from `origin` (3,).
+    They lie at the depths of their types along the inward normal `axis` (3,) from `origin` (3,), in
+    a tissue `pulp` mm thick.
+
+    Raises
+    ------
+    InputError
+        For end organs that would lie in the bone.
     """
-    known = {kind: organ.depth for kind, organ in receptors().items()} | dict(scene.ask.depths)
-    types = scene.ask.spikes or tuple(known)
-    depth = np.array([known[kind] for kind in types])
-    check_sites(scene, depth)
+    depth_of = {kind: organ.depth for kind, organ in receptors().items()} | dict(ask.depths)
+    types = ask.spikes or tuple(depth_of)
+    depth = np.array([depth_of[kind] for kind in types])
+    _check_above_bone(depth, pulp)
     points = origin + depth[:, None] * axis
     return Sites(points, np.tile(-axis, (len(depth), 1)), depth, tuple(types))
 
 
-def check_sites(scene: Scene, depths: Array) -> None:
-    """Raise InputError for end organs (n,) mm deep that lie in the bone."""
-    deepest = float(depths.max(initial=0.0))
-    if deepest >= scene.finger.pulp:
-        message = (
-            f"ask.depths: expected end organs above the bone, less than {scene.finger.pulp:g} mm "
-            f"deep, received one at {deepest:g} mm; give depths that this finger has, or ask for "
-            "the types of lesser depth alone"
-        )
-        raise InputError(message)
-
-
-def organs(scene: Scene, origin: Array, axis: Array, skin: "Callable[[], Surface]") -> Sites:
-    """Return the sites of the scene's population under its skin, or without one the central ones.
+def end_organ_sites(
+    ask: Ask, pulp: float, origin: Array, axis: Array, skin: "Callable[[], Surface]"
+) -> Sites:
+    """Place the end organs of the population of `ask` under the skin, or without one the central.
 
     The population lies about the first touch of the standard plate, wherever the indenter is.
     """
-    if scene.ask.population is None:
-        return sites(scene, origin, axis)
+    if ask.population is None:
+        return central_sites(ask, pulp, origin, axis)
     from fefinger.mechanics.press import population
 
-    return population.sites(population.place(scene.ask, skin(), direction(STANDARD)))
+    return population.sites(population.place(ask, skin(), direction(STANDARD)))
 
 
 def folded(points: Array) -> Array:
@@ -82,3 +78,14 @@ def unfolded(strain: Array, points: Array) -> Array:
     out = strain.copy()
     out[..., other, :, :] = mirror @ strain[..., other, :, :] @ mirror
     return out
+
+
+def _check_above_bone(depths: Array, pulp: float) -> None:
+    deepest = float(depths.max(initial=0.0))
+    if deepest >= pulp:
+        message = (
+            f"ask.depths: expected end organs above the bone, less than {pulp:g} mm deep, received "
+            f"one at {deepest:g} mm; give depths that this finger has, or ask for the types of "
+            "lesser depth alone"
+        )
+        raise InputError(message)

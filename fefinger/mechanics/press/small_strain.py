@@ -1,65 +1,63 @@
-"""Contact of a finger as a linear viscoelastic body, from a scene to a response.
+"""Contact of a finger as a linear viscoelastic body: one factor, unit loads on the pad, then time.
 
-Shared by the small-strain mechanics: one factor, unit loads on the candidate vertices, then time.
+Shared by `linear` and `condensed`, which differ in the `Method` alone.
 """
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable
 
-from fefinger.fem.body import Body, Solid, body, reduce
-from fefinger.fem.contact.obstacle import Obstacle
+import numpy as np
+
+from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
-from fefinger.fem.elements.probe import strain_at_vertices
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement
+from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import tissues
-from fefinger.mechanics.press.discretization import meshed_at, symmetric
-from fefinger.mechanics.press.limits import check_depth, check_reached
+from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.materials import held, with_nail
-from fefinger.mechanics.press.problem import ATTEMPTS, FORCE_DEPTH, GROW, REACH, Contact, Method
+from fefinger.mechanics.press.problem import Method, Press
 from fefinger.mechanics.press.reference import reference_of
-from fefinger.mechanics.press.response import answer, frames_of, gave_way, origins, scene_notes
-from fefinger.mechanics.press.sites import folded, organs
-from fefinger.mechanics.press.skin import meshed
-from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mesh.store import ready
-from fefinger.neural.populations import Surface
-from fefinger.results.records import Fields, Response
+from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.sites import folded
+from fefinger.results.records import Response
+from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress, Stages
-from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-Array = NDArray[np.float64]
-
-
-def assembled(scene: Scene, mesh: FingerMesh, *, factored: bool) -> Body:
-    """Return the finger of a scene as a body with a linear solver of its own."""
-    finger = scene.finger
-    whole, solver = with_nail(finger, mesh), scene.ask.solver
+def assembled(finger: Finger, mesh: FingerMesh, solver: str | None, *, factored: bool) -> Body:
+    """Return the soft tissue, and elastic hard parts, of a finger with a linear solver."""
+    whole = with_nail(finger, mesh)
     return body(whole, tissues(finger), held(finger), solver, factored=factored)
 
 
+def _factored(
+    finger: Finger, mesh: FingerMesh, solver: str | None, report: Callable[[float], None]
+) -> Body:
+    return assembled(finger, mesh, solver, factored=True)
+
+
 WHOLE_MESH = Method(
-    lambda scene, mesh, report: assembled(scene, mesh, factored=True),
+    _factored,
     reduce,
     march,
-    lambda solid, loads: solid.system.solve(loads),
+    lambda body, loads: body.system.solve(loads),
     meshed_at,
 )
+"""How `linear` solves: a factor of the whole mesh, which is fine where the indenter touches."""
 
 
-def press(
+def respond(
     scene: Scene,
     progress: Progress | None = None,
     *,
     mechanics: str,
     notes: tuple[str, ...],
-    refine: int = 1,
     method: Method = WHOLE_MESH,
+    refine: int = 1,
 ) -> Response:
     """Answer the scene; `refine` divides every time step.
 
@@ -71,93 +69,66 @@ def press(
         If a linear or contact solution is not reached.
     """
     stages = Stages(progress)
-    with stages.stage("mesh"):
-        mesh = ready(scene.finger, half=symmetric(scene), touch=method.touch(scene.indenter))
-    with stages.stage("factor") as report:
-        finger = method.solid(scene, mesh, report)
-    touch = placement.obstacle(scene.indenter, finger)
-    check_depth(scene, mesh, touch)
-    time = time_grid(scene.motion, fast="FAII" in scene.ask.spikes, refine=refine)
-    contact = _contact(scene, finger, touch, time, stages, method)
+    press = Press.of(scene, method, stages, mechanics=mechanics, notes=notes, refine=refine)
+    history = solve(press, stages)
+    return small_strain_response(press, history, stages)
+
+
+def solve(press: Press, stages: Stages) -> SmallStrainHistory:
+    """Solve the contact at all times, and the reference press.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
+    ConvergenceError
+        If a linear or contact solution is not reached.
+    """
+    reduced, contact = _contact(press, stages)
     with stages.stage("reference"):
-        reference = reference_of(scene, finger, contact, method)
-    with stages.stage("fields"):
-        fields = _fields(contact, finger, mesh, method) if scene.ask.fields else None
-    with stages.stage("pressure"):
-        answered = answer(scene, finger, contact, reference, fields)
-    return Response(
-        mechanics=mechanics,
-        **answered,
-        seconds=stages.seconds,
-        notes=(*notes, *scene_notes(scene), *mesh.quality.get("notes", ()), *gave_way(finger)),
-        sources=origins(mesh, finger, stages),
-    )
+        reference = reference_of(press, reduced, float(contact.depth.max()))
+    return SmallStrainHistory(reduced, contact, reference)
 
 
-def skin(finger: Solid) -> Surface:
-    """Return the skin of the pad that a population lies under."""
-    return meshed(finger.space.points, finger.pad, finger.normals, half=finger.half)
-
-
-def _contact(
-    scene: Scene, finger: Solid, touch: Obstacle, time: Array, stages: Stages, method: Method
-) -> Contact:
-    """Solve the contact, with more candidate vertices as long as it meets their rim.
+def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
+    """Solve the contact, with more candidate vertices as long as it reaches their rim.
 
     Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
     """
-    asked_sites = scene.ask.strain or scene.ask.spikes
-    found = organs(scene, touch.origin, touch.axis, lambda: skin(finger)) if asked_sites else None
-    where = found.points if found else np.empty((0, 3))
-    where = folded(where) if finger.half else where
-    probe = recovered_strain_at(finger.space, where, finger.planes)
-    depth_control = scene.motion.control == "depth"
-    value = scene.motion.value(time)
-    if not depth_control:
-        value = value / NEWTON_PER_MILLINEWTON / (2 if finger.half else 1)
-    deepest = scene.motion.peak if depth_control else FORCE_DEPTH * scene.finger.thickness
-    reach = REACH * deepest
-    for rings in range(ATTEMPTS):
-        candidates = patch(finger.space, finger.pad, finger.normals, touch, reach, rings)
-        limits.check_under(scene, len(candidates.vertices))
+    body, motion, method = press.body, press.motion, press.method
+    where = press.sites.points if press.sites else np.empty((0, 3))
+    where = folded(where) if body.half else where
+    probe = recovered_strain_at(body.space, where, body.planes)
+    value = press.load_unit * motion.value(press.time)
+    prescribed = Prescribed(motion.control, press.time, value)
+    prony = press.finger.prony
+    reach = problem.REACH * press.expected_depth
+    for rings in range(problem.ATTEMPTS):
+        candidates = patch(body.space, body.pad, body.normals, press.obstacle, reach, rings)
+        limits.check_under(motion, len(candidates.vertices))
         with stages.stage("unit loads") as report:
-            reduced = method.reduce(finger, candidates, probe, report)
-        prony = scene.finger.prony
-        memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(candidates.vertices))
-        asked = Prescribed(scene.motion.control, time, value)
+            reduced = method.reduce(body, candidates, probe, report)
+        relaxation = Relaxation(
+            np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
+        )
         with stages.stage("contact") as report:
             history = method.march(
-                reduced.flexibility, candidates.gap, candidates.travel, memory, asked, report
+                reduced.flexibility,
+                candidates.gap,
+                candidates.travel,
+                relaxation,
+                prescribed,
+                report,
             )
-        check_reached(scene, float(history.depth.max()))
+        deepest = float(history.depth.max())
+        limits.check_reached(motion, press.finger.pulp, deepest)
         pressed = (history.pressure > 0).any(axis=0)
-        placement.check_inside(finger, candidates.vertices[pressed], float(history.depth.max()))
+        placement.check_inside(body, candidates.vertices[pressed], deepest)
         if not pressed.any():
-            raise InputError(limits.unresolved(float(history.depth.max())))
+            raise InputError(limits.unresolved(deepest))
         if (pressed & candidates.rim).any():
             raise InputError(limits.rim_reached(len(candidates.vertices)))
         if not (pressed & candidates.edge).any():
-            return Contact(touch, reduced, found, time, history)
-        reach *= GROW
-    message = f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
-    raise ConvergenceError(message)
-
-
-def _fields(contact: Contact, finger: Solid, mesh: FingerMesh, method: Method) -> Fields:
-    """Solve for the whole body at some of the times."""
-    force = contact.history.pressure @ contact.reduced.patch.travel
-    frames = frames_of(contact.history.depth, int(np.argmax(force)))
-    loads = contact.reduced.patch.loads @ contact.history.elastic[frames].T
-    unknowns = method.unknowns(finger, np.asarray(loads))
-    n_points, n_frames = len(mesh.points), len(frames)
-    displacement = np.zeros((n_frames, n_points, 3))
-    strain = np.zeros((n_frames, n_points, 6))
-    pressure = np.zeros((n_frames, n_points))
-    vertices = 3 * len(finger.original)
-    displacement[:, finger.original] = unknowns[:vertices].T.reshape(n_frames, -1, 3)
-    at_vertices = strain_at_vertices(finger.space) @ unknowns
-    strain[:, finger.original] = at_vertices.T.reshape(n_frames, -1, 6)
-    pressed = finger.original[contact.reduced.patch.vertices]
-    pressure[:, pressed] = contact.history.pressure[frames]
-    times = contact.time[frames]
-    return Fields(mesh.points, mesh.cells, mesh.region, times, displacement, strain, pressure)
+            return reduced, history
+        reach *= problem.GROW
+    raise ConvergenceError(limits.spread_beyond(reach))

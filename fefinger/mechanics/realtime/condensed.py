@@ -9,10 +9,10 @@ indenter is placed in about a second, and then no array is made from one step to
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,24 +21,26 @@ from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator, OutsideError, faces_down
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.contact.obstacle import Obstacle, Rigid
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import ODD, VOIGT
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics import condensed
-from fefinger.mechanics.press import limits, operator, placement, problem, response
+from fefinger.mechanics.press import limits, operator, placement, problem
+from fefinger.mechanics.press.history import SmallStrainHistory
+from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_of, reference_press
-from fefinger.mechanics.press.sites import folded
-from fefinger.mechanics.press.sites import sites as central_sites
+from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.sites import central_sites, folded
 from fefinger.mechanics.press.time_steps import time_grid
+from fefinger.mesh.store import ready
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Flat, Indenter
-from fefinger.scene.motion import Motion, Ramp
-from fefinger.scene.scene import Scene
+from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -108,15 +110,15 @@ class Condensed:
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         choice("precision", precision, ("double", "single"))
-        half = isinstance(indenter, Indenter) and indenter.mirrored
+        half = not isinstance(indenter, Rigid) and indenter.mirrored
         solid = operator.operator(finger, half=half)
-        if isinstance(indenter, Indenter):
-            touch: Rigid = placement.obstacle(indenter, solid)
+        if isinstance(indenter, Rigid):
+            touch: Rigid = indenter
         else:
-            touch = indenter
+            touch = placement.obstacle(indenter, solid)
         if sites is None:
             origin = getattr(touch, "origin", np.zeros(3))
-            sites = central_sites(_scene(finger, indenter), origin, touch.axis)
+            sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
         where = folded(self.sites.points) if half else self.sites.points
         reduced = _answering(finger, solid, touch, self.deepest, where)
@@ -257,21 +259,31 @@ class Condensed:
         InputError, ConvergenceError
             As `step`.
         """
-        stages, solid = Stages(), self.solid
+        stages = Stages()
+        press = self._press(motion, time_grid(motion, fast=fast))
         with stages.stage("contact"):
-            time = time_grid(motion, fast=fast)
-            contact = problem.Contact(
-                self._touch, self._reduced, self.sites, time, self._history(motion, time)
-            )
-        scene = _scene(self.finger, self.indenter, motion, self.sites.types)
+            contact = self._history(motion, press.time)
         with stages.stage("reference"):
-            reference = reference_of(scene, solid, contact, operator.METHOD)
-        with stages.stage("pressure"):
-            answer = response.answer(scene, solid, contact, reference, None)
-        return Response(
+            reference = reference_of(press, self._reduced, float(contact.depth.max()))
+        history = SmallStrainHistory(self._reduced, contact, reference)
+        return small_strain_response(press, history, stages)
+
+    def _press(self, motion: Motion, time: Array) -> problem.Press:
+        """Return the motion of this finger's own indenter as a press."""
+        return problem.Press(
             mechanics=condensed.name,
-            **answer,
-            seconds=stages.seconds,
+            method=operator.METHOD,
+            mesh=ready(self.finger, half=self.solid.half),
+            body=self.solid,
+            finger=self.finger,
+            obstacle=cast(Obstacle, self._touch),  # small strain asks for its axis and gap alone
+            standard=self.indenter == STANDARD,
+            motion=motion,
+            time=time,
+            sites=self.sites,
+            reference=_reference_plate(self.finger, self.solid, self.sites),
+            pressure=True,
+            fields=False,
             notes=condensed.NOTES,
         )
 
@@ -321,26 +333,14 @@ def _answering(
 
 def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
     """Return one unit per site; `options` as for `neural.streaming.Afferents`."""
-    touch = placement.obstacle(STANDARD, solid)
-    scene = _scene(finger, STANDARD, types=sites.types)
-    central = central_sites(scene, touch.origin, touch.axis)
-    reference = reference_press(solid, central, operator.METHOD)
+    plate = _reference_plate(finger, solid, sites)
+    reference = reference_press(solid, plate, operator.METHOD)
     return Afferents.of(sites.types, sites.normals, reference, **options)
 
 
-def _scene(
-    finger: Finger,
-    indenter: Indenter | Rigid,
-    motion: Motion | None = None,
-    types: Sequence[str] = (),
-) -> Scene:
-    """Return the scene; an obstacle of one's own stands in it as a plate at 0 degrees."""
-    return Scene(
-        finger=finger,
-        indenter=indenter if isinstance(indenter, Indenter) else Flat(0.0),
-        motion=motion or Ramp(1.0, 1.0),
-        ask=Ask(fields=False, spikes=tuple(dict.fromkeys(types))),
-    )
+def _reference_plate(finger: Finger, solid: Solid, sites: Sites) -> problem.ReferencePlate:
+    """Return the standard plate on a finger, with one site for each type of `sites` below it."""
+    return problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
 
 
 def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
@@ -355,11 +355,9 @@ def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
 def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> step_compiled.Output:
     """Return what is read off the pad, and at points (n, 3), in every step."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
-    pad, column = response.whole_pad(
-        solid, reduced.patch.vertices, reduced.patch.triangles, reduced.patch.areas
-    )
+    pad, column = whole_pad(solid, on_pad)
     areas = np.bincount(column, pad.areas, minlength=count)
-    first = response.first_moments(pad)
+    first = first_moments(pad)
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
     edge = on_pad.edge | np.isin(on_pad.vertices, placement.border(solid))
     kind = np.float32 if precision == "single" else np.float64

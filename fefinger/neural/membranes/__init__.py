@@ -1,4 +1,4 @@
-"""Membranes: from generator current to spikes, as siblings that can stand for one another."""
+"""Membranes: models from generator current to spikes, with one interface."""
 
 from fefinger.neural.membranes.connor_stevens import ConnorStevens
 from fefinger.neural.membranes.firing import LARGEST_STEP, Firing, Membrane

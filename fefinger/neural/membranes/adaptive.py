@@ -1,4 +1,4 @@
-"""Hodgkin-Huxley integration by an adaptive method of order 8: the reference for the others."""
+"""Adaptive Hodgkin-Huxley integration of order 8 (DOP853): reference for the other methods."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,13 @@ from fefinger.support.checks import ConvergenceError, InputError
 _RTOL, _ATOL = 1e-10, 1e-12
 
 _STRAIGHT = 1e-12
-"""Change of slope, over the larger of both, below which three samples lie on one line."""
+"""Relative change of slope below which three samples lie on one line."""
 
 _JUMP = 10.0
-"""Spacings of the time up to which an interval is a jump: the solver takes no shorter steps."""
+"""Intervals up to so many floating-point spacings are jumps: the solver takes no shorter steps."""
 
 MOST = 1_000_000
-"""Straight pieces of a current that are refused from here on: each takes about a millisecond."""
+"""Number of straight pieces from which a current is rejected: each takes about a millisecond."""
 
 
 def integrate(
@@ -30,9 +30,9 @@ def integrate(
     block: tuple[float, float, float],
     current: NDArray[np.float64],
 ) -> Run:
-    """Integrate one unit, current (n_t, 1), and return what `_lanes.integrate` finds.
+    """Integrate one unit, current (n_t, 1); results as in `vectorized.integrate`.
 
-    It starts anew at every kink of the current; peak and block are read at the ends of steps.
+    The solver restarts at every kink of the current; peak and block are read at the ends of steps.
     InputError for MOST straight pieces or more, ConvergenceError where the solver gives up.
     """
     slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
@@ -71,21 +71,21 @@ def integrate(
 def _straight(
     time: NDArray[np.float64], current: NDArray[np.float64]
 ) -> list[tuple[float, float, float, float]]:
-    """Return (t0, t1, i0, i1) of the longest pieces on which the current is one straight line.
+    """Split a current into its longest straight pieces (t0, t1, i0, i1).
 
-    InputError where they are too many. A jump is a repeated time, or the last time before it and
-    its own; of many such short intervals in a row only the first is left out, or their sum would be
-    lost.
+    InputError for MOST pieces or more. A jump is a repeated time, or an interval of a few spacings
+    of floating point; of several such intervals in a row only the first is skipped, or their sum
+    would be lost.
     """
     apart = np.diff(time)
     short = (apart > 0) & (apart <= _JUMP * np.spacing(np.abs(time[1:])))
     short[1:] &= ~short[:-1]
-    kept = np.flatnonzero((apart > 0) & ~short)
-    if len(kept) == 0:
+    pieces_at = np.flatnonzero((apart > 0) & ~short)
+    if len(pieces_at) == 0:
         return []
-    slopes = np.diff(current)[kept] / apart[kept]
-    starts, ends = current[kept], current[kept + 1]
-    # Against the slopes beside it: against the largest, a steep edge would hide every other bend.
+    slopes = np.diff(current)[pieces_at] / apart[pieces_at]
+    starts, ends = current[pieces_at], current[pieces_at + 1]
+    # Relative to both neighbors: relative to the largest, a steep edge would hide all other bends.
     size = np.maximum(np.abs(slopes[1:]), np.abs(slopes[:-1]))
     bends = (np.abs(np.diff(slopes)) > _STRAIGHT * size) | (starts[1:] != ends[:-1])
     first = np.append(0, np.flatnonzero(bends) + 1)
@@ -95,6 +95,8 @@ def _straight(
             f"received {len(first)}; take fewer samples, 'runge-kutta', or a larger tolerance"
         )
         raise InputError(msg)
-    last = np.append(first[1:], len(kept)) - 1
-    pieces = zip(time[kept[first]], time[kept[last] + 1], starts[first], ends[last], strict=True)
-    return [(float(a), float(b), float(c), float(d)) for a, b, c, d in pieces]
+    last = np.append(first[1:], len(pieces_at)) - 1
+    spans = zip(
+        time[pieces_at[first]], time[pieces_at[last] + 1], starts[first], ends[last], strict=True
+    )
+    return [(float(a), float(b), float(c), float(d)) for a, b, c, d in spans]

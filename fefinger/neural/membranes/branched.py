@@ -1,4 +1,4 @@
-"""Compiled race of the membranes of one branched unit; imported by `units` when one first runs."""
+"""Compiled integration of the membranes of one branched unit; imported at its first run."""
 
 import math
 
@@ -19,11 +19,12 @@ def race(
     block: tuple[float, float, float],
     spikes: NDArray[np.float64],
 ) -> tuple[int, float, float, NDArray[np.float64]]:
-    """Integrate the branches of one unit from rest, as `_lanes.integrate` does one membrane.
+    """Integrate the branches of one unit from rest; the first to fire resets the others.
 
-    time (n_t,) ms, current (n_t, n_branches). The branch that first reaches a spike fires the unit
-    and invades the others: they take over its state. `block` is its potential, current and time;
-    the longest of the branches counts. Returns spikes, peak, block and the final states.
+    time (n_t,) ms, current (n_t, n_branches). The branch that first reaches a spike fires the unit,
+    and the others take over its state. `block`: potential, current and time of a depolarization
+    block; the longest block of the branches counts. Returns the number of spikes, the peak, the ms
+    in block and the final states.
     """
     n, slow = current.shape[1], 1.0 / divisor
     y = np.empty((n, 4))
@@ -32,6 +33,7 @@ def race(
     count, peak = 0, rest[0]
     for k in range(len(time) - 1):
         interval = time[k + 1] - time[k]
+        # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
         steps = math.ceil(interval / dt_max - 1e-9)
         for j in range(steps):
             dt, winner, first = interval / steps, -1, 2.0

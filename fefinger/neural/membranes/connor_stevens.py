@@ -1,4 +1,4 @@
-"""The membrane with a fast transient potassium current."""
+"""Connor-Stevens membrane: Hodgkin-Huxley with a fast transient potassium (A) current."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -19,24 +19,24 @@ from fefinger.support.checks import number
 
 
 BLOCK_AFTER = 0.010
-"""s over the speed that the potential stays more than 20 mV above rest without a spike in a block;
-spikes are shorter."""
+"""Time in s, over the speed, from which a stay of more than 20 mV above rest without a spike is a
+block; spikes are shorter."""
 
 _FINEST = 1e-5
-"""s: longest step; spike trains at 9 to 40 uA/cm² are good to 0.04 ms in their first 0.15 s."""
+"""Longest step in s; spike times at 9 to 40 uA/cm² are right to 0.04 ms in the first 0.15 s."""
 
 
 @dataclass(frozen=True)
 class ConnorStevens:
-    """Hodgkin-Huxley currents and a fast transient potassium (A) current: thesis 4.4.2.
+    """Membrane with Hodgkin-Huxley currents and a fast transient potassium current: thesis 4.4.2.
 
     The A current opens below threshold and inactivates slowly, which delays the next spike: firing
     starts at any low rate, where HodgkinHuxley jumps to 50 Hz (10 Hz with rates / 6), at kinetics
-    that are not slowed. At 16 Hz, where HodgkinHuxley(6) gives one impulse per cycle of
-    A (1 - cos wt) at A = 6.25, 12.5, 25 and 50 uA/cm², this one gives 1, 4, 8 and 13.5, and each
-    amplitude has its one impulse at a frequency of its own. `transient` is the conductance of the
-    A current in mS/cm²; at 20 and below the membrane fires without a stimulus. All rates are
-    divided by `rate_divisor`.
+    that are not slowed. At 16 Hz, where HodgkinHuxley(6) gives one impulse per cycle of A (1 - cos
+    wt) at A = 6.25, 12.5, 25 and 50 uA/cm², this one gives 1, 4, 8 and 13.5; the frequency of one
+    impulse per cycle depends on the amplitude. `transient` is the conductance of the A current in
+    mS/cm²; at 20 and below the membrane fires without a stimulus. All rates are divided by
+    `rate_divisor`.
 
     The nerve of a crab leg at 18 C. Connor, Walter & McKown (1977), Biophys J 18:81, as given by
     Dayan & Abbott (2001), Theoretical Neuroscience, section 6.6, Eq. 6.27 to 6.38. Spikes as in
@@ -52,7 +52,7 @@ class ConnorStevens:
         number("rate_divisor", self.rate_divisor, at_least=1.0, at_most=100.0)
 
     def rest(self) -> NDArray[np.float64]:
-        """Return the lowest state without net current: mV (not from rest) and n, m, h, a, b."""
+        """Find the lowest state without net current: absolute potential in mV and n, m, h, a, b."""
         from scipy.optimize import brentq
 
         from fefinger.neural.membranes import connor_stevens_compiled as compiled
@@ -92,7 +92,7 @@ class ConnorStevens:
         step: float,
         frozen: bool,
     ) -> Run:
-        """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
+        """Integrate all units: spike times in ms; per unit final state, peak in mV, ms in block."""
         from fefinger.neural.membranes import connor_stevens_compiled as compiled
 
         rest = self.rest()

@@ -1,4 +1,8 @@
-"""The compiled Connor-Stevens membrane; imported when one first runs."""
+"""Compiled Connor-Stevens membrane; imported at its first run.
+
+Equations and constants: Dayan & Abbott (2001), Theoretical Neuroscience, section 6.6, Eq. 6.27 to
+6.38.
+"""
 
 import math
 
@@ -15,7 +19,7 @@ E_NA, E_K, E_A, E_LEAK = 55.0, -72.0, -75.0, -17.0
 
 @njit(cache=True)
 def _linoid(x: float) -> float:
-    """Return x / (1 - exp(-x)), its removable singularity removed."""
+    """Return x / (1 - exp(-x)), regular at 0."""
     if abs(x) < 1e-6:
         return 1.0 + 0.5 * x
     return x / -math.expm1(-x)
@@ -25,7 +29,7 @@ def _linoid(x: float) -> float:
 def kinetics(
     e: float,
 ) -> tuple[float, float, float, float, float, float, float, float, float, float]:
-    """Return rate in 1/ms and steady state of n, m, h, a and b in turn at e mV, not from rest."""
+    """Rate in 1/ms and steady state of n, m, h, a and b in turn at the absolute potential e mV."""
     a_n, b_n = 0.2 * _linoid(0.1 * (e + 45.7)), 0.25 * math.exp(-0.0125 * (e + 55.7))
     a_m, b_m = 3.8 * _linoid(0.1 * (e + 29.7)), 15.2 * math.exp(-0.0556 * (e + 54.7))
     a_h = 0.266 * math.exp(-0.05 * (e + 48.0))
@@ -40,7 +44,7 @@ def kinetics(
 
 @njit(cache=True)
 def membrane(y: NDArray[np.float64], e: float, transient: float) -> tuple[float, float]:
-    """Return the conductance in mS/cm² and the current in uA/cm² it drives at 0 mV, for y at e."""
+    """Total conductance in mS/cm² and its current in uA/cm² at 0 mV, for the gates in y at e mV."""
     n2 = y[1] * y[1]
     g_k, g_na = G_K * n2 * n2, G_NA * y[2] * y[2] * y[2] * y[3]
     g_a = transient * y[4] * y[4] * y[4] * y[5]
@@ -81,6 +85,7 @@ def integrate(
     armed, count, peak, block, above = True, 0, 0.0, 0.0, 0.0
     for k in range(len(time) - 1):
         interval = time[k + 1] - time[k]
+        # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
         steps = math.ceil(interval / dt_max - 1e-9)
         for j in range(steps):
             dt = interval / steps

@@ -1,18 +1,22 @@
-"""The compiled Hodgkin-Huxley equations; imported when a membrane first runs."""
+"""Compiled Hodgkin-Huxley equations; imported when a membrane first runs.
+
+Hodgkin & Huxley (1952), J Physiol 117:500; Pawluk (1997), Eq. B.1 to B.17, with the signs of the
+rate functions corrected (see `HodgkinHuxley`).
+"""
 
 import math
 
 from numba import njit
 
 
-CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3
-V_NA, V_K, V_LEAK = 115.0, -12.0, 10.613
-SPIKE_MV, REARM_MV = 40.0, 20.0
+CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3  # uF/cm², mS/cm²
+V_NA, V_K, V_LEAK = 115.0, -12.0, 10.613  # mV above rest
+SPIKE_MV, REARM_MV = 40.0, 20.0  # a spike is an upward crossing, counted again after falling below
 
 
 @njit(cache=True, inline="always")
 def _linoid(x: float, e: float) -> float:
-    """Return x / (e - 1) with e = exp(x), its removable singularity removed."""
+    """Return x / (e - 1) with e = exp(x), regular at 0."""
     if abs(x) < 1e-4:
         return 1.0 - x / 2.0 + x * x / 12.0
     return x / (e - 1.0)
@@ -21,6 +25,7 @@ def _linoid(x: float, e: float) -> float:
 @njit(cache=True)
 def rates(v: float) -> tuple[float, float, float, float, float, float]:
     """Return opening and closing rates (an, bn, am, bm, ah, bh) in 1/ms at v mV above rest."""
+    # All exponentials of v / 10 and v / 20 from one: the constants are e, e^2.5 and e^3.
     tenth = math.exp(-v / 10.0)
     a_n = 0.1 * _linoid((10.0 - v) / 10.0, 2.718281828459045 * tenth)
     a_m = _linoid((25.0 - v) / 10.0, 12.182493960703473 * tenth)
@@ -33,7 +38,7 @@ def rates(v: float) -> tuple[float, float, float, float, float, float]:
 def slope(
     v: float, n: float, m: float, h: float, current: float, slow: float, thaw: float
 ) -> tuple[float, float, float, float]:
-    """Return d(v, n, m, h)/dt per ms; `slow` scales the rates and `thaw` 0 freezes m."""
+    """Time derivative of (v, n, m, h) per ms; `slow` scales the rates and `thaw` 0 freezes m."""
     a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
     n2 = n * n
     ionic = G_K * n2 * n2 * (v - V_K) + G_NA * m * m * m * h * (v - V_NA) + G_LEAK * (v - V_LEAK)
@@ -53,7 +58,7 @@ def step(
     slow: float,
     thaw: float,
 ) -> tuple[float, float, float, float]:
-    """Take one classical Runge-Kutta step with the slope k1 at its start already known."""
+    """Take one classical Runge-Kutta step; k1 is the slope at its start."""
     v, n, m, h = y
     a, b, c, d = k1
     s = 0.5 * dt
@@ -71,7 +76,7 @@ def step(
 
 @njit(cache=True)
 def crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
-    """Return the fraction of a step at which the cubic through its ends reaches a spike."""
+    """Fraction of a step at which the cubic Hermite polynomial of its ends reaches SPIKE_MV."""
     low, high = 0.0, 1.0
     for _ in range(45):
         x = 0.5 * (low + high)

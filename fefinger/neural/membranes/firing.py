@@ -1,4 +1,4 @@
-"""What every membrane shares: the record of its spikes, the check of its input, its threads."""
+"""Record of spikes, input checks and threads that all membranes share."""
 
 import math
 from collections.abc import Callable
@@ -17,16 +17,16 @@ LARGEST_STEP = 5e-5
 """Longest integration step in s; spike counts in steps and ramps are converged there."""
 
 _LARGEST_INPUT = 1e4
-"""uA/cm² up to which the fixed step is stable."""
+"""Largest current in uA/cm² for which the fixed step is stable."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Firing:
-    """What membranes did: one entry per unit.
+    """Spikes and state of membranes, one entry per unit.
 
     times: ascending spike times in s. peak_mV: highest potential above rest. block_seconds: time
     in depolarization block. stimulus_driven: crossings of 40 mV with sodium activation frozen at
-    rest (zeros where that was not asked). final: (n_units, n) potential in mV above rest and the
+    rest (zeros where that was not computed). final: (n_units, n) potential in mV above rest and the
     gates of the membrane.
     """
 
@@ -38,22 +38,22 @@ class Firing:
 
 
 class Membrane(Protocol):
-    """What turns generator current into spikes."""
+    """Model from generator current to spikes."""
 
     def fire(
         self, time: ArrayLike, current: ArrayLike, *, dt: float | None, stimulus_driven: bool
     ) -> Firing:
-        """Fire from rest in uA/cm² given at times in s, as `HodgkinHuxley.fire`."""
+        """Integrate from rest with a current in uA/cm² at times in s, as `HodgkinHuxley.fire`."""
 
 
 def largest_step(dt: float | None) -> float:
-    """Return the longest step in s, by default LARGEST_STEP, or raise InputError."""
+    """Check the longest step in s; by default LARGEST_STEP."""
     dt = LARGEST_STEP if dt is None else dt
     return number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
 
 
 def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return time (n_t,) in ms and current (n_t, n_units), or raise InputError."""
+    """Check the signals; return time (n_t,) in ms and current (n_t, n_units) in uA/cm²."""
     time, current = np.asarray(time, float), np.asarray(current, float)
     shaped = current.ndim in (1, 2) and current.shape[:1] == time.shape
     if not shaped or len(time) < 2 or current.size == 0:
@@ -76,7 +76,7 @@ def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], N
 
 
 Run = tuple[list[NDArray[np.float64]], NDArray[np.float64]]
-"""Spike times per unit in ms, and a row of numbers per unit."""
+"""Result of a run: spike times per unit in ms, and a row of numbers per unit."""
 
 
 def in_blocks(
@@ -86,11 +86,11 @@ def in_blocks(
     *,
     by_onset: bool = False,
 ) -> Run:
-    """Run blocks of `width` units on all cores and join them.
+    """Run blocks of `width` units on all cores and concatenate the results.
 
-    Each thread holds the current of its own block alone, so that memory does not grow with units.
-    `by_onset` puts units together that are silent for as long, for a `run` that skips blocks of
-    silent units.
+    Each thread holds the current of one block, so that memory does not grow with the units.
+    `by_onset` groups units by the time at which their current begins, for a `run` that skips silent
+    blocks.
     """
     units = current.shape[1]
     order = np.arange(units)
@@ -114,19 +114,18 @@ def in_blocks(
 
 
 def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
-    """Return what units did from `run(frozen)`, again with frozen sodium if that is asked.
+    """Run membranes, and again with frozen sodium if `stimulus_driven`; collect the Firing.
 
-    InputError for a current, far below zero or swinging wildly, that no state is left of.
-
-    The rows of a run hold the final state, the highest potential in mV and the ms in block.
+    `run(frozen)` returns rows with the final state, the highest potential in mV and the ms in
+    block. InputError for a current, far below zero or with huge jumps, whose state is not finite.
     """
     times, rows = run(False)
     lost = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(lost):
         msg = (
             f"current: expected one that the membrane can follow, received one that drives unit "
-            f"{lost[0]} of {len(rows)} out of the range of its rates; take smaller currents, below "
-            "zero above all, or smaller jumps"
+            f"{lost[0]} of {len(rows)} out of the range of its rates; use smaller currents, "
+            "especially below zero, or smaller jumps"
         )
         raise InputError(msg)
     driven = [len(each) for each in run(True)[0]] if stimulus_driven else [0] * len(times)
@@ -140,11 +139,11 @@ def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
 
 
 def trimmed(spikes: NDArray[np.float64], counts: NDArray[np.int64]) -> list[NDArray[np.float64]]:
-    """Return the filled part of each row, or raise InputError where a row was too short."""
+    """Cut rows of spike times to their counts; InputError where a row was too short."""
     if counts.max(initial=0) > spikes.shape[1]:
         msg = (
-            f"current: swings {counts.max()} times through 40 mV, faster than any membrane can "
-            "follow"
+            f"current: drives the membrane {counts.max()} times through 40 mV, faster than any "
+            "membrane can follow; lower the gain"
         )
         raise InputError(msg)
     return [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]

@@ -1,4 +1,4 @@
-"""The membrane of the squid axon, and how exactly to integrate it."""
+"""Hodgkin-Huxley membrane of the squid axon, with a choice of integrators by accuracy."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -20,12 +20,12 @@ from fefinger.support.checks import InputError, choice, number
 
 
 BLOCK_MV, BLOCK_CURRENT, BLOCK_AFTER = 6.5, 50.0, 0.010
-"""Depolarization block: for more than BLOCK_AFTER s over the speed, which is longer than any
-spike, the current stays above BLOCK_CURRENT and the potential above BLOCK_MV without a spike.
+"""Definition of a depolarization block: current above BLOCK_CURRENT and potential above BLOCK_MV
+without a spike for more than BLOCK_AFTER s over the speed, which is longer than any spike.
 
-The potential lies just below the trough of the oscillation that no longer reaches 40 mV (6.6 mV at
-110 uA/cm²). The current excludes a membrane that a slow rise has accommodated: rest is unstable
-from 9.8 uA/cm² on, but may take long to be left just above that.
+BLOCK_MV lies just below the trough of the oscillation that no longer reaches 40 mV (6.6 mV at 110
+uA/cm²). BLOCK_CURRENT excludes a membrane that has accommodated to a slow rise: rest is unstable
+from 9.8 uA/cm² on, but a membrane may stay there long just above that.
 """
 
 METHODS = ("splitting", "runge-kutta", "adaptive")
@@ -35,29 +35,29 @@ _Q10, _MEASURED_AT = 3.0, 6.3
 
 _SPLITTING_ERROR, _RUNGE_KUTTA_ERROR = 600.0, 112.0
 """95th percentile of the error of spike times in ms per s of firing, over speed * dt² and over
-speed³ * dt⁴ with dt in ms: measured on ramps of 0.5 s to 2 to 100 uA/cm² held for 0.5 to 5 s, for
-speeds 1 and 1/6. The rate is a little off, so the error of the times grows with them."""
+speed³ * dt⁴ with dt in ms. Measured on ramps of 0.5 s to 2 to 100 uA/cm² held for 0.5 to 5 s, for
+speeds 1 and 1/6. The error is one of the rate, so it grows with time."""
 
 _WORTHWHILE = 0.0125
-"""ms: with shorter steps the splitting costs as much as Runge-Kutta with LARGEST_STEP."""
+"""Step in ms below which the splitting costs as much as Runge-Kutta with LARGEST_STEP."""
 
 _SHORTEST = 0.005
-"""ms: the Runge-Kutta step below which the adaptive integrator is asked."""
+"""Runge-Kutta step in ms below which the adaptive integrator is used."""
 
 
 @dataclass(frozen=True)
 class HodgkinHuxley:
-    """The squid axon, with all six rates divided by `rate_divisor` and warmed by Q10 = 3.
+    """Membrane of the squid axon, its rates divided by `rate_divisor` and scaled by Q10 = 3.
 
     At 6.3 C a divisor of 1 is the standard membrane of the preliminary models, 6 the slowed one of
     thesis 4.3.2, which fires 5.0 to 5.4 times slower. The temperature in C multiplies all rates by
-    3^((T - 6.3) / 10). V is the depolarization above rest. The rate functions carry the signs that
-    belong to the printed constants (Eq. B.5 to B.10 as printed have the opposite ones, and then
-    nothing fires); B.1.2 divides the rates of all three gates.
+    3^((T - 6.3) / 10). V is the depolarization above rest. The signs in the rate functions are
+    those that fit the printed constants (Eq. B.5 to B.10 print the opposite signs, with which the
+    membrane never fires); B.1.2 divides the rates of all three gates.
 
-    A spike is an upward crossing of 40 mV, re-armed below 20 mV, its time found on the cubic
-    through both ends of the step. Repetitive firing to a step begins at 6.260 uA/cm² (6.198 for
-    rates / 6) and fails the 40 mV rule above 111 (113).
+    A spike is an upward crossing of 40 mV, counted again after falling below 20 mV; its time is
+    that on the cubic through both ends of the step. Repetitive firing to a step begins at 6.260
+    uA/cm² (6.198 for rates / 6) and fails the 40 mV rule above 111 (113).
 
     Hodgkin & Huxley (1952), J Physiol 117:500; Pawluk (1997), Eq. B.1 to B.17.
     """
@@ -72,11 +72,11 @@ class HodgkinHuxley:
 
     @property
     def speed(self) -> float:
-        """The factor on all rates."""
+        """Factor on all rates."""
         return float(_Q10 ** ((self.temperature - _MEASURED_AT) / 10) / self.rate_divisor)
 
     def rest(self) -> NDArray[np.float64]:
-        """Return the resting state (V in mV, n, m, h), found by bisection."""
+        """Compute the resting state (V in mV, n, m, h) by bisection."""
         from fefinger.neural.membranes import equations as compiled
 
         low, high = -1.0, 1.0
@@ -90,19 +90,19 @@ class HodgkinHuxley:
 
     @property
     def block(self) -> tuple[float, float, float]:
-        """What counts as a block: mV, uA/cm² and the ms after which it does."""
+        """Definition of a depolarization block: potential in mV, current in uA/cm², time in ms."""
         return BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed
 
     def step_ms(self, dt: float | None) -> float:
-        """Return the longest step in ms that `dt` in s (by default LARGEST_STEP) stands for."""
+        """Longest step in ms for `dt` in s (default LARGEST_STEP) at the speed of the membrane."""
         return 1e3 * min(largest_step(dt), LARGEST_STEP / max(1.0, self.speed))
 
     def integrator(self, tolerance: float, seconds: float = 1.0) -> tuple[str, float]:
-        """Return the cheapest method, and its step in s, whose spike times are good to `tolerance`.
+        """Choose the cheapest method, and its step in s, with spike times within `tolerance` s.
 
-        `tolerance` is in s and holds for 95 % of the spikes of ramps that are held, in a run of so
-        many `seconds` (shorter ones count as 1 s). Spikes that a slow swing near threshold calls up
-        are exponentially sensitive: no step bounds their error.
+        The tolerance holds for 95 % of the spikes of ramps that are held, in a run of `seconds`
+        (shorter ones count as 1 s). Spikes that a slow oscillation near threshold causes are
+        exponentially sensitive: no step bounds their error.
         """
         wanted = 1e3 * number("tolerance", tolerance, above=0.0, unit="s") / max(1.0, seconds)
         splitting = (wanted / (_SPLITTING_ERROR * self.speed)) ** 0.5
@@ -138,20 +138,22 @@ class HodgkinHuxley:
             "runge-kutta" (default; fourth order), "splitting" (second order, several times
             faster) or "adaptive" (order 8 at a relative tolerance of 1e-10, slow).
         tolerance
-            Error of spike times in s to choose `method` and `dt` by, instead of giving them.
+            Allowed error of spike times in s, from which `method` and `dt` are chosen.
         stimulus_driven
-            Run once more with sodium activation frozen, to count what the current alone does.
+            Run again with frozen sodium activation, to count crossings by the current alone.
 
         Raises
         ------
         InputError
-            Arrays that do not fit, times that decrease, a step that is too long, a current that is
+            Arrays of other shapes, times that decrease, a step that is too long, a current that is
             not finite or beyond 1e4 uA/cm², a tolerance together with a method or step, or a
             million straight pieces of current or more for the adaptive method.
         """
         if tolerance is not None:
             if dt is not None or method is not None:
-                msg = "tolerance: expected either it or method and dt, received both; leave one out"
+                msg = (
+                    "tolerance: expected a tolerance or method and dt, received both; leave one out"
+                )
                 raise InputError(msg)
             method, dt = self.integrator(tolerance, float(np.ptp(time)))
         method = choice("method", "runge-kutta" if method is None else method, METHODS)
@@ -168,7 +170,7 @@ class HodgkinHuxley:
         step: float,
         frozen: bool,
     ) -> Run:
-        """Return the spike times in ms and, per unit, final state, peak in mV and ms in block."""
+        """Integrate all units: spike times in ms; per unit final state, peak in mV, ms in block."""
         if method == "adaptive":
             from fefinger.neural.membranes import adaptive
 

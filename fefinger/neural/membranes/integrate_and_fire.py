@@ -1,4 +1,4 @@
-"""The leaky integrate-and-fire membrane."""
+"""Leaky integrate-and-fire membrane."""
 
 import math
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from fefinger.support.checks import number
 
 
 _WIDTH = 64
-"""Units a block: the current of each of its samples fills a few lines of cache."""
+"""Units per block: the current of one sample then fills a few cache lines."""
 
 _SPIKE_MV = 40.0
 
 
 @dataclass(frozen=True)
 class IntegrateAndFire:
-    """A leak, a threshold, a reset and a refractory time: the cheap rung.
+    """Membrane with a leak, a threshold, a reset and a refractory time: the cheapest model.
 
     time_constant * du/dt = I / threshold - u, a spike where u passes 1, then u = 0 for
     `refractory`. Reported potentials are 40 mV times u. Between the samples of the current the
@@ -43,7 +43,7 @@ class IntegrateAndFire:
         number("refractory", self.refractory, at_least=0.0, unit="s")
 
     def rate(self, current: float) -> float:
-        """Return the rate in Hz in a constant current in uA/cm²."""
+        """Return the firing rate in Hz in a constant current in uA/cm²."""
         if current <= self.threshold:
             return 0.0
         rise = -self.time_constant * math.log1p(-self.threshold / current)
@@ -59,8 +59,8 @@ class IntegrateAndFire:
     ) -> Firing:
         """Solve from rest; parameters and errors as `HodgkinHuxley.fire`.
 
-        `dt`, which is checked, and `stimulus_driven` are accepted for the sake of its siblings: the
-        solution needs no step and has no sodium to freeze.
+        `dt`, which is checked, and `stimulus_driven` exist for the common interface of membranes:
+        the solution needs no step and has no sodium to freeze.
         """
         from fefinger.neural.membranes import integrate_and_fire_compiled as compiled
 

@@ -1,4 +1,4 @@
-"""The compiled integrate-and-fire membrane; imported when one first runs."""
+"""Compiled integrate-and-fire membrane; imported at its first run."""
 
 import math
 
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 @njit(cache=True)
 def _potential(u: float, level: float, rise: float, tau: float, s: float) -> float:
-    """Return the potential after s in a current of level + rise s thresholds, from u.
+    """Potential after s ms in a current of level + rise s (in thresholds), from u.
 
-    Written so that nothing large cancels, however short s and steep the rise of a jump.
+    Written without cancellation of large terms, however short s and steep the rise of a jump.
     """
     if s <= 0.0:
         return u
@@ -21,7 +21,7 @@ def _potential(u: float, level: float, rise: float, tau: float, s: float) -> flo
 
 @njit(cache=True)
 def _top(u: float, level: float, rise: float, tau: float, length: float) -> float:
-    """Return when in (0, length] the potential turns down, or the length."""
+    """Time in (0, length] of the maximum of the potential, or the length."""
     if rise < 0.0 and level > u:
         return min(length, tau * math.log1p((u - level) / (rise * tau)))
     return length
@@ -29,7 +29,7 @@ def _top(u: float, level: float, rise: float, tau: float, length: float) -> floa
 
 @njit(cache=True)
 def _crossing(u: float, level: float, rise: float, tau: float, length: float) -> float:
-    """Return the first time in (0, length] at which the potential passes 1, or -1.
+    """First time in (0, length] at which the potential passes 1, or -1.
 
     The potential is convex or concave throughout, by the sign of u - level + rise tau. Newton's
     method from the left of a concave curve, or from the right of a convex one, runs to the crossing
@@ -62,26 +62,26 @@ def eventful(
     spikes: NDArray[np.float64],
     count: int,
 ) -> int:
-    """Take one unit through an interval with spikes or the end of a refractory time in it.
+    """Advance one unit through an interval that contains spikes or the end of a refractory time.
 
-    state: potential, highest potential, time at which it is free. Returns the new count, which
-    ends at one more than `spikes` has room for.
+    state: potential, highest potential, end of the refractory time. Returns the new count; it stops
+    at one more than the length of `spikes`.
     """
     while count <= len(spikes):
         start = max(t0, state[2])
         if start >= t1:
             return count
         here = level + rise * (start - t0)
-        found = _crossing(state[0], here, rise, tau, t1 - start)
-        if found < 0.0:
+        crossing_time = _crossing(state[0], here, rise, tau, t1 - start)
+        if crossing_time < 0.0:
             top = _top(state[0], here, rise, tau, t1 - start)
             state[1] = max(state[1], _potential(state[0], here, rise, tau, top))
             state[0] = _potential(state[0], here, rise, tau, t1 - start)
             return count
         if count < len(spikes):
-            spikes[count] = start + found
+            spikes[count] = start + crossing_time
         count += 1
-        state[0], state[1], state[2] = 0.0, 1.0, start + found + refractory
+        state[0], state[1], state[2] = 0.0, 1.0, start + crossing_time + refractory
     return count
 
 
@@ -95,8 +95,9 @@ def integrate(
 ) -> NDArray[np.float64]:
     """Solve n units from rest over time (n_t,) ms with current (n_t, n) linear between.
 
-    numbers: threshold in uA/cm², time constant and refractory time in ms. Fills spikes (n, :) in
-    ms and counts (n,); returns (n, 3): potential, highest potential (thresholds), ms when free.
+    numbers: threshold in uA/cm², time constant and refractory time in ms. Fills spikes (n, :) in ms
+    and counts (n,); returns (n, 3): potential, highest potential (thresholds), end of refractory
+    time in ms.
     """
     threshold, tau, refractory = numbers
     units = current.shape[1]

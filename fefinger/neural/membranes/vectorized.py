@@ -1,4 +1,4 @@
-"""Hodgkin-Huxley integration of 16 units at a time: Runge-Kutta and a splitting.
+"""Vectorized Hodgkin-Huxley integration of 16 units at a time: Runge-Kutta and a splitting.
 
 The loops over LANES have no branch, no call and no library exponential, so that the compiler turns
 them into vector instructions; imported when a membrane first runs.
@@ -30,11 +30,11 @@ LANES = 16
 _V, _N, _M, _H, _RISE, _BEFORE, _START, _END, _PEAK, _ARMED, _HIT, _ABOVE, _BLOCK = range(
     0, 13 * LANES, LANES
 )
-"""Offsets of the rows of the one array of a block: one array, so that the compiler knows without
-checks at run time that no two rows overlap."""
+"""Offsets of the rows in the array of a block. One array, because the compiler then needs no checks
+at run time that rows do not overlap."""
 
 _LOW, _HIGH = -150.0, 200.0
-"""mV between which the rates follow the potential; beyond, all gates are fully open or shut."""
+"""Range of potential in mV within which the rates depend on it; beyond, gates are open or shut."""
 
 _SETTLED = 1e-6
 """Distance from rest, in mV and of gates, below which a unit without current is at rest."""
@@ -44,10 +44,10 @@ _FAST = {"contract", "arcp", "nsz", "reassoc"}
 
 @njit(cache=True, forceinline=True, fastmath=_FAST, error_model="numpy")
 def _powers(v: float) -> tuple[float, float, float, float]:
-    """Return exp of -v/80, -v/20, -v/18 and -v/10, all powers of exp(-v/720).
+    """Compute exp of -v/80, -v/20, -v/18 and -v/10, all powers of exp(-v/720).
 
     Eight terms of its series leave a relative error of 1e-9 in the highest power at 118 mV, the
-    top of a spike, and of 1e-7 at 200 mV, where only a driven membrane comes.
+    top of a spike, and of 1e-7 at 200 mV, which only a stimulus-driven membrane reaches.
     """
     x = v * (-1.0 / 720.0)
     x2 = x * x
@@ -77,7 +77,7 @@ def _linoid(v: float, threshold: float, e: float) -> tuple[float, float]:
 def _slope(
     v: float, n: float, m: float, h: float, current: float, slow: float, melt: float
 ) -> tuple[float, float, float, float]:
-    """Return what `slope` returns with one division and no exponential; melt = slow * thaw."""
+    """Time derivative as `equations.slope`, by one division, no exponential; melt = slow * thaw."""
     inside = min(max(v, _LOW), _HIGH)
     e80, e20, e18, e10 = _powers(inside)
     x_n, d_n = _linoid(inside, 10.0, 2.718281828459045 * e10)
@@ -98,7 +98,7 @@ def _slope(
 def _observe(
     s: NDArray[np.float64], i: int, new: float, dt: float, high: bool, block_after: float
 ) -> int:
-    """Note spike, peak and block of lane i, whose potential is now `new`; return 1 for a spike."""
+    """Record spike, peak and block of lane i at its new potential; return 1 for a spike."""
     s[_PEAK + i] = max(s[_PEAK + i], new)
     armed = s[_ARMED + i]
     hit = (armed > 0.5) & (new >= SPIKE_MV)
@@ -122,7 +122,7 @@ def _runge_kutta(
     thaw: float,
     block: tuple[float, float, float],
 ) -> int:
-    """Take the first `lanes`, 8 or 16, one classical Runge-Kutta step of dt ms; return the spikes.
+    """Advance `lanes` units (8 or 16) by a classical Runge-Kutta step of dt ms; return spikes.
 
     The step begins at the fraction `at` between two samples of the current and is `part` long.
     """
@@ -153,7 +153,7 @@ def _runge_kutta(
 
 @njit(cache=True, forceinline=True, fastmath=_FAST, error_model="numpy")
 def _relaxed(x: float, rise: float, total: float, scale: float) -> float:
-    """Return x after a step of dx/dt = (rise - total x) / scale, the step contained in both.
+    """Return x after a step of dx/dt = (rise - total x) / scale; both contain the step.
 
     The (1, 2) Pade approximant of the exponential: third order, and damped for any step.
     """
@@ -171,10 +171,10 @@ def _split(
     thaw: float,
     block: tuple[float, float, float],
 ) -> int:
-    """Relax the gates for `gate_step` ms, then the potential for dt ms; return the spikes.
+    """Advance the gates by `gate_step` ms, then the potential by dt ms; return the spikes.
 
-    The gates are half a step ahead of the potential: a Strang splitting whose half steps of the
-    gates at either side of a potential are taken at once. `at` is the middle of the step, as a
+    The gates are half a step ahead of the potential: a Strang splitting that merges the two half
+    steps of the gates on either side of a potential step. `at` is the middle of the step, as a
     fraction between two samples of the current.
     """
     hits = 0
@@ -204,10 +204,10 @@ def _split(
 def _spiked(
     s: NDArray[np.float64], i: int, slow: float, thaw: float, dt: float, current: float, split: bool
 ) -> float:
-    """Return the fraction of the step just taken at which lane i spiked.
+    """Fraction of the last step at which lane i spiked.
 
-    `current` is that at the end of a Runge-Kutta step and in the middle of a split one, where the
-    gates are those in the middle too: half a step either way gives the slopes at its ends.
+    `current` is that at the end of a Runge-Kutta step, but in the middle of a split step, where the
+    gates are those of the middle too: half a step either way gives the slopes at its ends.
     """
     v0, v1 = s[_BEFORE + i], s[_V + i]
     n, m, h = s[_N + i], s[_M + i], s[_H + i]
@@ -223,7 +223,7 @@ def _spiked(
 
 @njit(cache=True)
 def _resting(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
-    """Return whether no lane has current in this interval and all are at rest."""
+    """Test whether no lane has current in this interval and all are at rest."""
     for i in range(LANES):
         if s[_START + i] != 0.0 or s[_END + i] != 0.0:
             return False
@@ -235,7 +235,7 @@ def _resting(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
 
 @njit(cache=True)
 def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a block of LANES units at rest."""
+    """Create the state of a block of LANES units at rest."""
     s = np.zeros(13 * LANES)
     for row in range(4):
         s[row * LANES : (row + 1) * LANES] = rest[row]
@@ -258,15 +258,16 @@ def interval(
     spikes: NDArray[np.float64],
     counts: NDArray[np.int64],
 ) -> float:
-    """Take a block through an interval, from `begin` ms on, in which currents go linearly.
+    """Advance a block through an interval from `begin` ms on, in which currents are linear.
 
-    before, after: current (n,) at its ends. how: the longest step in ms, whether to split, the
-    factor on all rates, and 0 where sodium is frozen. last: the step before in ms; the last one of
-    this interval is returned. The rest as in `integrate`.
+    before, after: current (n,) at its ends. how: longest step in ms, splitting or not, factor
+    on all rates, and 0 for frozen sodium (else 1). last: the previous step in ms. Returns the last
+    step of this interval. Other arguments as in `integrate`.
     """
     dt_max, split, slow, thaw = how
     units = len(before)
     lanes = LANES // 2 if units <= LANES // 2 else LANES
+    # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
     steps = math.ceil(length / dt_max - 1e-9)
     for i in range(units):
         s[_START + i], s[_END + i] = before[i], after[i]
@@ -303,10 +304,10 @@ def integrate(
 ) -> NDArray[np.float64]:
     """Integrate n <= 16 units from rest over time (n_t,) ms with current (n_t, n), linear between.
 
-    how: as `interval`, which splits or takes Runge-Kutta. block: mV and uA/cm² above which a stay
-    without a spike is a block once it has lasted so many ms. Fills spikes (n, :) with crossing
-    times in ms and counts (n,), which go on counting where the spikes no longer fit. Returns (n,
-    6): v, n, m, h at the end, the highest potential and the ms in block.
+    how: as in `interval`. block: potential in mV, current in uA/cm² and time in ms of a
+    depolarization block. Fills spikes (n, :) with crossing times in ms and counts (n,), which keep
+    counting where `spikes` is full. Returns (n, 6): final v, n, m, h, the highest potential and the
+    ms in block.
     """
     s, last = at_rest(rest), 0.0
     for k in range(len(time) - 1):
@@ -315,7 +316,7 @@ def integrate(
             s, current[k], current[k + 1], time[k], length, last, how, rest, block, spikes, counts
         )
     _, split, slow, thaw = how
-    if split:
+    if split:  # the gates still lack their last half step
         _split(s, 0.0, 0.5 * last, 0.0, slow, thaw, block)
     units = len(counts)
     ends = np.empty((units, 6))

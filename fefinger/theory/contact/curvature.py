@@ -73,17 +73,6 @@ class Contact:
     force: Array
 
 
-def at_force(force: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Contact:
-    """Return the contact under a force in mN (Eq. 3.22 and 3.24); radius R in mm, E* in kPa."""
-    elastic.require_positive("at_force", plane_modulus=plane_modulus)
-    force = elastic.numbers("at_force", "force", force, least=0.0)
-    radius = elastic.numbers("at_force", "radius", radius, above=0.0)
-    force, radius = np.broadcast_arrays(force, radius)
-    a = np.cbrt(3 * force * radius / (4 * plane_modulus))
-    peak = np.cbrt(6 * force * plane_modulus**2 / (np.pi**3 * radius**2))
-    return Contact(a, peak, a**2 / radius, np.array(force))
-
-
 def at_depth(depth: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Contact:
     """Return the contact at a depth in mm (Eq. 3.8 and 3.20); radius R in mm, E* in kPa."""
     elastic.require_positive("at_depth", plane_modulus=plane_modulus)

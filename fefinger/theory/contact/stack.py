@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.contact.quadrature import panels
 
 
 Base = Literal["bonded", "sliding"]
@@ -145,23 +144,6 @@ class Stack:
             out[i] = state[..., 0].T
         out[:, :2] /= 2 * self.layers[0].shear
         return out
-
-    def bar_profile(self, x: ArrayLike, *, width: float) -> Array:
-        """Return u_z(x) / u_z(0) of the surface beside a long bar of uniform pressure.
-
-        x (...,) and the bar's `width` in mm; plane strain, whose kernel is the same under a cosine.
-        ValueError on a half-space, where a line load has no absolute displacement.
-        """
-        elastic.require_positive("Stack.bar_profile", width=width)
-        if self.thickness == math.inf:
-            msg = "Stack.bar_profile: expected a rigid base, received a half-space below"
-            raise ValueError(msg)
-        x = elastic.numbers("Stack.bar_profile", "x", x)
-        reach = float(np.abs(x).max(initial=0.0)) + width
-        # The integrand ends as 1/xi² of the bar: what is left out is 2e-5 of the whole.
-        xi, weights = panels(1e-3 / self.thickness, 200 / width, reach=reach)
-        source = weights * self.compliance(xi) / xi * np.sinc(xi * width / (2 * np.pi))
-        return np.cos(np.multiply.outer(x, xi)) @ source / source.sum()
 
     def locate(self, z: float) -> tuple[int, float]:
         """Return the index of the layer at the depth z mm and the depth below its top."""

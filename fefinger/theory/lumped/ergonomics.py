@@ -148,19 +148,6 @@ def tap(spring: Spring, prony: Prony, *, depth: float, speed: float) -> Dissipat
     return dissipation(way / speed, position, force)
 
 
-def offset_scale(m: float, shift: float) -> float:
-    """Return e^(m shift), by which every change of force grows with an offset `shift` mm deeper.
-
-    Notes
-    -----
-    Eq. 2.21 without its misprint reads P = b e^(m x_i) integral of G e^(m dx) (d dx / d tau) d tau:
-    exact for changes of force about a relaxed offset, not for the force itself, which keeps the
-    "-1" of Eq. 2.1. So the dissipated fraction depends on the offset after all, by 3 to 4 %.
-    """
-    elastic.require_finite("offset_scale", m=m, shift=shift)
-    return math.exp(m * shift)
-
-
 def _mean(force: Array) -> float:
     """Return the mean over a whole cycle whose first and last samples are the same phase."""
     return float((force[:-1] + force[1:]).mean() / 2)

@@ -254,7 +254,7 @@ def _relaxation(
     rates = np.exp(np.clip(found.x[terms + 1 :], -20, 20))
     prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
     covariance = covariance_of(found.jac, found.fun)
-    share = _rows(order, terms, offset=1)
+    share = _rows(order, offset=1)
     weights = np.array(prony.weights)
     jacobian = np.diag(weights) - np.outer(weights, weights)
     deviation = deviations(jacobian, covariance[np.ix_(share, share)])
@@ -318,7 +318,7 @@ def _sorted(prony: Prony, order: NDArray[np.intp]) -> Prony:
     return Prony((c[0], *(c[1 + i] for i in order)), tuple(v[i] for i in order))
 
 
-def _rows(order: NDArray[np.intp], terms: int, *, offset: int) -> list[int]:
+def _rows(order: NDArray[np.intp], *, offset: int) -> list[int]:
     """Return the rows of the sorted weights, after `offset` rows of others."""
     return [*range(offset), *(offset + int(i) for i in order)]
 

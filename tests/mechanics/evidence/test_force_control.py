@@ -9,6 +9,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import force_control, tradeoff
+from fefinger.mechanics.situation import Situation
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
@@ -37,22 +38,23 @@ def test_the_depth_is_as_wrong_as_the_inverse_of_a_wrong_force_or_less(
         for error in (0.01, 0.06):
             wrong = np.interp(force, forces + np.log1p(sign * error), depths)
             actual = abs(np.expm1(wrong - np.interp(force, forces, depths)))
-            stated = force_control.errors({}, error, pressed(name, np.exp(force)))["depth"]
+            case = Situation.of(pressed(name, np.exp(force)))
+            stated = force_control.errors({}, error, case)["depth"]
             assert 0.6 * stated < actual < 1.001 * stated
             assert stated < 0.9 * error
 
 
 def test_of_a_scene_like_no_press_the_depth_is_as_wrong_as_the_force() -> None:
     strange = replace(pressed("flat-30", 0.5), indenter=ff.Bar(3.0, 1.0))
-    assert force_control.steepness(strange) == 1.0
-    found = force_control.errors({"area": 0.1}, 0.2, strange)
+    assert force_control.steepness(Situation.of(strange)) == 1.0
+    found = force_control.errors({"area": 0.1}, 0.2, Situation.of(strange))
     assert found == {"depth": pytest.approx(0.25), "area": pytest.approx(0.3)}
-    assert force_control.errors({}, 1.0, strange)["depth"] == np.inf
+    assert force_control.errors({}, 1.0, Situation.of(strange))["depth"] == np.inf
 
 
 def test_at_a_force_all_else_is_as_wrong_as_at_its_depth_and_as_the_force() -> None:
     by_force = pressed("flat-30", 0.5, ask=ff.Ask(rel_error=0.9))
-    depth = tradeoff.part(by_force, "flat-30") * FINGER.thickness
+    depth = Situation.of(by_force).deepest("flat-30") * FINGER.thickness
     by_depth = replace(by_force, motion=ff.Ramp(60.0, depth, corner=0.0))
     at_force, at_depth = (plan.choose(scene, "linear").chosen for scene in (by_force, by_depth))
     assert at_force.error == pytest.approx(at_depth.error)

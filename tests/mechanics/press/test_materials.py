@@ -16,6 +16,7 @@ from fefinger.fem.linalg import solvers
 from fefinger.mechanics import LADDER, Mechanics, condensed, get, linear, solid
 from fefinger.mechanics.press import failure, materials
 from fefinger.mechanics.press.operator import operator
+from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import ready
 from fefinger.pipeline import run
 from fefinger.results.records import Response
@@ -108,7 +109,7 @@ def test_solid_becomes_linear_in_small_presses_on_an_elastic_bone() -> None:
 def test_mechanics_with_a_rigid_bone_refuse(parts: dict[str, object]) -> None:
     asked = scene(**parts)
     for name in LADDER:
-        unable = [r.reason for r in get(name).refuse(asked) if r.about == "ability"]
+        unable = [r.reason for r in get(name).refuse(Situation.of(asked)) if r.about == "ability"]
         told = [reason for reason in unable if reason.startswith(f"finger.{next(iter(parts))}")]
         assert bool(told) == (name not in ("linear", "solid")), name
     with pytest.raises(InputError, match=r"finger\.(bone.modulus = 1.7e\+07|nail).*'solid'"):
@@ -116,10 +117,12 @@ def test_mechanics_with_a_rigid_bone_refuse(parts: dict[str, object]) -> None:
 
 
 def test_a_bone_as_soft_as_tissue_is_left_to_solid() -> None:
-    reasons = [r.reason for r in linear.refuse(scene(bone=Hard(1e5), nail=Hard(1e4)))]
+    reasons = [r.reason for r in linear.refuse(Situation.of(scene(bone=Hard(1e5), nail=Hard(1e4))))]
     assert any("finger.bone.modulus / finger.skin.modulus = 977 < 50000" in r for r in reasons)
     assert any("finger.nail.modulus / finger.skin.modulus = 97.7 < 1000" in r for r in reasons)
-    assert not any("modulus" in r.reason for r in linear.refuse(scene(bone=BONE, nail=NAIL)))
+    assert not any(
+        "modulus" in r.reason for r in linear.refuse(Situation.of(scene(bone=BONE, nail=NAIL)))
+    )
 
 
 def test_the_notes_say_what_is_hard() -> None:
@@ -206,9 +209,13 @@ def test_single_precision_that_fails_gives_way_with_a_note(
 
 def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
     asked = scene("iterative")
-    told = {name: " ".join(r.reason for r in get(name).refuse(asked)) for name in LADDER}
+    told = {
+        name: " ".join(r.reason for r in get(name).refuse(Situation.of(asked))) for name in LADDER
+    }
     assert "ask.solver = 'iterative': it follows finite strain" in told[solid.name]
-    factored = [" ".join(r.reason for r in solid.refuse(scene(s))) for s in (None, "single")]
+    factored = [
+        " ".join(r.reason for r in solid.refuse(Situation.of(scene(s)))) for s in (None, "single")
+    ]
     assert not any("ask.solver" in reasons for reasons in factored)
     assert "ask.solver = 'iterative': its operator" in told[condensed.name]
     assert "ask.solver" not in told[linear.name]

@@ -8,6 +8,7 @@ import fefinger as ff
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import proximal_cut, small_strain
 from fefinger.mechanics.press.proximal_cut import FAR, NEAR
+from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 
@@ -29,21 +30,21 @@ METHODS = {  # no mesh for a plate along it is shipped of d.p.: that of the 30 d
 def test_contact_reaches_the_cut_where_the_undeformed_gap_says(subject: str) -> None:
     def answer(depth: float) -> Response:
         asked = pressed(subject, depth)
-        return small_strain.press(asked, mechanics="linear", notes=(), method=METHODS[subject])
+        return small_strain.respond(asked, mechanics="linear", notes=(), method=METHODS[subject])
 
     scene = pressed(subject, 1.0)
     gap = proximal_cut._gap(scene.finger, ff.Flat(0.0))
-    assert proximal_cut.reached("linear", pressed(subject, 0.99 * NEAR * gap)) == ()
+    assert proximal_cut.reached("linear", Situation.of(pressed(subject, 0.99 * NEAR * gap))) == ()
     assert answer(0.99 * NEAR * gap).force[-1] > 0
-    (doubt,) = proximal_cut.reached("linear", pressed(subject, 1.05 * gap))
+    (doubt,) = proximal_cut.reached("linear", Situation.of(pressed(subject, 1.05 * gap)))
     assert doubt.about == "accuracy"
     assert "contact may reach the cut" in doubt.reason
     with pytest.raises(InputError, match="it reaches the proximal cut"):
         answer(1.01 * FAR * gap)  # from 1.05 on, by the draw of the mesh
-    (sure,) = proximal_cut.reached("solid", pressed(subject, 1.01 * FAR * gap))
+    (sure,) = proximal_cut.reached("solid", Situation.of(pressed(subject, 1.01 * FAR * gap)))
     assert sure.about == "ability"
     assert "contact reaches the cut" in sure.reason
-    assert sure in solid.refuse(pressed(subject, 1.01 * FAR * gap))
+    assert sure in solid.refuse(Situation.of(pressed(subject, 1.01 * FAR * gap)))
 
 
 def test_steeper_plates_and_other_objects_are_not_asked_about_it() -> None:

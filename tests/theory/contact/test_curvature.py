@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import quad
 
 from fefinger.theory.contact.curvature import (
+    Contact,
     at_depth,
-    at_force,
     equivalent_radius,
     goodwin,
     goodwin_at_depth,
@@ -21,6 +21,13 @@ from fefinger.theory.contact.hertz import Hertz
 
 
 SPHERES = np.array([0.0, 80.6, 172.0, 340.0, 694.0]) * 1e-3  # 1/mm
+
+
+def at_force(force, radius, plane_modulus):
+    """Return the contact under a force in mN (Eq. 3.22 and 3.24); radius in mm, E* in kPa."""
+    a = np.cbrt(3 * force * radius / (4 * plane_modulus))
+    peak = np.cbrt(6 * force * plane_modulus**2 / (np.pi**3 * radius**2))
+    return Contact(a, peak, a**2 / radius, force)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.differences import derivative
 from scipy.optimize import minimize_scalar
 
 from fefinger.theory.contact.hertz import Hertz
@@ -137,13 +138,6 @@ def test_an_incompressible_surface_is_not_sheared():
 def random_points(seed):
     rng = np.random.default_rng(seed)
     return rng.uniform(0.02, 3.0, 300), rng.uniform(0.02, 3.0, 300)
-
-
-def derivative(function, x, step=1e-3):
-    """Fourth-order central difference: its error is 4e-12 of the fifth derivative here."""
-    near = function(x + step) - function(x - step)
-    far = function(x + 2 * step) - function(x - 2 * step)
-    return (8 * near - far) / (12 * step)
 
 
 @POISSON

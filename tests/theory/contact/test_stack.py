@@ -4,12 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from oracles.differences import derivative
 from scipy.linalg import expm
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import flat_punch, paraboloid
 from fefinger.theory.contact.layer import Sheet
+from fefinger.theory.contact.quadrature import panels
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.contact.subsurface import below
 
@@ -121,6 +123,18 @@ def test_printed_loads_on_a_finger_over_bone(a, depth, force):
 LINE = np.array([0.5, 1, 1.5, 2, 3, 4])
 
 
+def bar_profile(stack, x, *, width):
+    """Return u_z(x) / u_z(0) of the surface beside a long bar of uniform pressure, on a rigid base.
+
+    x and width in mm; plane strain, whose kernel is the same under a cosine.
+    """
+    reach = float(np.abs(x).max()) + width
+    # The integrand ends as 1/xi² of the bar: what is left out is 2e-5 of the whole.
+    xi, weights = panels(1e-3 / stack.thickness, 200 / width, reach=reach)
+    source = weights * stack.compliance(xi) / xi * np.sinc(xi * width / (2 * np.pi))
+    return np.cos(np.multiply.outer(x, xi)) @ source / source.sum()
+
+
 @pytest.mark.parametrize(
     ("moduli", "poisson", "printed"),
     [
@@ -139,7 +153,7 @@ def test_printed_profile_beside_a_bar(moduli, poisson, printed):
     (0.49, 0.48; not with 0.5, which is 0.1 off) to 3e-3, not to their digits.
     """
     stack = Stack(tuple(Layer(*row) for row in zip((1.0, 4.0), moduli, poisson, strict=True)))
-    found = stack.bar_profile(LINE, width=0.1)
+    found = bar_profile(stack, LINE, width=0.1)
     tolerance = 3e-3 if moduli[0] > moduli[1] else 2e-3
     np.testing.assert_allclose(found / found[0], np.array(printed) / printed[0], atol=tolerance)
     assert 1 < found[0] / printed[0] < 1.02
@@ -156,7 +170,7 @@ def test_close_to_a_bar_a_thick_layer_is_a_half_space():
         return -np.log(np.abs(x - source)) @ step
 
     x = np.array([0.02, 0.1, 0.4])
-    found = 1 - Stack((Layer(400.0, 34.0, 0.45),)).bar_profile(x, width=0.1)
+    found = 1 - bar_profile(Stack((Layer(400.0, 34.0, 0.45),)), x, width=0.1)
     expected = np.array([sunk(0.0) - sunk(place) for place in x])
     np.testing.assert_allclose(found / found[-1], expected / expected[-1], atol=2e-4)
 
@@ -187,12 +201,6 @@ def test_the_field_in_a_half_space_is_hubers(poisson):
         np.testing.assert_allclose(field.displacement[0], h.displacement(r, z), atol=1e-12)
 
 
-def derivative(function, x, step=2e-3):
-    near = function(x + step) - function(x - step)
-    far = function(x + 2 * step) - function(x - 2 * step)
-    return (8 * near - far) / (12 * step)
-
-
 @STACKS
 @pytest.mark.parametrize("kind", ["paraboloid", "punch"])
 def test_the_field_is_in_equilibrium_and_the_gradient_of_its_displacement(stack, kind):
@@ -210,7 +218,8 @@ def test_the_field_is_in_equilibrium_and_the_gradient_of_its_displacement(stack,
         found = field(r, z)
         return np.concatenate([found.stress[0], found.displacement[0]])
 
-    by_r, by_z = derivative(lambda s: both(s, z), r), derivative(lambda s: both(r, s), z)
+    by_r = derivative(lambda s: both(s, z), r, 2e-3)
+    by_z = derivative(lambda s: both(r, s), z, 2e-3)
     found = field(r, z)
     radial, hoop, _, shear = found.stress[0]
     scale = np.abs(found.stress[0]).max()
@@ -278,8 +287,6 @@ def test_forces_at_one_place_and_fields_at_another_are_reciprocal(stack):
         (lambda: Layer(1.0, 1.0, 0.7), r"0 to 0\.5"),
         (lambda: FINGER.compliance([0.0]), "wavenumbers above 0"),
         (lambda: FINGER.kernels([1.0], 5.1), "depths in 0 to 5 mm"),
-        (lambda: FINGER.bar_profile([1.0], width=0.0), "width above 0"),
-        (lambda: GROUND.bar_profile([1.0], width=0.1), "rigid base"),
     ],
 )
 def test_what_is_out_of_range_is_refused(make, sentence):

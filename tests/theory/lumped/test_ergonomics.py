@@ -127,7 +127,7 @@ def test_the_fraction_does_depend_on_the_offset_a_little():
         vibration(*AH, offset=x, peak_to_peak=0.28, frequency=16).steady for x in (1.5, 3.0)
     )
     assert 0.03 < shallow.fraction / deep.fraction - 1 < 0.045
-    scale = ergonomics.offset_scale(AH[0].m, 1.5)
+    scale = np.exp(AH[0].m * 1.5)  # Eq. 2.21 without its misprint, for changes of force
     lost = [d.loading + d.unloading for d in (shallow, deep)]
     assert lost[1] / lost[0] == pytest.approx(scale, rel=5e-3)
     assert scale == pytest.approx(11.2 / 0.48, rel=5e-3)

@@ -1,0 +1,176 @@
+"""The measured trade-off between speed and accuracy: stated errors and costs of every candidate.
+
+A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
+its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
+the finger. The stated error lies between those of its neighbors, numerical and model error added,
+with margins for what lies between presses, for motions, for other fingers and for the draw of the
+mesh. So it is for the force and for what else is STATED.
+"""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
+from fefinger.mechanics.evidence.tradeoff import REPORT, STATED, rules
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Flat
+from fefinger.scene.motion import Ramp
+from fefinger.support.text import percent
+
+
+FARTHEST = 1.25
+"""Depth over that of the deepest press beyond which what other reports tell is not taken either.
+
+At 30 degrees the forces of `solid` on the coarse and the standard mesh are 0.7 % apart there, 1 %
+above it and 1.3 % at 1.58."""
+
+PRESSED = "a.h."
+"""Subject on whose finger the presses are."""
+
+
+class Stated(NamedTuple):
+    """A stated error with its margins, its two parts, and the source."""
+
+    error: float
+    numerical: float
+    model: float
+    source: str
+
+
+def difference(case: Situation) -> str:
+    """Return in which way a scene that has no stated error differs from all measured presses."""
+    other = tradeoff.other_object(case.indenter)
+    if other:
+        return other
+    if case.place is None:
+        flat = case.indenter.flat
+        plate = f"a plate at {flat.angle:g} degrees" if flat is not None else ""
+        return plate or f"a ball of {case.indenter.ball_radius:g} mm"
+    if not case.measured_tissue:
+        surface = case.finger.surface is not None
+        return f"a finger {'from a surface' if surface else 'of other tissue, bone or nail'}"
+    return "a press so deep, or its object on this mesh"
+
+
+def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> Stated | None:
+    """Return the stated error of a quantity.
+
+    None where the scene is not like a measured press, or the candidate does not give it.
+    """
+    if case.place is None or not case.measured_tissue:
+        return None
+    known, mechanics = rules(), candidate.mechanics
+    names, rows = list(case.neighbors), known["presses"]
+    deepest = max(case.deepest(name) for name in names)
+    same_size = tradeoff.measured_size(case.finger, rows[names[0]])
+    read = tradeoff.interpolated if same_size or quantity == "force" else tradeoff.largest
+    errors = read(rows, candidate.label, case.place, deepest, quantity)
+    if errors is None:
+        return None
+    numerical = errors[0] + known["steps"][mechanics][quantity]
+    model = errors[1] * known["directs"][mechanics][quantity]
+    model *= known["fingers"][mechanics] if quantity == "force" and not same_size else 1.0
+    margins = known["margins"][candidate.label][quantity]
+    margin = moving(margins["motion"], names) * sum(errors)
+    margin += 0.0 if same_size and len(names) == 1 else margins["between"]
+    margin += DRAWN * scatter(candidate, deepest, quantity)
+    source = (
+        f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
+        f"{percent(model)} of the model, {percent(margin)} of margin"
+    )
+    return Stated(numerical + model + margin, numerical, model, source)
+
+
+def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
+    """Return by which share presses tell too little of motions: the largest of all, if unknown."""
+    known = names if all(name in shares for name in names) else shares
+    return max((shares[name] for name in known), default=0.0)
+
+
+def others(candidate: Candidate, case: Situation) -> dict[str, float]:
+    """Return the stated errors of what is STATED beside the force, as far as they are known."""
+    found = {quantity: stated(candidate, case, quantity) for quantity in STATED[1:]}
+    return {quantity: each.error for quantity, each in found.items() if each is not None}
+
+
+def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:
+    """Return how far spikes were off at worst in the base scenes, of one unit of each type.
+
+    "spike count": missing or extra ones over all, relative; "first spike": in s. Empty for a scene
+    that is like no press.
+    """
+    if case.place is None or not case.measured_tissue:
+        return {}
+    label, scenes = candidate.measured.label, tradeoff.read()["scenes"].values()
+    rows = [each["candidates"].get(label, {}).get("spikes") for each in scenes]
+    known = [row for row in rows if row]
+    if not known:
+        return {}
+    first = max(row["first_ms"] for row in known if row["first_ms"] is not None)
+    return {"spike count": max(row["count"] for row in known), "first spike": 1e-3 * first}
+
+
+def without_press(
+    candidate: Candidate, case: Situation, error: float, source: str
+) -> tuple[float, str]:
+    """Return the error of another report, with those of steps and motions added; and its source.
+
+    That was measured under another object, or of another finger: no margin is known for that. It
+    is no smaller than what is stated of the nearest plate or ball that was pressed. Not a number
+    far beyond the depths of the presses.
+    """
+    nearest = case.under(tradeoff.nearest(case.indenter))
+    deep, deepest = _depths(case, nearest)
+    if deep > FARTHEST * deepest and math.isfinite(error):
+        return float("nan"), (
+            f"not known: it goes to {deep:.2g} of the finger's thickness, and presses like it were "
+            f"measured to {deepest:.2g}"
+        )
+    error *= 1 + _largest_share(candidate.mechanics)
+    error += rules()["steps"][candidate.mechanics]["force"]
+    for bound in (stated(candidate, nearest), _least(candidate, case, nearest)):
+        if bound is not None and bound.error > error:
+            error, source = bound.error, bound.source
+    return error, f"{source} (reports/{REPORT} has none for {difference(case)})"
+
+
+def _largest_share(mechanics: str) -> float:
+    """Return by which share presses tell too little of motions at most, on any mesh."""
+    every = rules()["margins"].items()
+    margins = [each["force"] for name, each in every if Candidate.of(name).mechanics == mechanics]
+    return max((share for each in margins for share in each["motion"].values()), default=0.0)
+
+
+def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated | None:
+    """Return what is stated of the measured press that is next to a scene, as deep or nearly so.
+
+    Nothing that is known less of has a smaller error, and no smaller margins.
+    """
+    object_ = nearest.indenter
+    plate_or_ball = object_.flat is not None or object_.ball_radius is not None
+    indenter = object_ if plate_or_ball else Flat(30)
+    pressed = replace(nearest, finger=Finger.subject(PRESSED), indenter=indenter)
+    if pressed.place is None:
+        return None
+    rows = rules()["presses"]
+    deep = min(
+        *(case.deepest(name) for name in pressed.neighbors),
+        *(tradeoff.reach(rows[name]) for name in pressed.neighbors),
+    )
+    motion = Ramp(60.0, deep * pressed.finger.thickness, corner=0.0)
+    return stated(candidate, replace(pressed, motion=motion))
+
+
+def _depths(case: Situation, nearest: Situation) -> tuple[float, float]:
+    """Return depth over thickness, and that of the deepest press next to the scene's.
+
+    Of an object unlike all plates and balls, those of all presses.
+    """
+    rows = rules()["presses"]
+    press = max(nearest.neighbors or rows, key=lambda name: tradeoff.reach(rows[name]))
+    return case.deepest(press), tradeoff.reach(rows[press])

@@ -1,0 +1,57 @@
+"""The fields on the mesh at some of the times of a press."""
+
+import numpy as np
+
+from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.mechanics.press.history import FiniteStrainHistory, SmallStrainHistory, frames_of
+from fefinger.mechanics.press.problem import Press
+from fefinger.results.records import Fields
+from fefinger.support.arrays import Array
+
+
+VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
+
+
+def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
+    """Solve for the whole body at some of the times."""
+    contact, on_pad, original = history.contact, history.reduced.patch, press.body.original
+    force = contact.pressure @ on_pad.travel
+    frames = frames_of(contact.depth, int(np.argmax(force)))
+    loads = on_pad.loads @ contact.elastic[frames].T
+    unknowns = press.method.unknowns(press.body, np.asarray(loads))
+    fields = _empty(press, press.time[frames])
+    fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
+    at_vertices = strain_at_vertices(press.body.space) @ unknowns
+    fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
+    fields.pressure[:, original[on_pad.vertices]] = contact.pressure[frames]
+    return fields
+
+
+def finite_strain_fields(press: Press, history: FiniteStrainHistory) -> Fields:
+    """Return the kept states on the mesh."""
+    numbers, original = np.array(sorted(history.frames)), press.body.original
+    fields = _empty(press, history.steps.times[numbers])
+    gradients = gradient_at_vertices(press.body.space)
+    pressed = original[history.contact.on.vertices]
+    for frame, number in enumerate(numbers):
+        values = history.frames[number]
+        fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
+        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
+        fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
+        fields.pressure[frame, pressed] = history.pressure[number]
+    return fields
+
+
+def _empty(press: Press, times: Array) -> Fields:
+    """Return fields that are zero, as they stay where the mesh is rigid."""
+    mesh, shape = press.mesh, (len(times), len(press.mesh.points))
+    return Fields(
+        mesh.points,
+        mesh.cells,
+        mesh.region,
+        times,
+        displacement=np.zeros((*shape, 3)),
+        strain=np.zeros((*shape, 6)),
+        pressure=np.zeros(shape),
+    )

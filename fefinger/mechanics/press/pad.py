@@ -1,0 +1,64 @@
+"""The pad of the whole finger, on which a press reports pressure, and moments over it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.fem.body import Solid
+from fefinger.fem.contact.patch import Neighborhood, Patch
+from fefinger.results.records import Pad
+from fefinger.support.arrays import Array
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+def on_seen(pressure: Array, seen: Neighborhood) -> Array:
+    """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
+    return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
+
+
+def whole_moment(meshed: Array, half: bool) -> Array:
+    """Return the moment (n_t, 3) N mm on the whole finger about the origin."""
+    whole = meshed * np.array([0.0, 2.0, 0.0]) if half else meshed
+    return np.asarray(whole * NEWTON_PER_MILLINEWTON)
+
+
+def centroid(pad: Pad, pressure: Array) -> Array:
+    """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
+    total = (pressure @ pad.areas)[:, None]
+    moment = pressure @ first_moments(pad)[:, :2]
+    return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
+
+
+def first_moments(pad: Pad) -> Array:
+    """Return the integrals (n_pad, 3) mm³ of every hat times the place, over the triangles."""
+    corners = pad.points[pad.triangles]
+    sides = corners[:, 1:] - corners[:, :1]
+    twelfths = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 24
+    moments = np.zeros_like(pad.points)
+    share = twelfths[:, None, None] * (corners + corners.sum(axis=1, keepdims=True))
+    np.add.at(moments, pad.triangles, share)
+    return moments
+
+
+def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, NDArray[np.int64]]:
+    """Return the pad of the whole finger, and which vertex `on` it each of its points is."""
+    vertices, areas = on.vertices, on.areas
+    points, normals = body.space.points[vertices], body.normals[vertices]
+    column = np.arange(len(points))
+    number = np.full(len(body.space.points), -1, dtype=np.int64)
+    number[vertices] = column
+    triangles = number[on.triangles]
+    triangles = triangles[(triangles >= 0).all(axis=1)]
+    if not body.half:
+        return Pad(points, areas, normals, triangles), column
+    mirror = np.array([1.0, -1.0, 1.0])
+    off = points[:, 1] > 0
+    twin = column.copy()
+    twin[off] = len(points) + np.arange(off.sum())
+    whole = np.where(off, areas, 2 * areas)
+    pad = Pad(
+        points=np.concatenate([points, points[off] * mirror]),
+        areas=np.concatenate([whole, whole[off]]),
+        normals=np.concatenate([normals, normals[off] * mirror]),
+        triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
+    )
+    return pad, np.concatenate([column, column[off]])

@@ -1,0 +1,145 @@
+"""What the rules of refusal, error and cost need to know of a scene, each computed once."""
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.mechanics.evidence import reached_depth, tradeoff
+from fefinger.mechanics.evidence.tradeoff import Place
+from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
+from fefinger.mechanics.refusals import Doubt
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.motion import Motion
+from fefinger.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Situation:
+    """A scene as its parts, the finger on the mesh that is considered, and what follows from them.
+
+    Every property is computed when it is first read and then kept, so that mechanics which are
+    judged on one mesh share it.
+    """
+
+    finger: Finger
+    indenter: Indenter
+    motion: Motion
+    ask: Ask
+
+    @classmethod
+    def of(cls, scene: Scene) -> Self:
+        """Return the situation of a scene, on the mesh that it states or the standard one."""
+        return cls(scene.finger, scene.indenter, scene.motion, scene.ask)
+
+    def on(self, resolution: str) -> "Situation":
+        """Return the situation on the mesh of a resolution, the same one each time."""
+        if resolution == self.finger.resolution:
+            return self
+        if resolution not in self._on:
+            finger = replace(self.finger, resolution=resolution)
+            self._on[resolution] = replace(self, finger=finger)
+        return self._on[resolution]
+
+    @cached_property
+    def _on(self) -> "dict[str, Situation]":
+        return {}
+
+    @cached_property
+    def meshes(self) -> "tuple[Situation, ...]":
+        """The situation on each mesh that may be chosen; one where the scene states it.
+
+        Spike counts are checked on the next coarser mesh, so the coarsest is none for them.
+        """
+        if self.finger.resolution != AUTO:
+            return (self,)
+        return tuple(map(self.on, RESOLUTIONS[1:] if self.ask.spikes else RESOLUTIONS))
+
+    def under(self, indenter: Indenter) -> Self:
+        """Return the situation under another object."""
+        return self if indenter is self.indenter else replace(self, indenter=indenter)
+
+    @property
+    def mesh(self) -> str:
+        """Resolution of the mesh."""
+        return self.finger.mesh
+
+    @cached_property
+    def half(self) -> bool:
+        """Whether the scene is its own mirror image, so that half a finger answers it."""
+        return self.indenter.mirrored
+
+    @cached_property
+    def touch(self) -> float | tuple[float, float] | None:
+        """Where a mesh that follows the touch is fine, as in `mesh.recipe`."""
+        return meshed_at(self.indenter)
+
+    @cached_property
+    def peak(self) -> float:
+        """Largest depth in mm or force in N of the motion."""
+        return self.motion.peak
+
+    @cached_property
+    def fast(self) -> bool:
+        """Whether time steps resolve what FAII responds to."""
+        return "FAII" in self.ask.spikes
+
+    @cached_property
+    def times(self) -> NDArray[np.float64]:
+        """Times (n_t,) s of the answer, however many: what is too long a mechanics refuses."""
+        return time_grid(self.motion, fast=self.fast, most=sys.maxsize)
+
+    @cached_property
+    def changes(self) -> int:
+        """At how many times contact is another than just before."""
+        return moving(self.motion, self.times)
+
+    @cached_property
+    def too_long(self) -> tuple[Doubt, ...]:
+        """Why the steps of the motion do not fit into memory, if so."""
+        return tuple(Doubt("motion", each) for each in too_long(self.motion, fast=self.fast))
+
+    @cached_property
+    def place(self) -> Place | None:
+        """Where the object lies among those of the measured presses; None beyond them."""
+        return tradeoff.place_of(self.indenter)
+
+    @cached_property
+    def measured_tissue(self) -> bool:
+        """Whether the tissues are, up to one modulus, those of the measured presses."""
+        return tradeoff.measured_tissue(self.finger)
+
+    @cached_property
+    def neighbors(self) -> dict[str, float]:
+        """The measured presses next to the scene, with their weights; none where no place is."""
+        if self.place is None:
+            return {}
+        return tradeoff.neighbors(tradeoff.rules()["presses"], self.place)
+
+    @cached_property
+    def _own_curve(self) -> Mapping[str, Any] | None:
+        """Force over depth of a calibrated finger under a plate."""
+        flat = self.indenter.flat
+        return reached_depth.calibrated(self.finger) if flat is not None else None
+
+    def depth_over_thickness(self, row: Mapping[str, Any], force: Sequence[float]) -> float:
+        """Return the largest depth over the finger's thickness, once tissue has relaxed.
+
+        Where the motion prescribes the force, it is read from the press `row` and its forces in N,
+        or from the finger's own curve.
+        """
+        if self.motion.control == "depth":
+            return self.peak / self.finger.thickness
+        return reached_depth.under_force(self.finger, self.peak, row, force, self._own_curve)
+
+    def deepest(self, press: str) -> float:
+        """Return the largest depth over thickness, as a press of the trade-off says."""
+        row = tradeoff.rules()["presses"][press]
+        return self.depth_over_thickness(row, row["force_N"])

@@ -1,0 +1,50 @@
+"""A candidate for the answer of a scene: one mechanics, on one mesh where it has one."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+
+class Traits(NamedTuple):
+    """What sets mechanics apart: whether it has a mesh, and whether its strain is finite."""
+
+    meshed: bool
+    finite: bool
+
+
+MECHANICS = {
+    "lumped": Traits(meshed=False, finite=False),
+    "hertz": Traits(meshed=False, finite=False),
+    "layered": Traits(meshed=False, finite=False),
+    "condensed": Traits(meshed=True, finite=False),
+    "linear": Traits(meshed=True, finite=False),
+    "solid": Traits(meshed=True, finite=True),
+}
+"""The mechanics, cheapest first, with their traits."""
+
+MESHED = tuple(name for name, traits in MECHANICS.items() if traits.meshed)
+"""Those with a mesh, whose resolution is the planner's to choose."""
+
+
+@dataclass(frozen=True, order=True)
+class Candidate:
+    """A mechanics by name, and the resolution of its mesh; None without one."""
+
+    mechanics: str
+    resolution: str | None = None
+
+    @classmethod
+    def of(cls, label: str) -> Self:
+        """Read the label of a report, such as "hertz" or "linear coarse"."""
+        mechanics, _, resolution = label.partition(" ")
+        return cls(mechanics, resolution or None)
+
+    @property
+    def label(self) -> str:
+        """Its name in reports and tables."""
+        return f"{self.mechanics} {self.resolution or ''}".rstrip()
+
+    @property
+    def measured(self) -> Self:
+        """The candidate whose mesh scatter and spikes are taken for its: of fine, standard."""
+        resolution = "standard" if self.resolution == "fine" else self.resolution
+        return type(self)(self.mechanics, resolution)

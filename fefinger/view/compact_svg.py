@@ -1,0 +1,220 @@
+"""Rewrites the SVG text of matplotlib in fewer characters, with the same picture.
+
+Coordinates have two decimals, which are 0.01 pt. Paths are relative, repeated styles become
+classes, and what a browser does not need (metadata, names of groups) is left out. The SVG embeds
+in a page: its links have no namespace, which only viewers of SVG 2 read.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from itertools import count, product
+from string import ascii_letters
+from xml.etree.ElementTree import Element, fromstring
+from xml.sax.saxutils import escape
+
+
+SVG = "http://www.w3.org/2000/svg"
+DECIMALS = 2
+LENGTHS = ("x", "y", "width", "height", "x1", "x2", "y1", "y2", "cx", "cy", "r")
+PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
+"""Points that a command of matplotlib's paths takes; all are absolute."""
+
+
+def compact(text: str) -> str:
+    """Return the SVG text of a matplotlib figure without what does not show."""
+    root = fromstring(text)
+    _drop_metadata(root)
+    _rename_links(root)
+    _merge_groups(root)
+    for element in root.iter():
+        _round(element)
+    _share_styles(root)
+    root.set("xmlns", SVG)
+    return "".join(_written(root))
+
+
+def _name(element: Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def _drop_metadata(root: Element) -> None:
+    for child in [child for child in root if _name(child) == "metadata"]:
+        root.remove(child)
+
+
+def _rename_links(root: Element) -> None:
+    """Give elements that are referred to short ids, drop all other ids, and shorten links."""
+    elements = list(root.iter())
+    for element in elements:
+        for key in [key for key in element.attrib if key.endswith("}href")]:
+            element.set("href", element.attrib.pop(key))
+    values = [value for element in elements for value in element.attrib.values()]
+    targets = {found for value in values for found in re.findall(r"(?:^|url\()#([^)]+)", value)}
+    ids = [element.get("id", "") for element in elements]
+    short = dict(zip((i for i in ids if i in targets), _short_names(), strict=False))
+    for element in elements:
+        name = element.attrib.pop("id", "")
+        if name in short:
+            element.set("id", short[name])
+        for key in ("href", "clip-path", "style", "fill"):
+            if "#" in element.get(key, ""):
+                element.set(key, _linked(element.attrib[key], short))
+
+
+def _linked(value: str, short: dict[str, str]) -> str:
+    """Return the value of an attribute with its links to the short ids."""
+    return re.sub(
+        r"(^|url\()#([^)]+)", lambda found: f"{found[1]}#{short.get(found[2], found[2])}", value
+    )
+
+
+def _short_names() -> Iterator[str]:
+    """Give a, b, ..., aa, ab, ... without end."""
+    for length in count(1):
+        for letters in product(ascii_letters, repeat=length):
+            yield "".join(letters)
+
+
+def _merge_groups(parent: Element) -> None:
+    """Join neighboring groups of one clip path; drop empty groups and unwrap bare ones."""
+    merged: list[Element] = []
+    for child in list(_unwrapped(parent)):
+        if merged and _mergeable(merged[-1], child):
+            merged[-1].extend(child)
+        else:
+            merged.append(child)
+    parent[:] = merged
+
+
+def _unwrapped(parent: Element) -> Iterator[Element]:
+    """Give the children of an element, those of groups without attributes in their place."""
+    for child in parent:
+        _merge_groups(child)
+        if _name(child) != "g" or child.attrib:
+            yield child
+        else:
+            yield from child
+
+
+def _mergeable(first: Element, second: Element) -> bool:
+    """Return whether two groups may be one: both only clip, in the same way."""
+    groups = _name(first) == _name(second) == "g"
+    return groups and first.attrib == second.attrib and set(second.attrib) == {"clip-path"}
+
+
+def _round(element: Element) -> None:
+    """Round the coordinates of an element, and squeeze its path, style and transform."""
+    # The size and the viewBox of the figure itself stay exact: they set its place in the page.
+    if _name(element) != "svg":
+        for key in LENGTHS:
+            if key in element.attrib:
+                element.set(key, _rounded(element.attrib[key]))
+    if "d" in element.attrib:
+        element.set("d", path(element.attrib["d"]))
+    if "style" in element.attrib:
+        style = re.sub(r"\s*([:;,])\s*", r"\1", element.attrib["style"].replace("'", "")).strip(";")
+        element.set("style", re.sub(r"\d+\.\d{4,}", lambda found: f"{float(found[0]):.3f}", style))
+    if "transform" in element.attrib:
+        element.set("transform", _transform(element.attrib["transform"]))
+        if not element.attrib["transform"]:
+            del element.attrib["transform"]
+
+
+def _transform(text: str) -> str:
+    """Return a transform with rounded shifts and turns; scales keep their digits."""
+    rounded = re.sub(
+        r"(translate|rotate)\(([^)]*)\)",
+        lambda found: f"{found[1]}({' '.join(map(_rounded, re.split('[ ,]+', found[2].strip())))})",
+        text,
+    )
+    return re.sub(r"rotate\(0 [^)]*\)", "", rounded).strip()
+
+
+def _rounded(text: str) -> str:
+    """Return a number with DECIMALS; other texts (percentages) as they are."""
+    try:
+        return _number(round(float(text), DECIMALS))
+    except ValueError:
+        return text
+
+
+def _number(value: float) -> str:
+    """Return a rounded number without zeros that say nothing."""
+    text = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
+    text = re.sub(r"^(-?)0\.", r"\1.", text)
+    return "0" if text in ("", "-", "-0") else text
+
+
+def path(data: str) -> str:
+    """Return path data (absolute M, L, Q, C, Z) as relative data with rounded coordinates.
+
+    Points are rounded before their differences are taken, so that errors do not add up.
+    """
+    written: list[str] = []
+    last, here, start = "", (0, 0), (0, 0)
+    for command, points in _commands(data):
+        if command == last == "L" and points[0] == here:
+            continue
+        implied = (command == last and command in "LQC") or (last + command == "ML")
+        shifts = [new - old for point in points for new, old in zip(point, here, strict=True)]
+        written.append(_joined("" if implied else command.lower(), shifts))
+        start = points[0] if command == "M" else start
+        here, last = points[-1] if points else start, command
+    return "".join(written)
+
+
+def _commands(data: str) -> Iterator[tuple[str, list[tuple[int, int]]]]:
+    """Give the commands of path data with their points in whole units of the last decimal."""
+    tokens = re.findall(r"[A-Za-z]|[-+.\d][-+.\deE]*", data)
+    position = 0
+    while position < len(tokens):
+        command = tokens[position].upper()
+        end = position + 1 + 2 * PAIRS[command]
+        units = [round(10**DECIMALS * float(token)) for token in tokens[position + 1 : end]]
+        yield command, list(zip(units[::2], units[1::2], strict=True))
+        position = end
+
+
+def _joined(letter: str, units: list[int]) -> str:
+    """Return a command in few characters: a minus sign separates as a space does."""
+    numbers = [_number(unit / 10**DECIMALS) for unit in units]
+    text = "".join(number if number.startswith("-") else f" {number}" for number in numbers)
+    return letter + text.lstrip() if letter else text
+
+
+def _share_styles(root: Element) -> None:
+    """Turn every style that is there more than once into a class of the style sheet."""
+    counts = Counter(
+        element.attrib["style"] for element in root.iter() if "style" in element.attrib
+    )
+    repeated = [style for style, count in counts.most_common() if count > 1]
+    classes = dict(zip(repeated, _short_names(), strict=False))
+    for element in root.iter():
+        if element.get("style", "") in classes:
+            element.set("class", classes[element.attrib.pop("style")])
+    sheet = next((each for each in root.iter() if _name(each) == "style"), None)
+    if sheet is not None:
+        rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())
+        sheet.text = re.sub(r"\s*([:;{}])\s*", r"\1", sheet.text or "") + rules
+
+
+def _written(element: Element) -> Iterator[str]:
+    """Give the text of an element and all inside of it, attributes in single quotes."""
+    name = _name(element)
+    attributes = "".join(
+        f" {key}='{escape(value, {chr(39): '&apos;'})}'" for key, value in element.attrib.items()
+    )
+    inside = _text(element.text)
+    children = "".join("".join(_written(child)) for child in element)
+    yield (
+        f"<{name}{attributes}>{inside}{children}</{name}>"
+        if inside or children
+        else (f"<{name}{attributes}/>")
+    )
+    yield _text(element.tail)
+
+
+def _text(text: str | None) -> str:
+    """Return text between tags, none where it only indents; a no-break space stays."""
+    return escape(text) if text and text.strip(" \n\t") else ""

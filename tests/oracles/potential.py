@@ -1,0 +1,30 @@
+"""Potential of a body at finite strain, written apart from its derivatives, which it checks."""
+
+import numpy as np
+
+from fefinger.fem.elements.spaces import Array
+from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
+from fefinger.fem.hyperelastic.stress_kernels import PAIRS
+
+
+def energy(body: Continuum, values: Array, history: HistoryStress) -> float:
+    """Return the potential in mN mm at the unknowns `values`: elastic, volumetric, of the past."""
+    members = values[body.space.unknowns]
+    moved, pressures = members[:, :30].reshape(-1, 10, 3), members[:, 30:]
+    gradient = np.einsum("eni,qnk,ekj->eqij", moved, body.reference, body.jacobians)
+    p = pressures @ body.shapes.T
+    deformation = gradient + np.eye(3)
+    c = np.swapaxes(deformation, -1, -2) @ deformation
+    volume = np.linalg.det(deformation)
+    trace, square = (np.trace(each, axis1=-2, axis2=-1) for each in (c, c @ c))
+    one = trace * volume ** (-2 / 3) - 3
+    two = (trace**2 - square) / 2 * volume ** (-4 / 3) - 3
+    mu, compressibility, share, exponent = (column[:, None] for column in body.laws.T)
+    steep = np.where(exponent > 0, exponent, 1.0)
+    rising = np.where(exponent > 0, np.expm1(steep * one) / steep, one)
+    work = history.gains[:, :1] * mu / 2 * (share * rising + (1 - share) * two)
+    work += history.gains[:, 1:] * (p * (volume - 1) - p * p * compressibility / 2)
+    for row, (i, j) in enumerate(PAIRS):
+        twice = 1.0 if i == j else 2.0
+        work += twice * history.past[:, :, row] * (c[..., i, j] - float(i == j)) / 2
+    return float((body.weights * work).sum())
