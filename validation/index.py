@@ -1,4 +1,4 @@
-"""The page that gathers what is in a folder of reports: suites, benchmarks and evidence.
+"""Index page of a folder of reports: suites, benchmarks and evidence.
 
 `python -m fefinger.validation.index reports` writes `reports/index.html` from the files there;
 with `--pages` it first writes the page of every suite anew from its JSON, without measuring.
@@ -80,8 +80,8 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
         record = _read(path)
         if _cases(record) and path.with_suffix(".html").exists():
             provenance = record.pop("provenance", {})
-            drawn, found = suites.figures(record), suites.findings(record)
-            save(record, folder, drawn, provenance, path.stem, found)
+            drawn, findings = suites.figures(record), suites.findings(record)
+            save(record, folder, drawn, provenance, path.stem, findings)
             yield path.with_suffix(".html")
 
 

@@ -1,4 +1,4 @@
-"""The outcome of the validation suites as files: `validation.json` and a self-contained page.
+"""Write the outcome of validation suites: `validation.json` and a self-contained page.
 
 The page says what passed, what is documented (fefinger is right and the print is known to be
 elsewhere), what is short (as known, and not what is wanted) and what failed, case by case.
@@ -91,16 +91,16 @@ def html(
 
 def _answer(total: dict[str, int]) -> str:
     """Return the outcome in one or two sentences."""
-    said = f"Of {sum(total.values())} comparisons {total['pass']} pass."
+    sentence = f"Of {sum(total.values())} comparisons {total['pass']} pass."
     if total["documented"]:
-        said += (
+        sentence += (
             f" In {total['documented']} more fefinger is within its tolerance and the published "
             "number is not."
         )
     if total["short"]:
         fall = "falls" if total["short"] == 1 else "fall"
-        said += f" {total['short']} {fall} short of what is wanted."
-    return f"{said} {total['fail'] or 'None'} failed."
+        sentence += f" {total['short']} {fall} short of what is wanted."
+    return f"{sentence} {total['fail'] or 'None'} failed."
 
 
 def _suite(
@@ -125,15 +125,15 @@ def _suite(
 
 def _texts(cases: Sequence[dict[str, Any]], verdict: str, key: str) -> dict[str, list[str]]:
     """Return why cases have a verdict other than pass, with their names."""
-    found: dict[str, list[str]] = {}
+    names: dict[str, list[str]] = {}
     for case in cases:
         if case["verdict"] == verdict:
-            found.setdefault(case.get(key, ""), []).append(case["name"])
-    return found
+            names.setdefault(case.get(key, ""), []).append(case["name"])
+    return names
 
 
 def _nearest(cases: Sequence[dict[str, Any]]) -> list[tuple[int, str]]:
-    """Return which share in % of its tolerance is used, and by which case, the largest first."""
+    """Share in % of the tolerance that each case uses, with its name, the largest first."""
     shares = [
         (round(100 * abs(case["value"] - case["expected"]) / case["tolerance"]), case["name"])
         for case in cases

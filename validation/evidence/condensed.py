@@ -1,4 +1,4 @@
-"""Measure what `condensed` costs and errs by, and write the report that the planner reads.
+"""Measure cost and error of `condensed`, and write the report that the planner reads.
 
 Run as `python -m fefinger.validation.evidence.condensed reports`; it takes about five minutes, and
 as long again with `errors` behind it, which measures the errors of the force and leaves the rest.
@@ -72,8 +72,8 @@ def force_error(resolution: str, press: str) -> float | None:
         force = float(condensed.respond(builtin.load("flat-press", settings)).force.max())
     except InputError:
         return None
-    known = float(fine["force_error"][press])
-    return round(abs(force / fine["peak_force_N"][press] - 1) + known, 5)
+    fine_error = float(fine["force_error"][press])
+    return round(abs(force / fine["peak_force_N"][press] - 1) + fine_error, 5)
 
 
 def _row(resolution: str, cache: Path) -> dict[str, Any]:
@@ -90,11 +90,11 @@ def _row(resolution: str, cache: Path) -> dict[str, Any]:
     }
 
 
-def main(folder: str, *asked: str) -> None:
+def main(folder: str, *parts: str) -> None:
     """Write the report, or only the errors in it."""
     target = Path(folder) / CONDENSED_REPORT
     old = json.loads(reported(CONDENSED_REPORT))
-    if asked == ("errors",):
+    if parts == ("errors",):
         new = {**old, "force_error": errors()}
     else:
         new = {**report(), "force_error": old["force_error"]}

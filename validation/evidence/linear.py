@@ -78,8 +78,8 @@ def report(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
     """Return force, mesh error and cost for every resolution, coarsest first."""
     rows = spent(resolutions)
     for press in PRESSES:
-        found = {resolution: peak(resolution, press) for resolution in resolutions}
-        forces, unknowns = [one[0] for one in found.values()], [one[1] for one in found.values()]
+        peaks = {resolution: peak(resolution, press) for resolution in resolutions}
+        forces, unknowns = [one[0] for one in peaks.values()], [one[1] for one in peaks.values()]
         limit = extrapolated(unknowns, forces)
         for resolution, force in zip(resolutions, forces, strict=True):
             rows[resolution].setdefault("peak_force_N", {})[press] = force
@@ -94,7 +94,7 @@ def report(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
 
 
 def spent(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, dict[str, Any]]:
-    """Return what flat-press costs and answers, by resolution."""
+    """Cost and peak values of flat-press, by resolution."""
     measure("coarse", "flat-30")  # compiles
     rows = {}
     for resolution in resolutions:
@@ -118,7 +118,7 @@ def _row(response: Response, seconds: float) -> dict[str, Any]:
 
 
 def costs(response: Response, seconds: float) -> dict[str, Any]:
-    """Return what a response to flat-press that took `seconds` s in all spent on what.
+    """Split the cost of a response to flat-press, `seconds` s in all, by stage.
 
     A step has its contact solved; where contact changed, its area is read.
     """
@@ -140,10 +140,10 @@ def _drives(response: Response) -> list[float]:
     return [float(-np.linalg.eigvalsh(tensor)[0]) for tensor in response.strain[-1]]
 
 
-def main(folder: str, *asked: str) -> None:
+def main(folder: str, *parts: str) -> None:
     """Write the report, or only the costs in it."""
     target = Path(folder) / LINEAR_REPORT
-    if asked == ("costs",):
+    if parts == ("costs",):
         old = json.loads(reported(LINEAR_REPORT))
         made = provenance("python -m fefinger.validation.evidence.linear reports costs")
         of_errors = old.get("errors", {name: old[name] for name in made if name in old})

@@ -1,4 +1,4 @@
-"""What suite `finger` shows: what Hertz leaves out, subject by subject and cause by cause."""
+"""Figures of suite `finger`: effects that Hertz neglects, by subject and by cause."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -65,13 +65,15 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 
 def _over(press: str) -> str:
-    said = (
+    label = (
         f"Force over that of Hertz under a {NAMES[press]}, against depth over the thickness of the "
         "finger, each model with one thing more than the one before."
     )
     if press == "flat-30":
-        return f"{said} A plate along the bone soon reaches the cut of the finger."
-    return f"{said} A ball has no angle: shape is the whole step from the flat stack to the finger."
+        return f"{label} A plate along the bone soon reaches the cut of the finger."
+    return (
+        f"{label} A ball has no angle: shape is the whole step from the flat stack to the finger."
+    )
 
 
 def _ratios(press: str) -> Any:
@@ -107,7 +109,7 @@ def _split() -> str:
 
 
 def _meshes() -> str:
-    """Return which rows are on which mesh."""
+    """Sentence on the mesh of each row."""
     coarse = [
         f"{subject} under the {NAMES[press]}"
         for press in PRESSES
@@ -125,9 +127,9 @@ def _factors() -> Any:
     for axis, press in zip(axes, presses, strict=True):
         causes = models(press)[1:]
         for number, subject in enumerate(SUBJECTS):
-            found = factors(subject, press)
+            by_cause = factors(subject, press)
             place = np.arange(len(causes)) + 0.2 * (number - 1.5)
-            height = np.array([found[cause] for cause in causes])
+            height = np.array([by_cause[cause] for cause in causes])
             axis.bar(place, height - 1, 0.18, bottom=1, color=SUBJECT_COLORS[number], label=subject)
         names = [_label(press, cause).removeprefix("+ ") for cause in causes]
         axis.set_xticks(range(len(causes)), names, rotation=30, ha="right")

@@ -81,10 +81,10 @@ def _legend(drawn: Any) -> None:
             color=INK,
             marker=MARKERS[how],
             linestyle="none",
-            label=said,
+            label=text,
             markerfacecolor="none" if how == "coarse" else INK,
         )
-        for how, said in names.items()
+        for how, text in names.items()
     ]
     drawn.legend(handles=lines, loc="outside upper center", ncols=5)
 
@@ -140,7 +140,7 @@ def _others(data: dict[str, Any]) -> Any:
     for line, name in zip(grid, ("flat-30", "sphere-10"), strict=True):
         rows = data["presses"][name]
         bars = data["rules"]["presses"][name]["bars"]
-        for axis, (key, said) in zip(line, QUANTITIES.items(), strict=True):
+        for axis, (key, title) in zip(line, QUANTITIES.items(), strict=True):
             points = {
                 candidate: (row["expected_s"], row["total"][key])
                 for candidate, row in rows.items()
@@ -148,7 +148,7 @@ def _others(data: dict[str, Any]) -> Any:
             }
             _scatter(axis, points)
             axis.axhline(max(bars[key][-1], LEAST), color=INK, linewidth=0.8, linestyle="--")
-            axis.set_title(f"{name}: {said}", fontsize=8)
+            axis.set_title(f"{name}: {title}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
         axis.set_xlabel("expected time / s")
@@ -210,15 +210,15 @@ def _split(data: dict[str, Any]) -> Any:
 
 
 def _held_caption(data: dict[str, Any]) -> str:
-    found = data["summary"]
-    kept = ", ".join(
+    summary = data["summary"]
+    shares = ", ".join(
         f"{_NAMES[name]} {100 * share:.0f} %"
-        for name, share in found["stated_kept_by_all_candidates"].items()
+        for name, share in summary["stated_kept_by_all_candidates"].items()
     )
     return (
-        f"{found['scenes']} scenes that no rule was derived from. Stated against actual errors of "
-        "every candidate; below the line the statement is kept, which it is in this share of the "
-        f"cases: {kept}."
+        f"{summary['scenes']} scenes that no rule was derived from. Stated against actual errors "
+        "of every candidate; below the line the statement is kept, which it is in this share of "
+        f"the cases: {shares}."
     )
 
 
@@ -233,7 +233,7 @@ _NAMES = {
 def _held(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 5.2)
     grid = drawn.subplots(2, 2, sharex=True, sharey=True)
-    for axis, (quantity, said) in zip(grid.ravel(), _NAMES.items(), strict=True):
+    for axis, (quantity, title) in zip(grid.ravel(), _NAMES.items(), strict=True):
         for each in data["held_out"].values():
             for name, row in each["candidates"].items():
                 stated = row["stated"].get(quantity)
@@ -251,7 +251,7 @@ def _held(data: dict[str, Any]) -> Any:
                     zorder=2 if picked else 1,
                 )
         axis.plot([LEAST, 3], [LEAST, 3], color=STEEL, linewidth=1)
-        axis.set(xscale="log", yscale="log", title=f"{said}: candidates (small), picks (outlined)")
+        axis.set(xscale="log", yscale="log", title=f"{title}: candidates (small), picks (outlined)")
     for axis in grid[1]:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
@@ -261,12 +261,12 @@ def _held(data: dict[str, Any]) -> Any:
 
 
 def _cost_caption(data: dict[str, Any]) -> str:
-    found = data["summary"]
+    summary = data["summary"]
     return (
         "Left: expected time of the pick over that of the cheapest candidate that meets the "
-        f"tolerance; {100 * found['within_1.2']:.0f} % are within {ENOUGH:g}, the worst is "
-        f"{found['worst_ratio']:.2g}; together the picks take "
-        f"{found['total_seconds_over_least']:.2g} times the least time. Right: which share is "
+        f"tolerance; {100 * summary['within_1.2']:.0f} % are within {ENOUGH:g}, the worst is "
+        f"{summary['worst_ratio']:.2g}; together the picks take "
+        f"{summary['total_seconds_over_least']:.2g} times the least time. Right: which share is "
         "within it where an oracle, which knows every actual error, states each so much too large; "
         "the cross is the planner, at the median of what it states of the cheapest that will do "
         "over what is."
@@ -274,16 +274,16 @@ def _cost_caption(data: dict[str, Any]) -> str:
 
 
 def _cost(data: dict[str, Any]) -> Any:
-    found = data["summary"]
+    summary = data["summary"]
     drawn = figure(WIDE, 3.2)
     left, right = drawn.subplots(1, 2)
     ratios = np.sort([e["ratio"] for e in data["held_out"].values() if e["ratio"] is not None])
     left.step(ratios, np.arange(1, len(ratios) + 1) / len(ratios), where="post", color=INK)
     left.axvline(ENOUGH, color=STEEL, linewidth=1)
     left.set(xscale="log", xlabel="time of the pick / least time", ylabel="share of the scenes")
-    curve = {float(key): share for key, share in found["oracle_within_1.2"].items()}
+    curve = {float(key): share for key, share in summary["oracle_within_1.2"].items()}
     right.plot(curve.keys(), curve.values(), color=STEEL, marker="o", markersize=4)
-    right.plot(found["stated_over_actual_of_the_cheapest"], found["within_1.2"], "x", color=INK)
+    right.plot(summary["stated_over_actual_of_the_cheapest"], summary["within_1.2"], "x", color=INK)
     right.set(xlabel="stated / actual error", ylabel=f"share within {ENOUGH:g} times the least")
     for axis in (left, right):
         axis.set_ylim(0, 1.02)

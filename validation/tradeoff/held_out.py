@@ -1,4 +1,4 @@
-"""Scenes that the rules were not derived from: what the planner picks, and what would have done.
+"""Held-out scenes: choices of the planner against the best possible ones.
 
 The truth is the converged press of the scene's object, carried to its motion; so are the answers
 of the candidates, to whose error that of their time steps is added, of which carrying has none.
@@ -33,21 +33,21 @@ SMALLER = (0.9, 0.8, 0.7, 0.6, 0.5)
 """Factors of all that is stated, to see what margins cost and what they are for."""
 
 
-def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
+def judge(scene: Scene, presses_of: dict[str, Press], true: Press) -> dict[str, Any]:
     """Return the pick, the best possible and the stated and actual errors of a scene."""
-    reference = motion.passage(true, scene)
+    reference = motion.motion_history(true, scene)
     rows: dict[str, dict[str, Any]] = {}
     ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label
-        if name not in found or any(r.about == "ability" for r in rung.refusals):
+        if name not in presses_of or any(r.about == "ability" for r in rung.refusals):
             continue
-        actual = off(name, motion.passage(found[name], scene), reference)
+        actual = off(name, motion.motion_history(presses_of[name], scene), reference)
         paced = tradeoff.rules()["steps"][rung.mechanics]
-        known = {"force": rung.error, **rung.errors}
+        stated = {"force": rung.error, **rung.errors}
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),
-            "stated": {key: _short(known.get(key, np.inf)) for key in actual},
+            "stated": {key: _short(stated.get(key, np.inf)) for key in actual},
             "actual": {key: _short(each + paced[key]) for key, each in actual.items()},
             "willing": not rung.refusals,
         }
@@ -70,7 +70,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
 
 
 def _unjudged(ladder: Sequence[Rung]) -> str | None:
-    """Return what the planner takes where none of the judged answers: a fine mesh, if anything."""
+    """Choice of the planner where no judged candidate answers: a fine mesh, if any."""
     willing = [rung for rung in ladder if not rung.refusals and np.isfinite(rung.error)]
     return min(willing, key=lambda rung: rung.seconds).candidate.label if willing else None
 
@@ -88,20 +88,20 @@ def _short(value: float) -> float | None:
 def all_scenes(seed: int = scenes.SEED) -> dict[str, dict[str, Any]]:
     """Return the judgment of every held-out scene, of one draw."""
     truths = {name: converged(name).press for name in scenes.HELD_OUT}
-    found = {name: answers(name) for name in scenes.HELD_OUT}
+    presses_by_scene = {name: answers(name) for name in scenes.HELD_OUT}
     return {
-        key: judge(scene, found[key[3:]], truths[key[3:]])
+        key: judge(scene, presses_by_scene[key[3:]], truths[key[3:]])
         for key, scene in scenes.held_out(seed=seed).items()
     }
 
 
 def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return how good the picks are: costs against the best, tolerances met, stated errors kept."""
+    """Summarize the picks: costs against the best, tolerances met, stated errors that hold."""
     picked = [each for each in judged.values() if each["pick"]]
     picks = [(each, each["candidates"][each["pick"]]) for each in picked]
     ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
     every = [row for each in judged.values() for row in each["candidates"].values()]
-    own = [row for _, row in picks]
+    rows_of_picks = [row for _, row in picks]
     cheap = [each["candidates"][each["best"]] for each in judged.values() if each["best"]]
     total = sum(each["candidates"][each["pick"]]["seconds"] for each in picked if each["best"])
     least = sum(each["candidates"][each["best"]]["seconds"] for each in picked if each["best"])
@@ -117,7 +117,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "tolerance_met": _share(
             [row["actual"]["force"] <= each["tolerance"] for each, row in picks]
         ),
-        "stated_kept": {name: _kept(own, name) for name in STATED},
+        "stated_kept": {name: _kept(rows_of_picks, name) for name in STATED},
         "stated_kept_by_all_candidates": {name: _kept(every, name) for name in STATED},
         "stated_over_actual": {name: _over(every, name) for name in STATED},
         "stated_over_actual_of_the_cheapest": _over(cheap, "force"),
@@ -132,7 +132,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 
 def oracle(judged: dict[str, dict[str, Any]], factor: float) -> float:
-    """Return which share of picks is within ENOUGH where every error is stated so much too large.
+    """Share of picks within ENOUGH if every error were overstated by a factor.
 
     That is what a planner could do which knew all actual errors, but for that factor.
     """
@@ -146,7 +146,7 @@ def oracle(judged: dict[str, dict[str, Any]], factor: float) -> float:
 
 
 def smaller(judged: dict[str, dict[str, Any]], factor: float) -> dict[str, float]:
-    """Return what the picks would be like if every stated error of the force were so much smaller.
+    """Summarize the picks if every stated error of the force were smaller by a factor.
 
     Shares of those within ENOUGH, of those whose error of the force is as stated, or as asked.
     """
@@ -183,8 +183,8 @@ def _kept(rows: list[dict[str, Any]], quantity: str) -> float:
 
 def _over(rows: list[dict[str, Any]], quantity: str) -> float:
     """Return the median of the stated over the actual error, nan where none is stated."""
-    told = [stated / actual for stated, actual in _told(rows, quantity)]
-    return float(np.median(told)) if told else float("nan")
+    ratios = [stated / actual for stated, actual in _told(rows, quantity)]
+    return float(np.median(ratios)) if ratios else float("nan")
 
 
 def _share(held: list[Any]) -> float:

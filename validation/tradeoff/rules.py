@@ -75,9 +75,9 @@ def springs(name: str) -> tuple[float, float]:
     On the finger of the base presses, under another plate, they are those between its neighbors,
     as the planner has them.
     """
-    own = identified(name)
+    spring_ = identified(name)
     if name in scenes.BASE or scenes.PRESSES[name].subject != reports.SOLID_SUBJECT:
-        return own.b, own.m
+        return spring_.b, spring_.m
     plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
     rows = [
         {"angle": plate.flat.angle, "b": identified(each).b, "m": identified(each).m}
@@ -93,29 +93,33 @@ def springs(name: str) -> tuple[float, float]:
 
 def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list[float]]]]:
     """Return numerical and model errors of every candidate in a press, by quantity."""
-    found: dict[str, dict[str, dict[str, list[float]]]] = {}
+    entries: dict[str, dict[str, dict[str, list[float]]]] = {}
     zero = dict.fromkeys(QUANTITIES, np.zeros(runs.DEPTHS))
     for mechanics in WITHOUT_MESH:
         pressed = press(name, mechanics)
         if pressed is not None:
-            found[mechanics] = _listed(zero, errors(pressed, true.press))
+            entries[mechanics] = _listed(zero, errors(pressed, true.press))
     if name.startswith("flat"):
-        own = replace(true.press, force=law(springs(name), true.press.depth))
-        apart = errors(own, true.press)["force"]
-        found["lumped"] = {
+        pressed_candidate = replace(true.press, force=law(springs(name), true.press.depth))
+        apart = errors(pressed_candidate, true.press)["force"]
+        entries["lumped"] = {
             "numerical": {"force": [0.0] * len(apart)},
             "model": {"force": _short(apart)},
         }
     for mechanics in WITH_MESH:
-        own = converged(name, LIMIT.get(mechanics, mechanics))
-        model = errors(own.press, true.press) if mechanics != "solid" else zero
+        pressed_candidate = converged(name, LIMIT.get(mechanics, mechanics))
+        model = errors(pressed_candidate.press, true.press) if mechanics != "solid" else zero
         for mesh in MESHES:
             pressed = press(name, mechanics, mesh)
             if pressed is not None:
-                found[f"{mechanics} {mesh}"] = _listed(mesh_errors(pressed, own), model)
-        force = _FINE * np.array(found[f"{mechanics} standard"]["numerical"]["force"])
-        found[f"{mechanics} fine"] = _listed({**mesh_errors(None, own), "force": force}, model)
-    return found
+                entries[f"{mechanics} {mesh}"] = _listed(
+                    mesh_errors(pressed, pressed_candidate), model
+                )
+        force = _FINE * np.array(entries[f"{mechanics} standard"]["numerical"]["force"])
+        entries[f"{mechanics} fine"] = _listed(
+            {**mesh_errors(None, pressed_candidate), "force": force}, model
+        )
+    return entries
 
 
 _FINE = float((40926 / 99374) ** (ORDER / 3))
@@ -134,7 +138,7 @@ def _short(values: Array) -> list[float]:
 
 
 def row(name: str) -> dict[str, Any]:
-    """Return what the rules hold of one press."""
+    """Make the entry of one press in the rules."""
     true, made = converged(name), scenes.PRESSES[name]
     flat = made.indenter.flat
     return {
@@ -153,7 +157,7 @@ def row(name: str) -> dict[str, Any]:
 
 
 def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return what is added to the error of each quantity that the neighbors of a scene tell.
+    """Margins added to the error of each quantity interpolated from the neighbors of a scene.
 
     between: half of the 95th percentile of what the neighbors of a press tell too little of it,
     where it has one on either side; half, because leaving a press out doubles the gap. motion: the
@@ -186,7 +190,7 @@ def _margins(
 
 
 def _of(candidate: str) -> tuple[str, ...]:
-    """Return what is stated of a candidate."""
+    """Quantities for which errors of a candidate are stated."""
     return STATED[:1] if candidate == "lumped" else STATED
 
 
@@ -199,44 +203,44 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     """
     factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
     for each in motions.values():
-        for candidate, found in each["direct"].items():
-            known = factors[Candidate.of(candidate).mechanics]
-            for quantity in found.keys() - {"area"}:
-                error = found[quantity]
+        for candidate, errors_of_run in each["direct"].items():
+            largest = factors[Candidate.of(candidate).mechanics]
+            for quantity in errors_of_run.keys() - {"area"}:
+                error = errors_of_run[quantity]
                 factor = error / _own(presses[each["press"]], candidate, each, quantity)
-                known[quantity] = max(known[quantity], float(f"{factor:.3g}"))
+                largest[quantity] = max(largest[quantity], float(f"{factor:.3g}"))
     return factors | {"condensed": factors["linear"]}
 
 
 def _missed(presses: dict[str, Any], name: str, candidate: str, quantity: str) -> Iterator[float]:
     """Give the error in a press less that which the other presses tell, at every depth."""
-    own = presses[name]
+    entry = presses[name]
     others = {key: value for key, value in presses.items() if key != name}
-    place = tradeoff.place(own["angle"], own["radius"])
-    if candidate not in own["candidates"] or len(tradeoff.neighbors(others, place)) < 2:
+    place = tradeoff.place(entry["angle"], entry["radius"])
+    if candidate not in entry["candidates"] or len(tradeoff.neighbors(others, place)) < 2:
         return
     if candidate == "lumped":
-        actual = _between(own, others)
+        actual = _between(entry, others)
     else:
-        actual = tradeoff.total(own["candidates"][candidate], quantity)
-    for depth, error in zip(own["depth_mm"], actual, strict=True):
-        told = tradeoff.interpolated(
-            others, candidate, place, depth / own["thickness_mm"], quantity
+        actual = tradeoff.total(entry["candidates"][candidate], quantity)
+    for depth, error in zip(entry["depth_mm"], actual, strict=True):
+        stated = tradeoff.interpolated(
+            others, candidate, place, depth / entry["thickness_mm"], quantity
         )
-        if told is not None:
-            yield error - sum(told)
+        if stated is not None:
+            yield error - sum(stated)
 
 
-def _between(own: dict[str, Any], others: dict[str, Any]) -> Array:
+def _between(entry: dict[str, Any], others: dict[str, Any]) -> Array:
     """Return the error of `lumped` at every depth of a press, with b and m from its neighbors."""
     rows = []
     for row in others.values():
         if row["angle"] is not None:
             b, m = spring(*(np.array(row[key]) for key in ("depth_mm", "force_N")))
             rows.append({"angle": row["angle"], "b": b, "m": m})
-    found = between(rows, own["angle"])
+    found = between(rows, entry["angle"])
     assert found is not None
-    depth, force = (np.array(own[key]) for key in ("depth_mm", "force_N"))
+    depth, force = (np.array(entry[key]) for key in ("depth_mm", "force_N"))
     return np.asarray(np.maximum.accumulate(np.abs(law(found, depth) - force)) / force)
 
 
@@ -251,7 +255,7 @@ def _margin(missed: float) -> float:
 
 
 def steps() -> dict[str, dict[str, float]]:
-    """Return what finer time steps change in direct runs, by run."""
+    """Compute the changes of direct runs with finer time steps, by run."""
     rows = {}
     for run in runs.steps():
         if run.refine == 1:
@@ -266,12 +270,12 @@ def steps() -> dict[str, dict[str, float]]:
 
 def paced(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
     """Return the errors that the time steps of a mechanics make, the largest known."""
-    found = {name: dict.fromkeys(_of(name), 0.0) for name in (*NO_MESH, *WITH_MESH)}
+    factors = {name: dict.fromkeys(_of(name), 0.0) for name in (*NO_MESH, *WITH_MESH)}
     for label, row in rows.items():
-        known = found[label.split(",")[0]]
+        largest = factors[label.split(",")[0]]
         for quantity, error in row.items():
-            known[quantity] = max(known[quantity], error)
-    return found | {"condensed": found["linear"]}
+            largest[quantity] = max(largest[quantity], error)
+    return factors | {"condensed": factors["linear"]}
 
 
 def fingers() -> dict[str, float]:
@@ -281,16 +285,16 @@ def fingers() -> dict[str, float]:
     force; of the rest none is known.
     """
     rows = reports.read(reports.SOLID_REPORT)["rows"]
-    found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
-    for mechanics in found:
+    ratios = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
+    for mechanics in ratios:
         for kind in ("flat-30", "sphere-5"):
-            own = _relative(rows[f"{reports.SOLID_SUBJECT}/{kind}"], mechanics)
+            reference = _relative(rows[f"{reports.SOLID_SUBJECT}/{kind}"], mechanics)
             for subject in FINGERS:
                 other = _relative(rows[f"{subject}/{kind}"], mechanics)
-                known = (own > LEAST) & np.isfinite(other)
-                found[mechanics] = max(found[mechanics], float((other / own)[known].max()))
-    found = {name: float(f"{factor:.3g}") for name, factor in found.items()}
-    return found | {"condensed": found["linear"], "lumped": 1.0, "solid": 1.0}
+                valid = (reference > LEAST) & np.isfinite(other)
+                ratios[mechanics] = max(ratios[mechanics], float((other / reference)[valid].max()))
+    ratios = {name: float(f"{factor:.3g}") for name, factor in ratios.items()}
+    return ratios | {"condensed": ratios["linear"], "lumped": 1.0, "solid": 1.0}
 
 
 def _relative(row: dict[str, Any], mechanics: str) -> Array:
@@ -305,28 +309,33 @@ def motions() -> dict[str, Any]:
     direct: against `solid` run through the scene on the coarse mesh, for what shares that mesh or
     has none.
     """
-    found = {}
+    results = {}
     for name, (pressed, moved) in scenes.MOTIONS.items():
         scene, true = scenes.base(name), converged(pressed).press
-        reference = motion.passage(true, scene)
-        passed = {key: motion.passage(own, scene) for key, own in answers(pressed).items()}
+        reference = motion.motion_history(true, scene)
+        passed = {
+            key: motion.motion_history(pressed_candidate, scene)
+            for key, pressed_candidate in answers(pressed).items()
+        }
         run, direct = motion.direct(name, "solid", "coarse"), {}
         if run is not None:
             alike = [key for key in passed if key.split()[-1] in ("coarse", *NO_MESH)]
             alike = [key for key in alike if not key.startswith("solid")]
             direct = {key: off(key, passed[key], run) for key in alike}
-        found[name] = {
+        results[name] = {
             "press": pressed,
             "depth_mm": moved.peak,
             "carried": {key: off(key, each, reference) for key, each in passed.items()},
             "direct": direct,
         }
-    return found
+    return results
 
 
-def off(candidate: str, found: motion.Passage, true: motion.Passage) -> dict[str, float]:
+def off(
+    candidate: str, history: motion.MotionHistory, true: motion.MotionHistory
+) -> dict[str, float]:
     """Return the errors of what a candidate gives."""
-    apart = _rounded(motion.errors(found, true))
+    apart = _rounded(motion.errors(history, true))
     return {quantity: apart[quantity] for quantity in _of(candidate)}
 
 
@@ -336,19 +345,19 @@ def _rounded(row: dict[str, float]) -> dict[str, float]:
 
 def answers(name: str) -> dict[str, Press]:
     """Return the press by every candidate; `lumped` with the b and m of `springs`."""
-    found: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
+    presses_by_name: dict[str, Press | None] = {each: press(name, each) for each in WITHOUT_MESH}
     for mechanics in WITH_MESH:
         for mesh in MESHES:
-            found[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
+            presses_by_name[f"{mechanics} {mesh}"] = press(name, mechanics, mesh)
     if "flat" in name:
         true = converged(name).press
-        found["lumped"] = replace(true, force=law(springs(name), true.depth))
-    return {key: each for key, each in found.items() if each is not None}
+        presses_by_name["lumped"] = replace(true, force=law(springs(name), true.depth))
+    return {key: each for key, each in presses_by_name.items() if each is not None}
 
 
 def costs() -> dict[str, dict[str, float]]:
     """Return CPU seconds and memory of every candidate on the press of the 30 degree plate."""
-    found = {}
+    entries = {}
     names = [(mechanics, "standard") for mechanics in WITHOUT_MESH]
     names += [(mechanics, mesh) for mechanics in WITH_MESH for mesh in MESHES]
     for mechanics, mesh in names:
@@ -360,14 +369,14 @@ def costs() -> dict[str, dict[str, float]]:
         share = cpu * stages[moving] / sum(stages.values())
         steps = float(arrays["steps"]) if mechanics == "solid" else len(arrays["time"])
         label = mechanics if mechanics in WITHOUT_MESH else f"{mechanics} {mesh}"
-        found[label] = {
+        entries[label] = {
             "cpu_s": round(cpu, 4),
             "setup_s": round(cpu - share, 4),
             "step_s": float(f"{share / steps:.3g}"),
             "steps": steps,
             "memory_MB": round(float(arrays["memory_MB"])),
         }
-    return found
+    return entries
 
 
 def rules() -> dict[str, Any]:

@@ -128,21 +128,21 @@ def _campaign() -> Iterator[Case]:
     """Yield one case for the runs of every press and scene, which are made where missing."""
     names = dict.fromkeys((run.kind, run.name) for run in runs.campaign())
     for kind, name in names:
-        own = [run for run in runs.campaign() if (run.kind, run.name) == (kind, name)]
+        campaign_runs = [run for run in runs.campaign() if (run.kind, run.name) == (kind, name)]
         yield Case(
             "tradeoff",
             f"{kind} {name}: runs that are missing",
-            partial(_made, own),
+            partial(_made, campaign_runs),
             0.0,
             0.0,
             "runs",
-            f"the campaign: {len(own)} runs",
+            f"the campaign: {len(campaign_runs)} runs",
         )
 
 
-def _made(own: list[runs.Run]) -> float:
-    runs.complete(own, workers=os.cpu_count() or 1)
-    return float(sum(not runs.done(run) for run in own))
+def _made(campaign_runs: list[runs.Run]) -> float:
+    runs.complete(campaign_runs, workers=os.cpu_count() or 1)
+    return float(sum(not runs.done(run) for run in campaign_runs))
 
 
 def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
@@ -180,19 +180,19 @@ WHOSE = {"the picks": "stated_kept", "all candidates": "stated_kept_by_all_candi
 
 def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     """Yield the cases on the cost of the picks, which is beside what is wanted and why."""
-    known = committed()
-    over = known["summary"]["stated_over_actual_of_the_cheapest"]
-    reached = held_out.oracle(known["held_out"], over)
+    report = committed()
+    over = report["summary"]["stated_over_actual_of_the_cheapest"]
+    reached = held_out.oracle(report["held_out"], over)
     curve = ", ".join(
         f"{100 * share:.0f} % at {factor}"
-        for factor, share in known["summary"]["oracle_within_1.2"].items()
+        for factor, share in report["summary"]["oracle_within_1.2"].items()
     )
     share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
     yield Case(
         "tradeoff",
         share,
         lambda: float(data()["summary"]["within_1.2"]),
-        known["summary"]["within_1.2"],
+        report["summary"]["within_1.2"],
         AS_REPORTED,
         "1",
         "what the report says",
@@ -250,17 +250,19 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
     largest = 0.0
     for name in names:
         row = new["presses"][name]
-        for candidate, own in row["candidates"].items():
-            known = old["presses"][name]["candidates"][candidate]
+        for candidate, candidate_now in row["candidates"].items():
+            candidate_before = old["presses"][name]["candidates"][candidate]
             for quantity in STATED:
-                if quantity in own["model"]:
-                    totals = [tradeoff.total(each, quantity) for each in (own, known)]
+                if quantity in candidate_now["model"]:
+                    totals = [
+                        tradeoff.total(each, quantity) for each in (candidate_now, candidate_before)
+                    ]
                     largest = max(largest, float(np.abs(totals[0] - totals[1]).max()))
     return largest
 
 
 def finding() -> dict[str, Any]:
-    """Return what the report says: the verdict on the held-out scenes, and tables."""
+    """Summarize the report: the verdict on the held-out scenes, and tables."""
     from fefinger.validation.tradeoff import told
 
     return told.finding(committed())
@@ -281,19 +283,19 @@ def write(folder: Path) -> None:
 
     complete(lambda stage, fraction: print(f"{100 * fraction:3.0f} % {stage}", file=sys.stderr))
     made = {"provenance": provenance(COMMAND)}
-    said = {"rules_read": RULES, "shared": SHARED, "rules": tradeoff_rules.rules()}
+    record_of_rules = {"rules_read": RULES, "shared": SHARED, "rules": tradeoff_rules.rules()}
     target = folder / tradeoff.REPORT
-    _put(target, made | said)
+    _put(target, made | record_of_rules)
     for kept in (tradeoff.read, committed, fresh):
         kept.cache_clear()
-    said |= fresh()
-    _put(target, made | said)
+    record_of_rules |= fresh()
+    _put(target, made | record_of_rules)
     tradeoff.read.cache_clear()
     committed.cache_clear()
     outcomes = tuple(Outcome(case, float(case.measure())) for case in cases(quick=True))
-    record = suites.as_json({"tradeoff": outcomes}) | finite(said)
-    drawn, found = suites.figures(record), suites.findings(record)
-    save(record, folder, drawn, made["provenance"], "tradeoff", found)
+    record = suites.as_json({"tradeoff": outcomes}) | finite(record_of_rules)
+    drawn, findings = suites.figures(record), suites.findings(record)
+    save(record, folder, drawn, made["provenance"], "tradeoff", findings)
 
 
 def _put(target: Path, data: dict[str, Any]) -> None:

@@ -40,34 +40,34 @@ def finding(data: dict[str, Any]) -> dict[str, Any]:
     return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
-def texts(found: dict[str, Any]) -> list[str]:
+def texts(summary: dict[str, Any]) -> list[str]:
     """Return the verdict on the held-out scenes in a few sentences."""
-    picks, every = found["stated_kept"], found["stated_kept_by_all_candidates"]
-    over = found["stated_over_actual"]
+    picks, every = summary["stated_kept"], summary["stated_kept_by_all_candidates"]
+    over = summary["stated_over_actual"]
     oracle = "; ".join(
         f"{100 * (float(factor) - 1):.0f} % too large: {100 * share:.0f} %"
-        for factor, share in found["oracle_within_1.2"].items()
+        for factor, share in summary["oracle_within_1.2"].items()
         if factor != "1"
     )
     less = "; ".join(
         f"{100 * (1 - float(factor)):.0f} % smaller: {100 * share['within_1.2']:.0f} % within, "
         f"{100 * share['kept']:.0f} % kept, {100 * share['tolerance_met']:.0f} % within tolerance"
-        for factor, share in found["stated_smaller"].items()
+        for factor, share in summary["stated_smaller"].items()
     )
     return [
-        f"Of {found['scenes']} scenes that no rule was derived from the planner answers "
-        f"{found['answered']} on the meshes that are judged and "
-        f"{found['on_a_mesh_that_is_not_judged']} on the fine one, which is not; it refuses "
-        f"{found['refused_although_possible']} that a candidate would have answered as asked. The "
-        f"rest none can. The tolerance is met by "
-        f"{100 * found['tolerance_met']:.0f} % of its picks.",
+        f"Of {summary['scenes']} scenes that no rule was derived from the planner answers "
+        f"{summary['answered']} on the meshes that are judged and "
+        f"{summary['on_a_mesh_that_is_not_judged']} on the fine one, which is not; it refuses "
+        f"{summary['refused_although_possible']} that a candidate would have answered as asked. "
+        f"The rest none can. The tolerance is met by "
+        f"{100 * summary['tolerance_met']:.0f} % of its picks.",
         "Stated errors are kept by this share of its picks (of all candidates): "
         f"{_shares(picks, every)}.",
         "They are too large by a factor of "
         + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
         + ", in the median of all candidates.",
-        f"So the picks cost {found['total_seconds_over_least']:.1f} times what they must, taken "
-        f"together: {100 * found['within_1.2']:.0f} % are within "
+        f"So the picks cost {summary['total_seconds_over_least']:.1f} times what they must, taken "
+        f"together: {100 * summary['within_1.2']:.0f} % are within "
         f"{ENOUGH:g} times the cheapest that meets the tolerance, where 95 % are wanted. That asks "
         "for errors known almost exactly. An oracle that knows every actual error, and states "
         f"each too large by one factor, has picks within {ENOUGH:g} times as follows, {oracle}. "
@@ -77,14 +77,14 @@ def texts(found: dict[str, Any]) -> list[str]:
     ]
 
 
-def again(found: dict[str, Any]) -> str:
-    """Return what became of scenes that were drawn anew."""
+def again(summary: dict[str, Any]) -> str:
+    """Summarize the results on newly drawn scenes."""
     return (
         "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
         "drawn anew on the same presses, not looked at before, the picks meet the tolerance in "
-        f"{100 * found['tolerance_met']:.0f} %, keep what they state (of all candidates) in "
-        f"{_shares(found['stated_kept'], found['stated_kept_by_all_candidates'])}, and are within "
-        f"{ENOUGH:g} times in {100 * found['within_1.2']:.0f} %."
+        f"{100 * summary['tolerance_met']:.0f} %, keep what they state (of all candidates) in "
+        f"{_shares(summary['stated_kept'], summary['stated_kept_by_all_candidates'])}, and are "
+        f"within {ENOUGH:g} times in {100 * summary['within_1.2']:.0f} %."
     )
 
 
@@ -102,8 +102,10 @@ def _stated() -> dict[str, Any]:
         finger = Finger.subject("a.h.", resolution=mesh)
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
-        found = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
-        rows.append([candidate, *("-" if each is None else percent(each.error) for each in found)])
+        estimates = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
+        rows.append(
+            [candidate, *("-" if each is None else percent(each.error) for each in estimates)]
+        )
     caption = (
         f"Stated errors of a press by a plate at 30 degrees, {DEPTH:g} mm deep, with margins: "
         "of the force the largest through time, of its peak; of the rest that at the peak. lumped "
@@ -112,17 +114,17 @@ def _stated() -> dict[str, Any]:
     return {"caption": caption, "heading": ["candidate", *SAID.values()], "rows": rows}
 
 
-def _spikes(found: dict[str, Any]) -> dict[str, Any]:
+def _spikes(scenes: dict[str, Any]) -> dict[str, Any]:
     """Return the table of what the mechanics do to the spikes of the base scenes."""
     rows = []
     for candidate in CANDIDATES[1:]:
-        every = [row["candidates"].get(candidate, {}).get("spikes") for row in found.values()]
-        known = [each for each in every if each]
-        firsts = [each["first_ms"] for each in known if each["first_ms"] is not None]
-        count = sorted(each["count"] for each in known)
+        every = [row["candidates"].get(candidate, {}).get("spikes") for row in scenes.values()]
+        spikes = [each for each in every if each]
+        firsts = [each["first_ms"] for each in spikes if each["first_ms"] is not None]
+        count = sorted(each["count"] for each in spikes)
         middle = count[len(count) // 2]
         first = f"{max(firsts):.2g} ms" if firsts else "-"
-        rows.append([candidate, str(len(known)), percent(middle), percent(count[-1]), first])
+        rows.append([candidate, str(len(spikes)), percent(middle), percent(count[-1]), first])
     heading = ["candidate", "scenes", "count, median", "count, worst", "first spike, worst"]
     caption = (
         "Spikes of the four central afferents in the base scenes, against those of converged "
