@@ -62,11 +62,11 @@ def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene
 
     There are none where the mechanics has no mesh, or no coarser one is at hand.
     """
-    coarser = mechanics.coarser(scene)
-    if coarser is None:
+    finger = mechanics.coarser(scene)
+    if finger is None:
         return spikes
-    lean = replace(coarser, ask=replace(coarser.ask, fields=False, pressure=False))
-    mesh = f"the mesh is {coarser.finger.mesh}"
+    lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
+    mesh = f"the mesh is {finger.mesh}"
     try:
         notes = _count_changes(spikes, fire(lean.ask, mechanics.respond(lean)), mesh)
     except Exception as error:  # Whatever it is, the answer itself is finished.

@@ -84,9 +84,9 @@ def stride_far() -> Callable[[pytest.MonkeyPatch], None]:
     """Return what makes `solid` take six steps to a peak instead of 24."""
 
     def patch(patched: pytest.MonkeyPatch) -> None:
-        patched.setattr(load_steps, "STRIDES", 2)
-        patched.setattr(load_steps, "PACES", 4)
-        patched.setattr(load_steps, "WRONG", 0.1)
+        patched.setattr(load_steps, "BY_DISTANCE", 2)
+        patched.setattr(load_steps, "BY_TIME", 4)
+        patched.setattr(load_steps, "SPRING_ERROR", 0.1)
 
     return patch
 

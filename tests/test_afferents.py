@@ -10,7 +10,6 @@ from fefinger import afferents
 from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.mechanics.press import population
-from fefinger.mechanics.press.sites import folded, unfolded
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.pages import report
 from fefinger.scene import builtin, library
@@ -95,17 +94,6 @@ def test_the_skin_of_half_a_mesh_is_that_of_the_whole():
     np.testing.assert_allclose(np.sort(whole.points[:, 1]), -np.sort(-whole.points[:, 1])[::-1])
 
 
-def test_strain_on_the_other_side_is_mirrored():
-    points = np.array([[1.0, 2.0, 3.0], [1.0, -2.0, 3.0]])
-    assert np.array_equal(folded(points)[0], folded(points)[1])
-    one = np.arange(9.0).reshape(3, 3)
-    strain = np.tile(one + one.T, (4, 2, 1, 1))
-    out = unfolded(strain, points)
-    np.testing.assert_array_equal(out[:, 0], strain[:, 0])
-    sign = np.outer([1, -1, 1], [1, -1, 1])
-    np.testing.assert_array_equal(out[:, 1], sign * strain[:, 1])
-
-
 @pytest.fixture(scope="module")
 def halved():
     return get("linear").respond(scene(LINE))
@@ -180,7 +168,7 @@ REFUSED = [
     ({"kind": "scater"}, "ask.population.kind: .*Did you mean 'scatter'"),
     ({"kind": "grid", "radios": 2}, r"radios: unknown key in \[ask.population\]"),
     ({"kind": "line", "stop": [1, 1]}, "ask.population.start: missing"),
-    ({"kind": "line", "start": [1, 1], "stop": [1, 1]}, "another place than start"),
+    ({"kind": "line", "start": [1, 1], "stop": [1, 1]}, "a place other than start"),
     ({"kind": "line", "start": [0, 0], "stop": [1, 1], "count": 1}, "2 or more places"),
     ({"kind": "places", "places": []}, "one place .* or more, received none"),
     ({"kind": "places", "places": 3}, "a list of .x, y."),

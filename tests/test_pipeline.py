@@ -37,7 +37,7 @@ def test_an_answer_outlives_a_mesh_check_that_fails(monkeypatch, failure):
             raise failure
         return answer(scene, progress)
 
-    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser.finger)
     monkeypatch.setattr(hertz, "respond", respond)
     found = ff.run(SCENE, mechanics="hertz")
     assert found.spikes is not None
@@ -68,7 +68,7 @@ def test_units_of_a_grid_are_checked_by_place_where_the_other_skin_has_fewer(mon
         )
         return replace(found, sites=sites, strain=found.strain[:, kept])
 
-    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser.finger)
     monkeypatch.setattr(hertz, "respond", respond)
     notes = ff.run(scene, mechanics="hertz").notes
     assert "All spike counts are the same when the mesh is coarse." in notes

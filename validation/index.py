@@ -17,25 +17,25 @@ from fefinger.pages import page
 
 
 ABOUT = suites.ABOUT | {
-    "calibrated": "The calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
-    "calibration_levers": "What moves R, m and c0 b of the thesis's fit of simulated frames.",
-    "contact-angle": "What the angle of a plate does to contact, asymmetry, strain and spikes.",
+    "calibrated": "Calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
+    "calibration_levers": "Effect of assumptions on R, m and c0 b of the fit to simulated frames.",
+    "contact-angle": "Effect of the angle of a plate on contact, asymmetry, strain and spikes.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",
     "bench-fem": "Speed and memory of assembly, factor and loads.",
     "bench-neural": "Speed of membranes and units.",
     "bench-solid": "Speed and iterations of finite strain.",
-    "condensed-cost": "What a condensed finger costs to build and to step; the planner reads it.",
-    "elements": "Error and cost of kinds of elements, on the way to the one that is used.",
+    "condensed-cost": "CPU time to build and to step a condensed finger; the planner reads it.",
+    "elements": "Error and cost of the types of elements that were compared.",
     "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
     "lumped-force": "Force laws identified from presses of fingers; the planner reads it.",
     "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",
     "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
-    "mesh-curves": "By what the force of a press is off by the mesh; calibration counts with it.",
-    "mesh-scatter": "By what answers differ on meshes of one finger, which is drawn at random.",
-    "solid-cost": "What finite strain costs by mesh and depth; the planner reads it.",
+    "mesh-curves": "Error of the force of a press due to the mesh; calibration corrects for it.",
+    "mesh-scatter": "Scatter of results over random meshes of one finger.",
+    "solid-cost": "CPU time of finite strain by mesh and depth; the planner reads it.",
     "solid-force": "Force of every mechanics against finite strain; the planner reads it.",
 }
-"""What a file tells, by its name; others tell it in their own entry `about`."""
+"""Content of a file by its name; other files describe themselves in their entry `about`."""
 
 
 def html(folder: Path) -> str:
@@ -47,12 +47,12 @@ def html(folder: Path) -> str:
     studies = [name for name in others if (folder / f"{name}.html").exists()]
     rest = [name for name in others if name not in (*benches, *studies)]
     groups = [
-        ("studies", "Studies and campaigns", "What was asked of the model; each has its page.",
+        ("studies", "Studies and campaigns", "Parameter studies; each has a page.",
          studies),
         ("benchmarks", "Benchmarks", "Speed and memory, each against a baseline of the same run; "
-         "fefinger bench measures again.", benches),
-        ("evidence", "Evidence", "Campaigns behind stated errors and costs; each file names the "
-         "command that made it.", rest),
+         "fefinger bench repeats the measurements.", benches),
+        ("evidence", "Evidence", "Measurements behind the stated errors and costs; each file "
+         "names the command that made it.", rest),
     ]  # fmt: skip
     return page.render(
         "index.html",
@@ -80,8 +80,14 @@ def rewrite_pages(folder: Path) -> Iterator[Path]:
         record = _read(path)
         if _cases(record) and path.with_suffix(".html").exists():
             provenance = record.pop("provenance", {})
-            drawn, findings = suites.figures(record), suites.findings(record)
-            save(record, folder, drawn, provenance, path.stem, findings)
+            save(
+                record,
+                folder,
+                suites.figures(record),
+                provenance,
+                path.stem,
+                suites.findings(record),
+            )
             yield path.with_suffix(".html")
 
 

@@ -1,7 +1,7 @@
 """Write the outcome of validation suites: `validation.json` and a self-contained page.
 
-The page says what passed, what is documented (fefinger is right and the print is known to be
-elsewhere), what is short (as known, and not what is wanted) and what failed, case by case.
+The page lists the verdict of every case: pass, documented (fefinger agrees with the reference, the
+published value does not), short (as expected, but off the target) or fail.
 """
 
 import json
@@ -21,23 +21,23 @@ Figures = Mapping[str, Sequence[tuple[str, Any]]]
 """Captions and matplotlib Figures by the name of the suite that drew them."""
 
 Findings = Mapping[str, Mapping[str, Any]]
-"""What a suite is `about` and finds, by its name: `texts`; `tables` of caption, heading, rows."""
+"""Findings by suite: `about`, `texts`, and `tables` of caption, heading and rows."""
 
-SHORT = ("What falls short", "short", "shortfall")
-ELSEWHERE = ("Where the published number is elsewhere", "documented", "erratum")
-"""Title, verdict and key of the sentence that a case has for it."""
+SHORT = ("Missed targets", "short", "shortfall")
+ERRATA = ("Differing published values", "documented", "erratum")
+"""Title, verdict, and key of the sentence of a case that explains it."""
 
 BESIDE = ("printed", "wanted")
-"""Numbers that a case may have beside the expected one."""
+"""Optional numbers of a case besides the expected one."""
 
 NOTES = ("failure", "told", "erratum", "shortfall", "reason")
-"""Sentences that a case may have."""
+"""Optional sentences of a case."""
 
 NEAREST = 3
-"""Cases that are named because they are closest to their tolerance."""
+"""Number of cases that are named for using most of their tolerance."""
 
 COLUMN = 7.0
-"""Inches: a figure drawn wider gets the whole width of the page, two others stand side by side."""
+"""Inches: a wider figure takes the whole width of the page; others are set side by side."""
 
 
 def save(
@@ -91,16 +91,16 @@ def html(
 
 def _answer(total: dict[str, int]) -> str:
     """Return the outcome in one or two sentences."""
-    sentence = f"Of {sum(total.values())} comparisons {total['pass']} pass."
+    text = f"Of {sum(total.values())} comparisons, {total['pass']} pass."
     if total["documented"]:
-        sentence += (
-            f" In {total['documented']} more fefinger is within its tolerance and the published "
-            "number is not."
+        text += (
+            f" In {total['documented']} more, fefinger is within the tolerance and the published "
+            "value is not."
         )
     if total["short"]:
-        fall = "falls" if total["short"] == 1 else "fall"
-        sentence += f" {total['short']} {fall} short of what is wanted."
-    return f"{sentence} {total['fail'] or 'None'} failed."
+        miss = "misses its target" if total["short"] == 1 else "miss their targets"
+        text += f" {total['short']} {miss}."
+    return f"{text} {total['fail'] or 'None'} failed."
 
 
 def _suite(
@@ -114,7 +114,7 @@ def _suite(
         "finding": finding,
         "why": [
             (title, list(_texts(cases, verdict, key).items()))
-            for title, verdict, key in (SHORT, ELSEWHERE)
+            for title, verdict, key in (SHORT, ERRATA)
         ],
         "nearest": _nearest(cases),
         "beside": [key for key in BESIDE if any(case.get(key) is not None for case in cases)],
@@ -166,7 +166,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def _number(value: float | None, tolerance: float) -> str:
-    """Return a value with the digits that its tolerance can tell apart, three at least."""
+    """Return a value with the digits that its tolerance resolves, at least three."""
     if value is None:
         return "none"
     if not math.isfinite(value) or not tolerance > 0:

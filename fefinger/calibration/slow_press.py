@@ -193,12 +193,12 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64
 
     Times without contact are left out.
     """
-    from fefinger.mechanics.press.load_steps import memories, stride
+    from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
     from fefinger.mechanics.press.time_steps import time_grid
 
     if MECHANICS[mechanics].finite:
         time = time_grid(scene.motion, fast=False)
-        chosen = stride(scene.motion, time, memories(scene.finger)).chosen
+        chosen = load_steps(scene.motion, time, tissue_relaxations(scene.finger)).chosen
         chosen = chosen[chosen < len(response.time)]
     else:
         count = min(EVENLY, len(response.time))

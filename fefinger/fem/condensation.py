@@ -26,6 +26,7 @@ from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.solvers import compressible
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.geometry import mirror
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
@@ -149,15 +150,13 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
 
 def mirrored(whole: Space, half: Space, *, odd: bool) -> sparse.csr_matrix:
     """Matrix from a displacement of `half` to the even or odd displacement of `whole`."""
-    folded = whole.node_points.copy()
-    folded[:, 1] = np.abs(folded[:, 1])
-    distance, twin = cKDTree(half.node_points).query(folded)
+    distance, twin = cKDTree(half.node_points).query(mirror.to_half(whole.node_points))
     if distance.max() > SAME * np.ptp(half.node_points):
         message = "mesh: expected a finger that is symmetric about y = 0, received another"
         raise InputError(message)
     signs = np.ones((whole.n_nodes, 3))
     beyond = whole.node_points[:, 1] < 0
-    signs[beyond] = (-1.0, 1.0, -1.0) if odd else (1.0, -1.0, 1.0)
+    signs[beyond] = -mirror.SIGNS if odd else mirror.SIGNS
     columns = (3 * twin[:, None] + np.arange(3)).ravel()
     where = (np.arange(len(columns)), columns)
     shape = (whole.n_unknowns, half.n_unknowns)

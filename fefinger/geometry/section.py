@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.boundary import boundary_edges
 from fefinger.support.arrays import Array, Integers
 
 
@@ -45,9 +46,7 @@ class Cut(EdgePoints):
         outlines = []
         for region in np.unique(self.region):
             corners = self.triangles[self.region == region]
-            edges = np.sort(corners[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-            unique, count = np.unique(edges, axis=0, return_counts=True)
-            outlines.append(unique[count == 1])
+            outlines.append(boundary_edges(corners))
         return np.concatenate(outlines)
 
 

@@ -10,6 +10,7 @@ from typing import Protocol, cast
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Refusal, Response
+from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import choice
 from fefinger.support.progress import Progress
@@ -38,8 +39,8 @@ class Mechanics(Protocol):
     def error(self, case: Situation) -> tuple[float, str]:
         """Return the expected relative error and the report that measured it."""
 
-    def coarser(self, scene: Scene) -> Scene | None:
-        """Return the scene on a coarser mesh, to see what depends on it; None if there is none."""
+    def coarser(self, scene: Scene) -> Finger | None:
+        """Return the finger on a coarser mesh, to see what depends on it; None if there is none."""
 
     def respond(self, scene: Scene, progress: Progress | None = None) -> Response:
         """Answer the scene."""

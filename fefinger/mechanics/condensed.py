@@ -16,6 +16,7 @@ from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
+from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
@@ -65,8 +66,8 @@ def error(case: Situation) -> tuple[float, str]:
     return without_press(candidate, case, *reports.condensed_error(case))
 
 
-def coarser(scene: Scene) -> Scene | None:
-    """Return the scene on the next coarser mesh, if that is at hand."""
+def coarser(scene: Scene) -> Finger | None:
+    """Return the finger on the next coarser mesh, if that is at hand."""
     return linear.coarser(scene, follow=False)
 
 
@@ -89,7 +90,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     try:
         return small_strain.respond(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
-    except OutsideError:  # met when the unit loads are solved, so nothing of the press is kept
+    except OutsideError:  # raised by the unit loads, before any contact is solved
         whole = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
         notes = (*linear.NOTES, RIGID_BONE, BEYOND)
         return small_strain.respond(scene, progress, mechanics=name, notes=notes, method=whole)

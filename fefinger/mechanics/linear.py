@@ -167,8 +167,8 @@ def error(case: Situation) -> tuple[float, str]:
     return without_press(candidate, case, *reports.linear_error(case))
 
 
-def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
-    """Return the scene on the next coarser mesh, if that is at hand.
+def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
+    """Return the finger on the next coarser mesh, if that is at hand.
 
     `follow`: that is the mesh that follows the touch.
     """
@@ -181,7 +181,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Scene | None:
         return None
     finger = replace(scene.finger, resolution=below)
     at = meshed_at(scene.indenter) if follow else None
-    return replace(scene, finger=finger) if at_hand(finger, at) else None
+    return finger if at_hand(finger, at) else None
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:

@@ -90,7 +90,7 @@ def error(case: Situation) -> tuple[float, str]:
     return found.error + NUMERICAL, said
 
 
-def coarser(scene: Scene) -> Scene | None:
+def coarser(scene: Scene) -> None:
     """Return None: there is no mesh."""
     return None
 

@@ -15,6 +15,7 @@ from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
+from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
@@ -72,8 +73,8 @@ def error(case: Situation) -> tuple[float, str]:
     return without_press(candidate, case, *reports.solid_error(case))
 
 
-def coarser(scene: Scene) -> Scene | None:
-    """Return the scene on the next coarser mesh, if that is at hand."""
+def coarser(scene: Scene) -> Finger | None:
+    """Return the finger on the next coarser mesh, if that is at hand."""
     return linear.coarser(scene)
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
+from fefinger.geometry.mirror import Halves
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.support.checks import ConvergenceError
 
@@ -49,7 +50,7 @@ def measured_radii(mesh: FingerMesh) -> tuple[float, float]:
     """Return the radii (R', R'') mm at P30, measured on the pad vertices; a half is mirrored."""
     pad = mesh.points[np.unique(mesh.facets["pad"])]
     if mesh.half:
-        pad = np.concatenate([pad, pad[pad[:, 1] > 0.0] * [1.0, -1.0, 1.0]])
+        pad = Halves.of(pad).vectors(pad)
     return fitted_radii(pad)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fefinger.geometry import mirror
 from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell_triangles as surface
@@ -24,8 +25,6 @@ from fefinger.mesh.shell import Array
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support.checks import InputError
 
-
-MIRROR = np.array([1.0, -1.0, 1.0])
 
 SPACING = 0.35
 """Largest edge in mm of the refined scan whose vertices define the surface."""
@@ -209,7 +208,7 @@ def _first_touch(skin: Cloud) -> Array:
 
 def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
     """Raise InputError if the surface is far from its mirror image in y = 0."""
-    away = float(np.mean(np.abs(skin.level(skin.points[::7] * MIRROR))))
+    away = float(np.mean(np.abs(skin.level(mirror.image(skin.points[::7])))))
     if away > ASYMMETRY * recipe.width / 2.0:
         message = (
             f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
@@ -221,7 +220,7 @@ def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
 def _symmetric_patch(skin: Cloud) -> Array:
     """Return points of the half y >= 0 near the origin and their mirror images, (n, 3)."""
     points = patch_points(skin)
-    return np.concatenate([points[points[:, 1] > -0.05], points[points[:, 1] > 0.05] * MIRROR])
+    return np.concatenate([points[points[:, 1] > -0.05], mirror.image(points[points[:, 1] > 0.05])])
 
 
 def _side(skin: Cloud, x: Array) -> Array:

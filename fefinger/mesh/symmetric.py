@@ -4,9 +4,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.mirror import Halves
 from fefinger.support.checks import InputError
 
 
@@ -23,29 +23,23 @@ def whole(half: FingerMesh) -> FingerMesh:
     if not half.half:
         message = f"mesh: expected a half finger, received the whole finger {half.name!r}"
         raise InputError(message)
-    count = len(half.points)
-    twin = np.arange(count)
-    aside = half.points[:, 1] != 0.0
-    twin[aside] = count + np.arange(int(aside.sum()))
-    mirror = np.array([1.0, -1.0, 1.0])
+    halves = Halves.of(half.points)
     facets = {
-        name: np.concatenate([part, twin[part][:, [0, 2, 1]]])
-        for name, part in half.facets.items()
-        if name != "medial"
+        name: halves.triangles(part) for name, part in half.facets.items() if name != "medial"
     }
     return replace(
         half,
-        points=np.concatenate([half.points, half.points[aside] * mirror]),
-        cells=np.concatenate([half.cells, twin[half.cells][:, [0, 2, 1, 3]]]),
+        points=halves.vectors(half.points),
+        cells=halves.cells(half.cells),
         region=np.concatenate([half.region, half.region]),
         facets=facets,
-        pad_normals=np.concatenate([half.pad_normals, half.pad_normals[aside] * mirror]),
+        pad_normals=halves.vectors(half.pad_normals),
         half=False,
-        quality=_quality(half, twin),
+        quality=_quality(half, len(halves.origin)),
     )
 
 
-def _quality(half: FingerMesh, twin: NDArray[np.int64]) -> dict[str, Any]:
+def _quality(half: FingerMesh, n_points: int) -> dict[str, Any]:
     """Quality figures of the whole mesh from those of the half."""
     quality = dict(half.quality)
     for key in DOUBLED:
@@ -56,5 +50,5 @@ def _quality(half: FingerMesh, twin: NDArray[np.int64]) -> dict[str, Any]:
             quality[key] = {name: 2.0 * value for name, value in quality[key].items()}
     for key in ("soft_vertices", "taylor_hood_unknowns", "n_pad_vertices"):
         quality.pop(key, None)
-    quality["n_points"] = int(twin.max()) + 1
+    quality["n_points"] = n_points
     return quality

@@ -25,7 +25,7 @@ STANDING = (
     "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
     "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
 )
-"""Limits of every mechanics, told after those that the mechanics names itself."""
+"""Limitations of every mechanics, listed after the notes of the result."""
 
 ALIKE = (
     "No noise: a unit fires the same spikes every time, and units do not differ from each other."
@@ -57,7 +57,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
 
 
 def _chance(result: ResultRecord) -> list[str]:
-    """Return what is random in the spikes, and from which seed."""
+    """Return a sentence on the random parts of the spikes and their seed."""
     spikes, layout = result.spikes, result.scene.ask.population
     if spikes is None:
         return []
@@ -74,20 +74,20 @@ def _chance(result: ResultRecord) -> list[str]:
 
 def answer(result: ResultRecord) -> str:
     """Return the answer in one sentence: peak force, contact area, spikes."""
-    said = []
+    parts = []
     if result.force is not None:
         step = int(np.argmax(result.force))
-        said.append(
+        parts.append(
             f"the finger pushes back with up to {result.force[step]:.3g} N "
             f"(at {_time(result.time[step])}) and {result.force[-1]:.3g} N at the end"
         )
     if result.contact_area is not None:
-        said.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
+        parts.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
     if result.spikes is not None:
-        said.append(f"spikes: {result.spikes.summary()}")
-    if not said:
+        parts.append(f"spikes: {result.spikes.summary()}")
+    if not parts:
         return f"The indenter travels {np.max(result.depth):.3g} mm."
-    sentence = "; ".join(said)
+    sentence = "; ".join(parts)
     return sentence[0].upper() + sentence[1:] + "."
 
 
@@ -96,14 +96,14 @@ def _touch(result: ResultRecord) -> str:
     scene = result.scene
     finger, motion = scene.finger, scene.motion
     who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
-    peak = f"{motion.peak:.3g} {'N' if motion.control == 'force' else 'mm'}"
+    peak = f"{motion.peak:.3g} {motion.unit}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
     what = f"{scene.indenter.describe()}; {motion.kind} to {peak}"
     return f"{who} ({size}) and {what}, {_time(motion.duration)} in all."
 
 
 def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
-    """Give the numbers that stand on top, each with its unit and the file that it is from."""
+    """Give the key numbers, each with its unit and the file that holds it."""
     if result.force is not None:
         yield _tile("peak force", f"{np.max(result.force):.3g} N", "result.nc: force")
     yield _tile("largest depth", f"{np.max(result.depth):.3g} mm", "result.nc: depth")
@@ -137,7 +137,7 @@ def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
 
 
 def _warnings(result: ResultRecord) -> list[str]:
-    """Return what must be seen before the answer: motion too fast for it, spikes that are none."""
+    """Return warnings: motions too fast for quasistatics, and units in depolarization block."""
     return [*quasistatic(result.scene, result.time, result.depth), *_blocked(result)]
 
 
@@ -164,29 +164,26 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
         yield _part("force", "Force and depth", text, figures.force(result))
     if result.pad is not None and result.pressure is not None:
-        text = (
-            "The contact pressure at the largest force, looking at the pad along its z axis; "
-            "lines are the mesh."
-        )
+        text = "Contact pressure at the largest force, seen along the z axis; lines show the mesh."
         part = _part("pressure", "Pressure on the pad", text, figures.pressure_map(result))
         yield part | {"narrow": True}
     if result.contact_area is not None or result.centroid is not None:
-        text = "How much of the pad touches, and where the pressure is centered."
+        text = "Area of the pad in contact, and centroid of the pressure."
         yield _part("contact", "Contact area and centroid", text, figures.contact(result))
     if result.fields is not None:
         yield _section(result)
     if result.strain is not None and result.sites is not None:
         text = (
-            "Largest compressive and tensile principal strain at the end organs, of a population "
-            "at the most strained one of each type; the number after the type is its depth under "
-            "the skin."
+            "Largest compressive and tensile principal strain at the end organs; of a population, "
+            "at the most strained one of each type. The number after the type is the depth below "
+            "the skin surface."
         )
         yield _part("strain", "Strain at the end organs", text, figures.site_strain(result))
     if result.spikes is not None:
         text = (
-            "What the strain does to the end organs: their input as an equivalent skin "
-            "displacement (compression positive), and the generator current into the membrane; of "
-            "a population for the unit of each type with the largest current."
+            "Input of the end organs as an equivalent skin displacement (compression positive), "
+            "and generator current into the membrane; of a population, the unit of each type with "
+            "the largest current."
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
         yield _spikes(result)
@@ -196,7 +193,7 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
     """Return the section on the spikes; of a population a raster and a map on the pad."""
     assert result.spikes is not None
     if len(result.spikes) <= FEW:
-        text = "Spike times, and one over the interval between two spikes as the rate."
+        text = "Spike times, and the rate as the inverse of the interval between two spikes."
         return _part("spikes", "Spikes", text, figures.spikes(result))
     text = (
         "Every spike of the population by type, the units nearest to the first touch on top; the "

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from fefinger.geometry.boundary import boundary_edges
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
@@ -234,13 +235,6 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(_rim(triangles) if pose.profile.plane else [], "u4"),
+        "rim": blob.add(boundary_edges(triangles) if pose.profile.plane else [], "u4"),
         "axis": pose.axis.tolist(),
     }
-
-
-def _rim(triangles: Integers) -> Integers:
-    """Return the edges (n, 2) that only one triangle has."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(unique[count == 1])

@@ -45,10 +45,9 @@ def jump(motion: "Motion") -> tuple[str, ...]:
     start = float(motion.value(np.zeros(1))[0])
     if start <= 0:
         return ()
-    unit = "N" if motion.control == "force" else "mm"
     return (
-        f"Warning: the motion starts at {start:.3g} {unit}, which the indenter reaches in a jump; "
-        "start the motion from 0.",
+        f"Warning: the motion starts at {start:.3g} {motion.unit}, which the indenter reaches in a "
+        "jump; start the motion from 0.",
     )
 
 
@@ -60,7 +59,7 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
     step = np.diff(time)
     speeds = np.abs(np.diff(depth)) / np.where(step > 0, step, np.inf)
     speed, wave = float(speeds.max(initial=0.0)), wave_speed(scene.finger)
-    frequency = getattr(scene.motion, "frequency", 0.0)
+    frequency = scene.motion.wave_frequency or 0.0
     exceeded = []
     if speed > FAST * wave:
         exceeded.append(

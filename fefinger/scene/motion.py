@@ -89,6 +89,17 @@ class Motion(ABC):
         return self.shape.trajectory()
 
     @property
+    def unit(self) -> str:
+        """Unit of what is controlled: mm of depth or N of force."""
+        return "N" if self.control == "force" else "mm"
+
+    @property
+    def wave_frequency(self) -> float | None:
+        """Frequency in Hz of the sine in the motion; None without one."""
+        wave = self.trajectory.wave
+        return None if wave is None else wave.frequency
+
+    @property
     def duration(self) -> float:
         """Length of the motion in s."""
         return self.trajectory.duration

@@ -1,1 +1,1 @@
-"""Closed forms in numpy and scipy: the oracles that the rest of fefinger is checked against."""
+"""Closed-form and semi-analytical solutions, independent of the finite elements that they check."""

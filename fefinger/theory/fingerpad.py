@@ -1,8 +1,8 @@
-"""The distributed pressure of the fingerpad: Hertz contact with the modulus t(u), and its memory.
+"""Pressure of the fingerpad: Hertz contact with a modulus t(u) that depends on depth, relaxing.
 
 p(r, x) = t(x) c(r, x), with t(u) = (b/m) [exp(m u) - 1] and c = 4 sqrt(R x - r²) / (pi R), so that
 2 G_shear = t, E* = 2 t and E = 1.5 t. Lengths in mm, pressures and t in kPa, forces in mN.
-t depends on the depth of the whole finger: it describes one press, not a material.
+t depends on the depth of the indenter: it describes a press, not a material.
 Source: Pawluk (1997), chapter 3, Eq. 3.7 to 3.17.
 """
 
@@ -24,7 +24,7 @@ Reading = Literal["relaxed", "instantaneous"]
 
 @dataclass(frozen=True)
 class Fingerpad:
-    """A row of Table 3.2 and one of Table 3.1.
+    """Parameters of the fingerpad: a row of Table 3.2 and one of Table 3.1.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ class Fingerpad:
     prony
         Relaxation G.
     reading
-        What the printed b is: "relaxed", c0 b, as the text says that c0 b was fitted and as only
-        so the lumped response agrees; or "instantaneous", as the table calls it.
+        Interpretation of the printed b: "relaxed" (c0 b, as the text says that c0 b was fitted;
+        only then does the lumped response agree), or "instantaneous" (as the table calls it).
 
     Raises
     ------
@@ -57,7 +57,7 @@ class Fingerpad:
 
     @property
     def instantaneous_b(self) -> float:
-        """The b of the instantaneous response in kPa/mm."""
+        """Parameter b of the instantaneous response in kPa/mm."""
         return self.b / self.prony.long_time if self.reading == "relaxed" else self.b
 
     def stiffness(self, depth: ArrayLike) -> Array:
@@ -104,7 +104,7 @@ class Fingerpad:
         if (self.force(deepest) < force).any():
             msg = f"fingerpad: expected a force below that at {deepest:.3g} mm, received more"
             raise ValueError(msg)
-        # exp(m x) - 1 >= m x bounds the depth, well where it is small; doubling finds the others.
+        # exp(m x) - 1 >= m x gives an upper bound, close for small depths; doubling reaches others.
         soft = (force / (8 / 3 * np.sqrt(self.radius) * self.instantaneous_b)) ** 0.4
         low, high = np.zeros_like(force), np.minimum(soft, 1 / self.m)
         while (short := self.force(high) < force * (1 - 1e-12)).any():
@@ -116,10 +116,11 @@ class Fingerpad:
         return np.asarray((low + high) / 2)
 
     def press(self, time: ArrayLike, depth: ArrayLike, *, count: int = 256) -> ContactHistory:
-        """Return the contact history for depths (n_t,) mm, right on unloading (see `ting`).
+        """Compute the contact history for depths (n_t,) mm, valid on unloading (see `ting`).
 
-        Its stress of `pressure(r, nodes[:, None])` and of `force(nodes)` are the answers. As t is
-        no material, a contact that shrinks is read as that of a body with the elastic curve T.
+        `history.stress(pressure(r, nodes[:, None]))` and `history.stress(force(nodes))` are
+        pressure and force. As t is not a material, a shrinking contact is that of a body with the
+        curve T.
         """
         deepest = float(elastic.numbers("fingerpad", "depth", depth).max())
         return press_by_depth(self.prony, time, depth, radius_nodes(deepest, count))
@@ -127,17 +128,17 @@ class Fingerpad:
     def pressure_as_printed(self, time: ArrayLike, depth: ArrayLike, r: ArrayLike) -> Array:
         """Return the pressure (n_t, m) kPa at r (m,) mm by Eq. 3.13 as printed.
 
-        Right only while the contact grows. On unloading it keeps the memory of places that have
-        left the contact and pulls there; here for that comparison alone.
+        Valid only while the contact grows: on unloading it keeps the history of places that have
+        left the contact, where the pressure becomes negative. For comparison only.
         """
         table = self.pressure(np.asarray(r, float), np.asarray(depth, float)[:, None])
         return hereditary_integral(self.prony, time, table)
 
     def lumped_ratio(self, depth: ArrayLike, m: float, b: float) -> Array:
-        """Return the lumped T of Eq. 3.4 over that of Eq. 3.16 at depths > 0 in mm.
+        """Ratio of the lumped T of Eq. 3.4 to that of Eq. 3.16 at depths > 0 in mm.
 
         m in 1/mm and b in N/mm are those of Table 2.1. It would be 1 if both chapters described
-        one finger: T of Eq. 3.16 starts as x^(5/2), and its m is not that of Eq. 3.4.
+        the same finger; T of Eq. 3.16 starts as x^(5/2), and its m differs from that of Eq. 3.4.
         """
         elastic.require_positive("fingerpad", m=m, b=b)
         depth = elastic.numbers("fingerpad", "depth", depth, above=0.0)

@@ -1,7 +1,7 @@
 """Quasi-linear viscoelasticity: Prony relaxation, its creep inverse and the hereditary integral.
 
-The finite-element march keeps its own Prony update on purpose: an oracle shares no code with what
-it checks.
+The finite elements have a separate Prony update on purpose: an oracle shares no code with what it
+checks.
 """
 
 import math
@@ -13,17 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 
 
 SUM_LIMITS = (0.98, 1.02)
-"""Published weights are rounded to two digits, so sums in this range are normalized."""
+"""Range of sums of weights that are normalized: published weights are rounded to two digits."""
 
 _ROUNDING = 1e-9
 
 _HALVINGS = 64
 
 _NOTHING = 1e-60
-"""Weight that counts as none, and part of an interval that counts as its end."""
+"""Weight that counts as zero, and relative distance from the end of an interval that counts as its
+end."""
 
 
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
+    """Check a list of finite numbers and convert it to a tuple of floats."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         msg = f"prony.{name}: expected a list of numbers, received {values!r}"
         raise ValueError(msg)
@@ -80,7 +82,7 @@ class Prony:
         if not low - _ROUNDING <= math.fsum(self.c) <= high + _ROUNDING:
             msg = (
                 f"prony.c: expected weights that sum to {low} to {high}, received a sum of "
-                f"{math.fsum(self.c):.4g}; divide them by their sum if that is what is meant"
+                f"{math.fsum(self.c):.4g}; if they are relative weights, divide them by their sum"
             )
             raise ValueError(msg)
 
@@ -116,12 +118,11 @@ class Prony:
         lam : (n,) array
             Rates in 1/s, ascending; they interlace with the rates v.
 
-        Notes
-        -----
-        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each rate, and
-        k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance from the
-        nearer end of its interval, so that rates however far apart keep their digits. Terms of
-        one rate count as one, the others have k = 0 and lam = v, as those without weight.
+        Notes ----- The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each
+        rate, and k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance
+        from the nearer end of its interval, so that rates far apart keep their digits. Terms with
+        equal rates are merged; the others of such a group, and terms without weight, have k = 0 and
+        lam = v.
         """
         v, place = np.unique(np.array(self.v), return_inverse=True)
         w = np.zeros(len(v))
@@ -135,14 +136,14 @@ class Prony:
 
 
 def _inverted(w0: float, w: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return k and lam (2, n) for weights w (n,) at rising rates v (n,), see `Prony.creep`."""
+    """Compute k and lam (2, n) for weights w (n,) at rising rates v (n,), see `Prony.creep`."""
     out = np.empty((2, len(v)))
     for j, below in enumerate(np.append(0.0, v[:-1])):
         half = (v[j] - below) / 2
         low = _residual(half, below, v - below, w0, w) < 0
         pole, side = (below, 1.0) if low else (v[j], -1.0)
         ahead = v - pole
-        # From far below rounding to the middle; halved in its logarithm.
+        # Bisection of the logarithm of the distance, from far below rounding to the middle.
         near, far = _NOTHING * v[j], half
         for _ in range(_HALVINGS):
             t = math.sqrt(near * far)
@@ -161,13 +162,13 @@ def _residual(
 
 
 def exprel(z: ArrayLike) -> NDArray[np.float64]:
-    """Return (exp(z) - 1) / z, 1 at 0, with all digits."""
+    """Return (exp(z) - 1) / z, 1 at 0, to full precision."""
     z = np.asarray(z, float)
     return np.where(z != 0, np.expm1(z) / np.where(z != 0, z, 1.0), 1.0)
 
 
 def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
-    """Return the integral of G(t - s) d signal(s) at every time, exact between linear samples.
+    """Integral of G(t - s) d signal(s) up to every time, exact for a piecewise linear signal.
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
 def _checked(
     owner: str, time: ArrayLike, signal: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return time and signal as arrays, or raise ValueError."""
+    """Check time and signal and convert them to arrays."""
     time, signal = np.asarray(time, float), np.asarray(signal, float)
     if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
         msg = (
@@ -227,27 +228,27 @@ def _checked(
 
 
 def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[np.float64]:
-    """Return the integral of J(t - s) d signal(s), J the creep inverse of G.
+    """Integral of J(t - s) d signal(s) up to every time, with J the creep function (inverse of G).
 
-    It undoes `hereditary_integral`. Of a force it is the elastic force that has the contact of a
-    force-controlled history, as long as the contact grows. Arguments and errors as there.
+    The inverse of `hereditary_integral`. For a force history it is the elastic force with the same
+    contact, as long as the contact grows. Arguments and errors as there.
 
     Notes
     -----
     J = 1 + sum k_j (1 - exp(-lam_j t)), and each term r obeys, with x = lam dt, r(t + dt) = r e^-x
-    + signal (1 - e^-x) + dsignal (1 - (1 - e^-x) / x): no sum of it cancels, however far it creeps.
+    + signal (1 - e^-x) + dsignal (1 - (1 - e^-x) / x), without cancellation at any creep strain.
     """
     time, signal = _checked("creep_integral", time, signal)
     _, k, lam = prony.creep()
     x = np.multiply.outer(np.diff(time), lam)
-    forgotten = -np.expm1(-x)
-    # 1 - (1 - e^-x) / x by its series where the difference would cancel.
+    gains = -np.expm1(-x)
+    # 1 - (1 - e^-x) / x, by its series where the difference cancels.
     late = np.where(x < 1e-4, x / 2 - x**2 / 6, 1.0 - exprel(-x))
     flat = signal.reshape(len(time), -1)
-    crept = np.zeros((len(lam), flat.shape[1]))
+    creep = np.zeros((len(lam), flat.shape[1]))
     out = flat.copy()
     for i, change in enumerate(np.diff(flat, axis=0)):
-        own = forgotten[i][:, None]
-        crept = crept + own * (flat[i] - crept) + late[i][:, None] * change
-        out[i + 1] += k @ crept
+        gain = gains[i][:, None]
+        creep = creep + gain * (flat[i] - creep) + late[i][:, None] * change
+        out[i + 1] += k @ creep
     return out.reshape(signal.shape)

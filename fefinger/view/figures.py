@@ -89,7 +89,7 @@ def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
     last cycles of a vibration of many.
     """
     spans = [("whole stimulus", 0.0, end)]
-    frequency = getattr(scene.motion, "frequency", None)
+    frequency = scene.motion.wave_frequency
     if frequency is not None and end * frequency > 20:
         spans.insert(0, ("last four cycles", end - 4 / frequency, end))
     # A wave begins a movement of its own, so the ramp ends at the first break in the middle.

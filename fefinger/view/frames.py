@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fefinger.geometry.mirror import Halves
 from fefinger.geometry.section import is_half
 from fefinger.results.records import Fields, ResultRecord
 from fefinger.support.checks import InputError, number
@@ -42,12 +43,6 @@ def told(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> 
     return sentences
 
 
-_MIRROR = np.array([1.0, -1.0, 1.0])
-
-
-_MIRROR_STRAIN = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-
-
 def nearest_frame(fields: Fields, time: float) -> int:
     """Return the index of the stored time next to `time` s."""
     return int(np.argmin(np.abs(fields.times - time)))
@@ -63,19 +58,15 @@ def whole(fields: Fields) -> Fields:
     points = fields.points
     if not is_half(points):
         return fields
-    off = np.flatnonzero(points[:, 1] > 1e-9 * np.ptp(points))
-    image = np.arange(len(points))
-    image[off] = len(points) + np.arange(len(off))
+    halves = Halves.of(points, tolerance=1e-9 * float(np.ptp(points)))
     return replace(
         fields,
-        points=np.concatenate([points, points[off] * _MIRROR]),
-        cells=np.concatenate([fields.cells, image[fields.cells][:, [0, 2, 1, 3]]]),
+        points=halves.vectors(points),
+        cells=halves.cells(fields.cells),
         region=np.concatenate([fields.region, fields.region]),
-        displacement=np.concatenate(
-            [fields.displacement, fields.displacement[:, off] * _MIRROR], axis=1
-        ),
-        strain=np.concatenate([fields.strain, fields.strain[:, off] * _MIRROR_STRAIN], axis=1),
-        pressure=np.concatenate([fields.pressure, fields.pressure[:, off]], axis=1),
+        displacement=halves.vectors(fields.displacement),
+        strain=halves.six(fields.strain),
+        pressure=halves.values(fields.pressure, axis=1),
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, said
+from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
 from fefinger.view import film
 
@@ -94,7 +94,7 @@ class Picture:
         self.spikes.set_offsets(np.array(recent).reshape(-1, 2))
         self.spikes.set_color(self.colors[[unit for _, unit in recent]] if recent else [])
         self.raster.set_xlim(frame.time - WINDOW, frame.time + 0.05)
-        self.title.set_text(said(frame))
+        self.title.set_text(status_line(frame))
         self.canvas.draw()
         return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mechanics.realtime.show import Frame, Show, compressive, said
+from fefinger.mechanics.realtime.show import Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.view.live import COLORS, LARGEST_PRESSURE, LARGEST_STRAIN, WINDOW, section_triangles
@@ -53,7 +53,7 @@ class Window:
         self.section["compressive strain"] = np.zeros(len(show.section))
         self._add_finger()
         self._add_chart()
-        self.text = self.plotter.add_text("", color="black", font_size=10, name="said")
+        self.text = self.plotter.add_text("", color="black", font_size=10, name="status_line")
         self.open = True
         self.plotter.show(interactive_update=True, auto_close=False)
         if not off_screen:
@@ -72,7 +72,7 @@ class Window:
             own = kinds[units.astype(int)] == kind
             series.update(*((times[own], units[own]) if own.any() else (NOWHERE, NOWHERE)))
         self.chart.x_range = [frame.time - WINDOW, frame.time + 0.05]
-        self.text.set_text("upper_left", said(frame))
+        self.text.set_text("upper_left", status_line(frame))
         self.plotter.update()
 
     def _add_finger(self) -> None:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry import facets, section
+from fefinger.geometry import facets, mirror, section
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
+from fefinger.geometry.locate import locate
 from fefinger.results.records import Array, Fields, Integers
 
 
@@ -54,7 +55,7 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
 
 def other_half(fields: Fields) -> tuple[Piece, ...]:
     """Return the outer skin before the medial plane, which `cut_open` leaves out."""
-    mirrored = replace(fields, points=fields.points * [1.0, -1.0, 1.0])
+    mirrored = replace(fields, points=mirror.image(fields.points))
     return tuple(
         replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
         for piece in cut_open(mirrored)
@@ -156,21 +157,11 @@ def follow(fields: Fields, points: Array) -> Followed:
 
     A point outside of the mesh follows the nearest place of the cell that comes closest.
     """
-    from scipy.spatial import cKDTree
-
     mirrored = np.zeros(len(points), bool)
     if section.is_half(fields.points):
         mirrored = points[:, 1] < 0
-    place = np.where(mirrored[:, None], points * [1.0, -1.0, 1.0], points)
-    corners = fields.points[fields.cells]
-    near = cKDTree(corners.mean(axis=1)).query(place, min(NEAREST, len(corners)))[1]
-    near = near.reshape(len(points), -1)
-    a = corners[near][:, :, 0]
-    edges = np.swapaxes(corners[near][:, :, 1:] - a[:, :, None], -1, -2)
-    last = np.linalg.solve(edges, (place[:, None] - a)[..., None])[..., 0]
-    weight = np.concatenate([1 - last.sum(axis=-1, keepdims=True), last], axis=-1)
-    best = np.argmax(weight.min(axis=-1), axis=1)
-    rows = np.arange(len(points))
-    clipped = np.maximum(weight[rows, best], 0.0)
-    clipped /= clipped.sum(axis=1, keepdims=True)
-    return Followed(points, fields.cells[near[rows, best]], clipped, mirrored)
+    place = np.where(mirrored[:, None], mirror.image(points), points)
+    cell, weight = locate(fields.points[fields.cells], place, nearest=NEAREST)
+    weight = np.maximum(weight, 0.0)
+    weight /= weight.sum(axis=1, keepdims=True)
+    return Followed(points, fields.cells[cell], weight, mirrored)

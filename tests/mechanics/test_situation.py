@@ -71,7 +71,7 @@ FIELDS: list[tuple[dict[str, Any], str, str]] = [
     ({"finger__nail": "free"}, "condensed", "finger.nail"),
     ({"motion__depth": 2.1, "motion__corner": 0.0}, "linear", "motion"),
     ({"indenter": {"kind": "sphere", "radius": 1.0}}, "solid", "indenter.radius"),
-    ({"ask__solver": "superlu"}, "solid", "ask.solver"),
+    ({"ask__solver": "iterative"}, "solid", "ask.solver"),
 ]
 
 

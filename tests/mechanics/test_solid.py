@@ -18,7 +18,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.failure import most_pressed
+from fefinger.mechanics.press.failure import most_compressed
 from fefinger.neural.afferents import displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -243,7 +243,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     small = ["--set", "ask.fields=false", "--set", "motion.corner=0.001"]
     assert main(["run", *scene, *small, "--mechanics", "solid", "-o", str(folder)]) == 1
     said = capsys.readouterr().err
-    assert "kept:" in said
+    assert "saved up to there:" in said
     assert "failed: at" in said
     assert "At the last equilibrium the subcutaneous tissue at x = " in said
     kept = ff.load(str(folder))
@@ -259,7 +259,7 @@ def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
     for depth in (0.1, 0.2):
         target = Target("depth", depth, block.body.at_rest)
         state = block.equilibrium.find(state, target)
-    stretch, place, tissue = most_pressed(block.body, state.values)
+    stretch, place, tissue = most_compressed(block.body, state.values)
     assert stretch == pytest.approx(0.8, rel=1e-6)
     assert tissue == "skin"
     assert ((place > 0) & (place < 1)).all()

@@ -1,4 +1,4 @@
-"""Loads on the surface of a half-space: point, line, strip, circle and rectangle.
+"""Stress and displacement by loads on a half-space: point, line, strip, circle and rectangle.
 
 Lengths in mm, moduli and stresses in kPa, forces in mN; z points into the body; stresses positive
 in tension, loads positive in compression. Points on an edge of a load, where the stress is

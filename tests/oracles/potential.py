@@ -1,4 +1,4 @@
-"""Potential of a body at finite strain, written apart from its derivatives, which it checks."""
+"""Potential energy of a body at finite strain, independent of the derivatives that it checks."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Published short cuts for one elastic layer on a rigid base.
+"""Published approximations for one elastic layer on a rigid base.
 
 The polynomials give the ratio of the force to that of Hertz at equal depth as functions of
 chi = sqrt(R depth) / h. Lengths in mm, moduli in kPa. Sources: Dimitriadis et al., Biophys. J. 82,

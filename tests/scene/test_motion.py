@@ -62,6 +62,12 @@ def test_a_motion_is_equal_to_what_its_words_and_its_pickle_make(motion):
     assert hash(pickle.loads(pickle.dumps(motion))) == hash(motion)
 
 
+def test_a_motion_gives_its_unit_and_the_frequency_of_its_wave():
+    assert (Ramp(60, 1).unit, ForceRamp(2, 1).unit) == ("mm", "N")
+    assert Ramp(60, 1).wave_frequency is None
+    assert RampSinusoid(20, 1.5, **SINE).wave_frequency == WAVE.wave_frequency == 4
+
+
 @pytest.mark.parametrize("motion", EVERY, ids=str)
 def test_value_is_the_integral_of_rate(motion):
     for t0, t1 in zip(motion.breaks[:-1], motion.breaks[1:], strict=True):

@@ -106,7 +106,7 @@ def test_levers_in_the_finger_are_drawn_and_a_table_tells_what_each_would_change
     ((_, drawn),) = lever_figures.figures()
     assert "<svg" in figures.svg(drawn)
     told, sessions = lever_figures.tables()
-    assert "b from 0.2 to 0.25 N/mm and R from 10 to 11 mm" in told["caption"]
+    assert "b of 0.2 to 0.25 N/mm and R of 10 to 11 mm" in told["caption"]
     assert [row[0] for row in told["rows"]] == [each["lever"] for each in rows]
     assert told["rows"][1][5] == "11 (+10 %)"
     assert {len(row) for row in sessions["rows"]} == {1, len(sessions["heading"])}

@@ -374,8 +374,8 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
     ]
     found = drawings.finding(cases)
     assert found["texts"] == [
-        "Of 3 trials at the edges 1 are answered with every invariant kept, 1 refused in a "
-        "sentence, 1 failed."
+        "Of 3 trials at extreme values 1 are answered and satisfy all invariants, 1 are refused "
+        "with a message, 1 failed."
     ]
     (table,) = found["tables"]
     assert table["rows"] == [

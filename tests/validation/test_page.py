@@ -62,9 +62,9 @@ def test_counts_stand_per_suite_and_in_all():
         ["0", "0", "1", "1", "2"],
         ["1", "2", "1", "1", "5"],
     ]
-    assert "Of 5 comparisons 1 pass." in html
-    assert "1 falls short of what is wanted." in html
-    assert "In 2 more fefinger is within its tolerance" in html
+    assert "Of 5 comparisons, 1 pass." in html
+    assert "1 misses its target." in html
+    assert "In 2 more, fefinger is within the tolerance" in html
     assert "1 failed." in html
 
 
@@ -75,18 +75,18 @@ def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
     assert [row[4] for row in rows] == ["", "1.5", "1.6", "", "2"]
     assert [row[0] for row in rows] == ["pass", "documented", "documented", "fail", "short"]
     html = page.html(RECORD, {}, {})
-    one, two = html.split("The comparisons")[1:]
+    one, two = html.split("<h3>Comparisons")[1:]
     assert "<th>printed</th>" in one
     assert "<th>wanted</th>" not in one
     assert "<th>wanted</th>" in two
     assert "<th>printed</th>" not in two
 
 
-def test_a_shared_erratum_is_told_once_up_front_and_after_the_last_it_holds_for():
+def test_a_shared_erratum_is_given_once_up_front_and_after_the_last_it_holds_for():
     html = page.html(RECORD, {}, {})
     assert html.count("The print is wrong.") == 2
     front, back = html.index("The print is wrong."), html.rindex("The print is wrong.")
-    assert front < html.index("The comparisons") < html.index("first &lt;a&gt;</td>")
+    assert front < html.index("<h3>Comparisons") < html.index("first &lt;a&gt;</td>")
     assert html.rindex("third") < back < html.index("fourth")
     assert "(second, and 1 more)" in html
     assert "Tolerance: Two digits." in html
@@ -112,12 +112,12 @@ def test_values_show_what_the_tolerance_can_tell_apart(value, tolerance, text):
     assert row[2] == text
 
 
-def test_what_falls_short_is_told_up_front_and_below_its_case():
+def test_a_missed_target_is_explained_up_front_and_below_its_case():
     html = page.html(RECORD, {}, {})
-    title, front = html.index("What falls short"), html.index("Nobody reaches it.")
+    title, front = html.index("Missed targets"), html.index("Nobody reaches it.")
     assert html.index('id="two"') < title < front < html.index("fifth</td>")
     assert html.count("Nobody reaches it.") == 2
-    assert html.rindex("Where the published number is elsewhere") < html.index('id="two"')
+    assert html.rindex("Differing published values") < html.index('id="two"')
 
 
 @pytest.mark.parametrize(
@@ -135,14 +135,14 @@ def test_a_finding_stands_before_the_comparisons():
     place = html.index("Hertz is too soft.")
     assert html.index('id="two"') < place < html.index("Forces.") < html.index("fourth")
     assert ["bone", "1.50"] in cells(html)
-    assert html.index("Forces.") < html.rindex("The comparisons") < html.index("fourth</td>")
+    assert html.index("Forces.") < html.rindex("<h3>Comparisons") < html.index("fourth</td>")
 
 
 def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not():
     near = case("near", "pass", value=1.24)
     record = {"suites": [{"suite": "s", "cases": [*RECORD["suites"][1]["cases"][:1], near]}]}
     html = page.html(record, {}, {}, findings={"s": {"about": "What it is about."}})
-    assert "near: 80 % of it." in html
+    assert "near: 80 %." in html
     assert "fourth: " not in html
     assert "<h1>Validation: s</h1>" in html
     assert "<h2>What it is about.</h2>" in html
@@ -182,7 +182,7 @@ def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():
     assert ends[1][1] == "1/mm"
 
 
-def test_a_case_that_breaks_fails_alone_and_is_told(monkeypatch):
+def test_a_case_that_breaks_fails_alone_with_its_error(monkeypatch):
     def breaks() -> float:
         msg = "depth: expected less than the tissue"
         raise InputError(msg)

@@ -113,7 +113,7 @@ def test_the_tour_validation_gives_a_page_that_says_what_was_found(
     assert len(verdicts) == 3
     assert set(verdicts) <= {"pass", "documented"}
     page = (tmp_path / "validation.html").read_text(encoding="utf-8")
-    assert f"Of 3 comparisons {verdicts.count('pass')} pass." in page
+    assert f"Of 3 comparisons, {verdicts.count('pass')} pass." in page
     assert '<a href="validation.json">' in page
 
 

@@ -25,9 +25,9 @@ from fefinger.fem.condensation import Compliance, palmar
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import constitutive, materials, operator, operator_cache
-from fefinger.mechanics.press import sites as _touch
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import ready
@@ -196,7 +196,7 @@ def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> l
 
 def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
     """Time the steps of a plate that turns from one of ANGLES to the other and back."""
-    folded = replace(sites, points=_touch.folded(sites.points))
+    folded = replace(sites, points=mirror.to_half(sites.points))
     rolling = Rolling(finger, angles=ANGLES, deepest=1.1, sites=folded)
     angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
     seconds = np.empty(TURNS)

@@ -20,21 +20,21 @@ PART_COLORS = dict(zip(PARTS, ("#56B4E9", "#E69F00", "#009E73", "#D55E00", "#BBB
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: stiffness, split, profiles."""
     with style():
-        yield _said(), _split()
+        yield _split_caption(), _split()
         yield _stiffness_caption(), _stiffness()
         yield _profile_caption(), _profiles()
 
 
-def _said() -> str:
+def _split_caption() -> str:
     parts = {name: [row["split"]["shares"][name] for row in rows().values()] for name in PARTS}
     words = {name: f"{100 * min(v):.0f} to {100 * max(v):.0f} %" for name, v in parts.items()}
     return (
-        "What the exponential stiffening of Table 2.1 is, subject by subject: m of the line "
-        "k = m P + b through stiffness against force over the depths of the ramp. The growth of "
-        f"the contact on a half-space gives {words['contact']} of m, bone and shape "
-        f"{words['bone']}, finite strain of tissue that does not stiffen {words['strain']}, the "
-        f"fitted exponent of the tissue {words['tissue']}; {words['rest']} are missed. The order "
-        "of the causes is that of the models; another order would share them differently."
+        "Causes of the exponential stiffening of Table 2.1 by subject: m of the line k = m P + b, "
+        "a fit of stiffness against force over the depths of the ramp. The growth of the contact "
+        f"on a half-space explains {words['contact']} of m, bone and shape {words['bone']}, finite "
+        f"strain of tissue without stiffening {words['strain']}, the fitted exponent of the tissue "
+        f"{words['tissue']}; {words['rest']} are unexplained. The shares depend on the order in "
+        "which the causes are added, which is that of the models."
     )
 
 

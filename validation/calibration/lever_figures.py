@@ -1,4 +1,4 @@
-"""Tables and figure of suite `calibration`: causes of the differences in R, m and c0 b."""
+"""Tables and figure of suite `calibration`: sensitivity of R, m and c0 b to assumptions."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -41,16 +41,16 @@ def _caption() -> str:
         if not row["lever"].startswith(("touch", "pressed"))
     )
     above = (
-        "Upper block: fingers of the coarse mesh, pressed to 1.1 N, modulus and exponent fitted to "
-        "the force of Table 2.1 again, hollow where they cannot have that force. Lower block: the "
+        "Upper block: fingers of the coarse mesh, pressed to 1.1 N, modulus and exponent refitted "
+        "to the force of Table 2.1, hollow where that force cannot be fitted. Lower block: the "
     )
     return (
-        f"What moves R, m and c0 b that the thesis's fit finds, subject {subject}: one lever at a "
-        "time, beside the row as it is (line) and Table 3.2 (dashed). "
-        f"{above if tried else 'The '}calibrated finger, and how its frames are made and read: "
-        f"noise, clipping, window, centering and relaxation move R by {small:.1f} mm at most. The "
-        "deeper the press, the smaller R and c0 b and the larger m, because bone and stiffening "
-        "draw the pressure together; a touch that is found late raises R and c0 b together."
+        f"Sensitivity of R, m and c0 b of the thesis's fit, subject {subject}: one change at a "
+        "time, compared with the unchanged row (line) and Table 3.2 (dashed). "
+        f"{above if tried else 'The '}calibrated finger, with changes of the simulated frames and "
+        "of their evaluation: noise, clipping, window, centering and relaxation change R by at "
+        f"most {small:.1f} mm. A deeper press gives smaller R and c0 b and a larger m, as bone "
+        "and stiffening concentrate the pressure; late detection of touch raises R and c0 b."
     )
 
 
@@ -99,12 +99,12 @@ def _assumptions_caption() -> str:
         f"{min(r[k] for r in fitted):.2g} to {max(r[k] for r in fitted):.2g}" for k in OF_FORCE[1:]
     ]
     return (
-        f"What each assumption would change, subject {levers()['subject']}: fingers of the coarse "
-        "mesh whose modulus and exponent were fitted to the force of Table 2.1 again, with the "
-        "change beside the first row. m and b are those of the line through stiffness against "
-        "force, R what the thesis's fit finds in frames to 1.1 N. Those that have the force of "
-        f"their subject show b from {ends[0]} N/mm and R from {ends[1]} mm; a misfit of "
-        f"{MISSES:g} or more says that the finger cannot have that force."
+        f"Effect of assumptions, subject {levers()['subject']}: fingers of the coarse mesh with "
+        "modulus and exponent refitted to the force of Table 2.1, and the change relative to the "
+        "first row. m and b are those of the line of stiffness against force, R is the result of "
+        "the thesis's fit to frames up to 1.1 N. Fingers that reproduce the force of the subject "
+        f"have b of {ends[0]} N/mm and R of {ends[1]} mm; with a misfit of {MISSES:g} or more the "
+        "finger cannot reproduce that force."
     )
 
 
@@ -130,12 +130,12 @@ def _changed(value: float, plain: float, *, first: bool) -> str:
 
 def _sessions_caption() -> str:
     return (
-        "Tables 2.1 and 3.2 are of two sessions and do not describe one contact. The thesis's fit "
-        "of frames to 2.3 N: of Table 3.2's own half-space with the noise of the array it returns "
-        "the printed row. Of a contact that is Hertz's with the printed R and has the relaxed "
-        "force of Table 2.1, touched where that line has no force or 0.3 mm before, it finds R, "
-        "but another m and c0 b: that is what a finger with the force of Table 2.1 can show. Last "
-        "the calibrated finger, on a press of 0.2 mm/s, whose tissue is not quite relaxed."
+        "Tables 2.1 and 3.2 are from two sessions and do not describe the same contact. Results of "
+        "the thesis's fit to frames up to 2.3 N: for the half-space of Table 3.2 with the noise of "
+        "the array it returns the printed row. For a Hertz contact with the printed R and the "
+        "relaxed force of Table 2.1, with touch at zero force or 0.3 mm earlier, it returns R but "
+        "different m and c0 b, which a finger with the force of Table 2.1 therefore shows. Last "
+        "row: the calibrated finger at 0.2 mm/s, whose tissue is not fully relaxed."
     )
 
 

@@ -64,7 +64,7 @@ def answer(rows: Rows) -> str:
 
 def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
     """Give the sections."""
-    yield part("What the model predicts", *_predicted(rows))
+    yield part("Predictions of the model", *_predicted(rows))
     for at, skip in (("1 mm", "depth_mm"), ("1 N", "force_N")):
         chosen = [
             {**row, "case": row["case"].partition(" to ")[0]}
@@ -84,7 +84,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         if row["case"] == MAIN["1 N"] and row["at"] == "1 N" and row.get(READINGS)
     ]
     yield part(
-        "What the array of the thesis would read at 1 N",
+        "Simulated readings of the array of the thesis at 1 N",
         "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
         "Subject a.h., without noise.",
         picture=page.svg(figures.isobars(with_array, ANGLE, READINGS)),
@@ -92,8 +92,8 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
     yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
     yield from sure(rows)
     yield from _spikes(rows)
-    yield part("What an experiment should measure", bullets=list(experiment(rows)))
-    yield part("What the model leaves out here", bullets=list(_limits(rows)))
+    yield part("Recommended measurements", bullets=list(experiment(rows)))
+    yield part("Limitations of the model", bullets=list(_limits(rows)))
     columns = [ANGLE, *MEASURES, "reach_distal_mm", "reach_proximal_mm", "stiffness_N_per_mm"]
     columns += ["sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2", "hertz_ellipticity"]
     for at in MAIN:

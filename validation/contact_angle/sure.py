@@ -37,7 +37,7 @@ def sure(rows: Rows) -> Iterator[dict[str, Any]]:
         if row["case"] in names and row["at"] == "1 mm"
     ]
     yield part(
-        "How sure: mesh, tissue and strain, one change at a time",
+        "Sensitivity to mesh, tissue and strain, one change at a time",
         "At 1 mm, on the finger of a.h.; the first line is the coarse mesh at small strain. "
         f"{_summed(rows)}",
         picture=page.svg(figures.panels(chosen, ANGLE, ["case"], ["depth_mm"])),
@@ -54,7 +54,7 @@ def sure(rows: Rows) -> Iterator[dict[str, Any]]:
             rows_of_table.append([f"{angle:g}", _told(value), *changes, _told(other.get(angle))])
         unit = " in %" if relative else ""
         yield part(
-            f"How sure: {MEASURES[name]} at 1 mm",
+            f"Sensitivity: {MEASURES[name]} at 1 mm",
             f"Differences{unit} from the coarse mesh of a.h. with the tissue of Maeno et al. "
             "(1998) at small strain, one change at a time; the finger of p.w. is another one.",
             table={"heading": ["angle", "a.h.", *changed, "p.w."], "rows": rows_of_table},

@@ -1,4 +1,4 @@
-"""Table and figure of suite `extremes`: how many trials ended how, by who answers and by edge."""
+"""Table and figure of suite `extremes`: outcomes of the trials by component and parameter."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -51,8 +51,8 @@ def finding(cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "texts": [_caption(done)],
         "tables": [
             {
-                "caption": "What is used of the limit of an invariant, and where, at the most.",
-                "heading": ["who answers", *COLORS, "closest to a limit"],
+                "caption": "Last column: largest share of a limit (invariant; parameter).",
+                "heading": ["component", *COLORS, "largest share of a limit"],
                 "rows": rows,
             }
         ],
@@ -64,8 +64,8 @@ def figures(cases: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Any]]:
     done = [Ended.of(case) for case in cases]
     with style():
         yield (
-            f"{_caption(done)} Green: answered; blue: refused; red: failed; by who answers and by "
-            "what is extreme. The numbers in a cell are those of its trials.",
+            f"{_caption(done)} Green: answered; blue: refused; red: failed. Columns: component; "
+            "rows: parameter at an extreme value. Numbers: trials.",
             _table(done),
         )
 
@@ -73,8 +73,8 @@ def figures(cases: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Any]]:
 def _caption(done: Sequence[Ended]) -> str:
     kinds = Counter(each.kind for each in done)
     return (
-        f"Of {len(done)} trials at the edges {kinds[ANSWERED]} are answered with every invariant "
-        f"kept, {kinds[REFUSED]} refused in a sentence, {kinds[FAILED]} failed."
+        f"Of {len(done)} trials at extreme values {kinds[ANSWERED]} are answered and satisfy all "
+        f"invariants, {kinds[REFUSED]} are refused with a message, {kinds[FAILED]} failed."
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from fefinger.validation.extremes.trial import Findings
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.geometry.locate import locate
 from fefinger.geometry.profiles import frame
 from fefinger.results.pressure import net, pressed
 from fefinger.results.records import Pad, Response
@@ -153,12 +154,9 @@ def _touch(at: tuple[float, float] | None, pad: Pad) -> tuple[Array, Array]:
     if at is None:
         return np.zeros(3), direction(STANDARD)
     palmar = pad.triangles[pad.normals[pad.triangles][:, :, 2].max(axis=1) < 0]
-    corners = np.moveaxis(pad.points[palmar][:, :, :2], 2, 1)  # x, y of the three
-    system = np.concatenate([np.ones((len(palmar), 1, 3)), corners], axis=1)
-    weights = np.linalg.solve(system, np.array([1.0, *at])[None, :, None])[:, :, 0]
-    best = int(np.argmax(weights.min(axis=1)))
-    normal = weights[best] @ pad.normals[palmar[best]]
-    return weights[best] @ pad.points[palmar[best]], -normal / np.linalg.norm(normal)
+    (best,), (weights,) = locate(pad.points[palmar][:, :, :2], np.array([at], dtype=float))
+    normal = weights @ pad.normals[palmar[best]]
+    return weights @ pad.points[palmar[best]], -normal / np.linalg.norm(normal)
 
 
 def _area(response: Response) -> tuple[float, float]:

@@ -65,14 +65,15 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 
 def _over(press: str) -> str:
-    label = (
-        f"Force over that of Hertz under a {NAMES[press]}, against depth over the thickness of the "
-        "finger, each model with one thing more than the one before."
+    caption = (
+        f"Ratio of the force to that of Hertz under a {NAMES[press]}, against the ratio of depth "
+        "to the thickness of the finger. Each model adds one effect to the one before."
     )
     if press == "flat-30":
-        return f"{label} A plate along the bone soon reaches the cut of the finger."
+        return f"{caption} A plate along the bone reaches the proximal cut at small depths."
     return (
-        f"{label} A ball has no angle: shape is the whole step from the flat stack to the finger."
+        f"{caption} A ball has no angle: the effect of shape is the whole step from the flat "
+        "layers to the finger."
     )
 
 

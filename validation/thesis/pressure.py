@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.contact.curvature import (
-    Contact,
+    HertzContact,
     at_depth,
     goodwin,
     goodwin_at_depth,
@@ -81,7 +81,7 @@ def pad(subject: str, reading: Reading) -> Fingerpad:
     return Fingerpad(radius, row.m, row.b, pawluk_relaxation()[subject], reading)
 
 
-def ball(name: str) -> tuple[float, Contact]:
+def ball(name: str) -> tuple[float, HertzContact]:
     """Return E* in kPa and the contact of a ball on the sensor at the depth of Figure A-5."""
     radius, modulus, sensor, _ = BALLS[name]
     plane = series_modulus((modulus, 0.5), (sensor, 0.5))

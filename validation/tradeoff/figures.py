@@ -91,10 +91,10 @@ def _legend(drawn: Any) -> None:
 
 def _fronts_caption() -> str:
     return (
-        "Error of the force through each base scene, of its peak, against the time of a press as "
-        "the planner expects it, with the front of what nothing beats (grey). The truth is solid "
-        "extrapolated over its meshes, whose own error bar is the dashed line: below it nothing "
-        "can be told apart. lumped is identified from the press of its plate."
+        "Largest error of the force over time, relative to its peak, against the expected time of "
+        "a press, for each base scene; gray line: Pareto front. The reference is solid "
+        "extrapolated over its meshes; the dashed line is the uncertainty of the reference. lumped "
+        "is identified from the press of the plate."
     )
 
 
@@ -128,9 +128,9 @@ def _per_scene(count: int, quantity: str) -> tuple[Any, Any]:
 
 def _others_caption() -> str:
     return (
-        "The same for what else can be asked, in two presses to their full depth: highest pressure "
-        "over 1 mm², forces on taxels of 1 mm about the centroid (L2), contact area, strain at the "
-        "four central end organs. Dashed: the error bar of the reference."
+        "Errors of other quantities in two presses at their full depth: highest pressure over 1 "
+        "mm², forces on taxels of 1 mm around the centroid (L2), contact area, strain at the four "
+        "central end organs. Dashed: uncertainty of the reference."
     )
 
 
@@ -179,10 +179,10 @@ def _spikes(data: dict[str, Any]) -> Any:
 
 def _split_caption() -> str:
     return (
-        "Numerical error (dark: of the mesh, against its own limit) and model error (light: of "
-        "what is left out, that limit against solid) of the force, listed apart, at the full depth "
-        "of each base press. hertz and layered as they are and as identified from the plate at 30 "
-        "degrees."
+        "Numerical error of the force (dark: mesh, relative to the converged value of the same "
+        "mechanics) and model error (light: that converged value relative to solid) at the full "
+        "depth of each base press. hertz and layered both with tissue parameters and as identified "
+        "from the plate at 30 degrees."
     )
 
 
@@ -216,9 +216,9 @@ def _held_caption(data: dict[str, Any]) -> str:
         for name, share in summary["stated_kept_by_all_candidates"].items()
     )
     return (
-        f"{summary['scenes']} scenes that no rule was derived from. Stated against actual errors "
-        "of every candidate; below the line the statement is kept, which it is in this share of "
-        f"the cases: {shares}."
+        f"{summary['scenes']} scenes that took no part in deriving the rules: stated and actual "
+        "errors of every candidate. Below the line the stated error is an upper bound; share of "
+        f"such cases: {shares}."
     )
 
 
@@ -251,7 +251,9 @@ def _held(data: dict[str, Any]) -> Any:
                     zorder=2 if picked else 1,
                 )
         axis.plot([LEAST, 3], [LEAST, 3], color=STEEL, linewidth=1)
-        axis.set(xscale="log", yscale="log", title=f"{title}: candidates (small), picks (outlined)")
+        axis.set(
+            xscale="log", yscale="log", title=f"{title}: candidates (small), choices (outlined)"
+        )
     for axis in grid[1]:
         axis.set_xlabel("stated error")
     for axis in grid[:, 0]:
@@ -263,13 +265,13 @@ def _held(data: dict[str, Any]) -> Any:
 def _cost_caption(data: dict[str, Any]) -> str:
     summary = data["summary"]
     return (
-        "Left: expected time of the pick over that of the cheapest candidate that meets the "
-        f"tolerance; {100 * summary['within_1.2']:.0f} % are within {ENOUGH:g}, the worst is "
-        f"{summary['worst_ratio']:.2g}; together the picks take "
-        f"{summary['total_seconds_over_least']:.2g} times the least time. Right: which share is "
-        "within it where an oracle, which knows every actual error, states each so much too large; "
-        "the cross is the planner, at the median of what it states of the cheapest that will do "
-        "over what is."
+        "Left: expected time of the choice over that of the cheapest candidate that meets the "
+        f"tolerance; {100 * summary['within_1.2']:.0f} % of the ratios are at most {ENOUGH:g}, the "
+        f"largest is {summary['worst_ratio']:.2g}; the ratio of the sums is "
+        f"{summary['total_seconds_over_least']:.2g}. Right: the same share for a planner that "
+        "knows all actual errors and states them too large by one factor; the cross is the actual "
+        "planner, at the median ratio of stated to actual error of the cheapest sufficient "
+        "candidate."
     )
 
 
@@ -280,7 +282,7 @@ def _cost(data: dict[str, Any]) -> Any:
     ratios = np.sort([e["ratio"] for e in data["held_out"].values() if e["ratio"] is not None])
     left.step(ratios, np.arange(1, len(ratios) + 1) / len(ratios), where="post", color=INK)
     left.axvline(ENOUGH, color=STEEL, linewidth=1)
-    left.set(xscale="log", xlabel="time of the pick / least time", ylabel="share of the scenes")
+    left.set(xscale="log", xlabel="time of the choice / least time", ylabel="share of the scenes")
     curve = {float(key): share for key, share in summary["oracle_within_1.2"].items()}
     right.plot(curve.keys(), curve.values(), color=STEEL, marker="o", markersize=4)
     right.plot(summary["stated_over_actual_of_the_cheapest"], summary["within_1.2"], "x", color=INK)

@@ -1,4 +1,4 @@
-"""What the trade-off says: the verdict in sentences, and tables of what is stated and of spikes."""
+"""Texts and tables of the trade-off page: verdict on held-out scenes, stated errors, spikes."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ from fefinger.support.text import percent
 
 
 DEPTH = 1.0
-"""Depth in mm of the press of which stated errors are shown."""
+"""Depth in mm of the press of the table of stated errors."""
 
 CANDIDATES = (
     *("lumped", "hertz", "layered"),
@@ -33,11 +33,9 @@ CANDIDATES = (
 def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
     made = data.get("provenance", {})
-    read = (
-        [f"Read from the report of {made['date'][:10]}, commit {made['commit']}."] if made else []
-    )
-    said = [*texts(data["summary"]), again(data["drawn_again"]), *read]
-    return {"texts": said, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
+    source = [f"Data of {made['date'][:10]}, commit {made['commit']}."] if made else []
+    sentences = [*texts(data["summary"]), again(data["drawn_again"]), *source]
+    return {"texts": sentences, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
 def texts(summary: dict[str, Any]) -> list[str]:
@@ -50,41 +48,45 @@ def texts(summary: dict[str, Any]) -> list[str]:
         if factor != "1"
     )
     less = "; ".join(
-        f"{100 * (1 - float(factor)):.0f} % smaller: {100 * share['within_1.2']:.0f} % within, "
-        f"{100 * share['kept']:.0f} % kept, {100 * share['tolerance_met']:.0f} % within tolerance"
+        f"{100 * (1 - float(factor)):.0f} % smaller: {100 * share['within_1.2']:.0f} %, "
+        f"{100 * share['kept']:.0f} %, {100 * share['tolerance_met']:.0f} %"
         for factor, share in summary["stated_smaller"].items()
     )
+    within = f"within {ENOUGH:g} times the cost of the cheapest sufficient one"
     return [
-        f"Of {summary['scenes']} scenes that no rule was derived from the planner answers "
-        f"{summary['answered']} on the meshes that are judged and "
-        f"{summary['on_a_mesh_that_is_not_judged']} on the fine one, which is not; it refuses "
-        f"{summary['refused_although_possible']} that a candidate would have answered as asked. "
-        f"The rest none can. The tolerance is met by "
-        f"{100 * summary['tolerance_met']:.0f} % of its picks.",
-        "Stated errors are kept by this share of its picks (of all candidates): "
-        f"{_shares(picks, every)}.",
-        "They are too large by a factor of "
+        f"{summary['scenes']} scenes took no part in deriving the rules. The planner answers "
+        f"{summary['answered']} of them on the meshes that are compared, and "
+        f"{summary['on_a_mesh_that_is_not_judged']} on the fine mesh, which is not compared. It "
+        f"refuses {summary['refused_although_possible']} that a candidate could have answered; no "
+        "candidate can answer the rest. "
+        f"{100 * summary['tolerance_met']:.0f} % of its choices meet the tolerance.",
+        "The stated error is an upper bound of the actual error in this share of its choices (of "
+        f"all candidates): {_shares(picks, every)}.",
+        "Median ratio of stated to actual error over all candidates: "
         + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
-        + ", in the median of all candidates.",
-        f"So the picks cost {summary['total_seconds_over_least']:.1f} times what they must, taken "
-        f"together: {100 * summary['within_1.2']:.0f} % are within "
-        f"{ENOUGH:g} times the cheapest that meets the tolerance, where 95 % are wanted. That asks "
-        "for errors known almost exactly. An oracle that knows every actual error, and states "
-        f"each too large by one factor, has picks within {ENOUGH:g} times as follows, {oracle}. "
-        "The ways to an answer are far apart in cost, and a margin that excludes one leaves the "
-        "next. Nor would smaller margins reach both aims: with all stated errors of the force by "
-        f"one factor smaller there would be, {less}.",
+        + ".",
+        f"All choices together cost {summary['total_seconds_over_least']:.1f} times the least "
+        f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is 95 %. "
+        "Reaching it would require stated errors that are almost exact: for a planner that knows "
+        "all actual errors and states them too large by one factor, the share is as follows: "
+        f"{oracle}. The candidates differ widely in cost, so that a margin that excludes one of "
+        "them leads to a much more expensive one. Smaller margins do not reach both targets: if "
+        "all stated errors of the force were smaller by one factor, the shares of choices "
+        f"{within}, of stated errors that are upper bounds, and of choices within the tolerance "
+        f"would be: {less}.",
     ]
 
 
 def again(summary: dict[str, Any]) -> str:
-    """Summarize the results on newly drawn scenes."""
+    """Return the verdict on scenes that were drawn after the last change of the rules."""
     return (
-        "The rules were changed after looks at these scenes (rules_read in the data). Of as many "
-        "drawn anew on the same presses, not looked at before, the picks meet the tolerance in "
-        f"{100 * summary['tolerance_met']:.0f} %, keep what they state (of all candidates) in "
-        f"{_shares(summary['stated_kept'], summary['stated_kept_by_all_candidates'])}, and are "
-        f"within {ENOUGH:g} times in {100 * summary['within_1.2']:.0f} %."
+        "The rules were changed after an inspection of these scenes (rules_read in the data). For "
+        "as many new scenes on the same presses, not inspected before, "
+        f"{100 * summary['tolerance_met']:.0f} % of the choices meet the tolerance, the stated "
+        "error is an upper bound (of all candidates) for "
+        f"{_shares(summary['stated_kept'], summary['stated_kept_by_all_candidates'])}, and "
+        f"{100 * summary['within_1.2']:.0f} % of the choices are within {ENOUGH:g} times the least "
+        "cost."
     )
 
 
@@ -95,7 +97,7 @@ def _shares(picks: dict[str, float], every: dict[str, float]) -> str:
 
 
 def _stated() -> dict[str, Any]:
-    """Return the table of what is stated under the 30 degree plate."""
+    """Return the table of errors stated under the plate at 30 degrees."""
     rows = []
     for candidate in CANDIDATES:
         mesh = Candidate.of(candidate).resolution or "standard"
@@ -107,9 +109,9 @@ def _stated() -> dict[str, Any]:
             [candidate, *("-" if each is None else percent(each.error) for each in estimates)]
         )
     caption = (
-        f"Stated errors of a press by a plate at 30 degrees, {DEPTH:g} mm deep, with margins: "
-        "of the force the largest through time, of its peak; of the rest that at the peak. lumped "
-        "gives the force alone."
+        f"Stated errors, with margins, of a press by a plate at 30 degrees to {DEPTH:g} mm. Of "
+        "the force: the largest error over time, relative to the peak; otherwise the error at the "
+        "peak. lumped gives the force only."
     )
     return {"caption": caption, "heading": ["candidate", *SAID.values()], "rows": rows}
 
@@ -127,21 +129,21 @@ def _spikes(scenes: dict[str, Any]) -> dict[str, Any]:
         rows.append([candidate, str(len(spikes)), percent(middle), percent(count[-1]), first])
     heading = ["candidate", "scenes", "count, median", "count, worst", "first spike, worst"]
     caption = (
-        "Spikes of the four central afferents in the base scenes, against those of converged "
-        "solid: missing and extra spikes of all, and the largest difference of a first spike. The "
-        "planner tells the worst, as of scenes like these: spikes are thresholds, and what was "
-        "found in few scenes is no bound for others."
+        "Spikes of the four central afferents in the base scenes, compared with those of the "
+        "converged solid: missing and extra spikes as a share of all, and the largest difference "
+        "of a first spike. The planner states the worst value for similar scenes. Spikes depend "
+        "on thresholds, so a few scenes give no bound for others."
     )
     return {"caption": caption, "heading": heading, "rows": rows}
 
 
 def _settings(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the table of other settings: time steps, strain measures, membranes, carrying."""
+    """Return the table of other settings: time steps, strain measures, membranes, transfer."""
     groups = {
-        "time steps of direct runs: what finer ones change of the force": [
+        "time steps of direct runs: change of the force by finer steps": [
             [name, percent(row["force"]), ""] for name, row in data["time_steps"].items()
         ],
-        "strain at the deepest press: other measures than the logarithmic one": [
+        "strain at the deepest press: difference of other measures from logarithmic strain": [
             [f"{name}, largest {row['largest_log_strain']:.2g}",
              f"Green-Lagrange {percent(row['green_lagrange'])}",
              f"small strain of linear {percent(row['small'])}"]
@@ -152,7 +154,7 @@ def _settings(data: dict[str, Any]) -> dict[str, Any]:
             for scene, settings in data["integrators"].items()
             for name, row in settings.items()
         ],
-        "a press of solid carried to a motion: the force against a direct run": [
+        "a press of solid transferred to a motion: force compared with a direct run": [
             [name, percent(row["separable"]["force"]), ""]
             for name, row in data["scenes"].items()
             if row["separable"]

@@ -17,9 +17,6 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 Rows = Callable[[Space, Integers, Array], sparse.csr_matrix]
 """From a space, cells (n,) and reference coordinates (n, 3) to rows for each point."""
 
-ODD = (3, 4)
-"""Components that change sign in the mirror y = 0."""
-
 
 def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
     """Return the operator (6 n_points, n_unknowns) from unknowns to the strain at `points`.

@@ -8,7 +8,7 @@ import numpy as np
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.tradeoff import LAW
-from fefinger.mechanics.press.load_steps import memories, stride
+from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.indenter import INDENTERS
@@ -70,13 +70,13 @@ def cost(mesh: str) -> Cost:
 @lru_cache(maxsize=8)
 def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
     """Return how many steps a motion is solved in."""
-    return len(stride(motion, time_grid(motion, fast=fast), relaxing).chosen)
+    return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 
 def seconds(case: Situation) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(case.mesh), case.finger
-    steps = _steps(case.motion, memories(finger), fast=case.fast)
+    steps = _steps(case.motion, tissue_relaxations(finger), fast=case.fast)
     deep = min(reports.small_strain_part(case), spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))

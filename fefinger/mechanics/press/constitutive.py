@@ -20,18 +20,19 @@ def laws(finger: Finger) -> dict[int, Law]:
     """Return the relaxed hyperelastic laws of the regions that deform."""
     layers = {1: finger.skin, 2: finger.subcutaneous}
     small_strain = tissues(finger)
-    found = {
+    by_region = {
         region: neo_hookean(small_strain[region]) for region in small_strain.keys() - layers.keys()
     }
     for region, layer in layers.items():
-        found[region] = law(layer.law, small_strain[region], layer.exponent, layer.share)
-    return found
+        by_region[region] = law(layer.law, small_strain[region], layer.exponent, layer.share)
+    return by_region
 
 
 def relaxations(finger: Finger) -> dict[int, Series]:
     """Return how the soft regions relax."""
     layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
-    own = {region: prony or finger.prony for region, prony in layers.items()}
+    series = {region: prony or finger.prony for region, prony in layers.items()}
     return {
-        region: Series(np.array(prony.weights), np.array(prony.v)) for region, prony in own.items()
+        region: Series(np.array(prony.weights), np.array(prony.v))
+        for region, prony in series.items()
     }

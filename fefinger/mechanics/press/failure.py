@@ -8,7 +8,7 @@ from fefinger.mechanics.press.materials import NAIL
 from fefinger.support.arrays import Array
 
 
-def most_pressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
+def most_compressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
     """Return the smallest principal stretch in a body, the place (3,) mm at rest, and the tissue.
 
     `values` (n_unknowns,) are those of the body.
@@ -26,11 +26,11 @@ def most_pressed(elements: Continuum, values: Array) -> tuple[float, Array, str]
     return float(stretch[cell]), place, "subcutaneous tissue" if name == "subcutaneous" else name
 
 
-def told(error: Exception, elements: Continuum, values: Array | None) -> str:
-    """Return the sentence on a press that found no equilibrium after `values`, if there are any."""
+def failure_message(error: Exception, elements: Continuum, values: Array | None) -> str:
+    """Return the message of a press that found no equilibrium after `values` (n,), if any."""
     if values is None:
         return str(error)
-    stretch, (x, y, z), tissue = most_pressed(elements, values)
+    stretch, (x, y, z), tissue = most_compressed(elements, values)
     return (
         f"{error}. At the last equilibrium the {tissue} at x = {x:.1f}, y = {y:.1f}, z = {z:.1f} "
         f"mm is pressed to {stretch:.2g} of its length: press less deep, or take another mesh "

@@ -16,16 +16,21 @@ from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, 
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
-from fefinger.mechanics.press.failure import told
+from fefinger.mechanics.press.failure import failure_message
 from fefinger.mechanics.press.finite_reference import finite_reference_press
 from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
-from fefinger.mechanics.press.load_steps import Stride, heaviest, memories, stride
+from fefinger.mechanics.press.load_steps import (
+    LoadSteps,
+    load_steps,
+    peak_steps,
+    tissue_relaxations,
+)
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import finite_strain_response
-from fefinger.mechanics.press.sites import folded
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Response
@@ -98,7 +103,7 @@ def solve(
     """
     with stages.stage("factor"):
         elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
-    steps = stride(press.motion, press.time, memories(press.finger), refine)
+    steps = load_steps(press.motion, press.time, tissue_relaxations(press.finger), refine)
     history = _steps(press, elements, steps, stages, allowance)
     with stages.stage("reference"):
         reference = _reference(press, elements, history.halt)
@@ -162,7 +167,7 @@ class _Recorder:
 
 
 def _steps(
-    press: Press, elements: Continuum, steps: Stride, stages: Stages, allowance: Allowance | None
+    press: Press, elements: Continuum, steps: LoadSteps, stages: Stages, allowance: Allowance | None
 ) -> FiniteStrainHistory:
     """Solve all steps, with more candidate vertices as long as the contact reaches their rim."""
     body = press.body
@@ -183,7 +188,7 @@ def _on_candidates(
     press: Press,
     elements: Continuum,
     contact: ContactSurface,
-    steps: Stride,
+    steps: LoadSteps,
     stages: Stages,
     allowance: Allowance | None,
 ) -> FiniteStrainHistory:
@@ -191,10 +196,10 @@ def _on_candidates(
     body, motion, finger = press.body, press.motion, press.finger
     path = Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t)))
     where = press.sites.points if press.sites else np.empty((0, 3))
-    where = folded(where) if body.half else where
+    where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    frames |= heaviest(motion, steps, memories(finger))
+    frames |= peak_steps(motion, steps, tissue_relaxations(finger))
     equilibrium = Equilibrium(elements, contact, press.system)
     deviatoric = finger.relaxation == "deviatoric"
     stress = StressHistory(elements, relaxations(finger), deviatoric=deviatoric)
@@ -206,7 +211,7 @@ def _on_candidates(
         except _RimReachedError:
             pass  # seen again by the caller
         except ConvergenceError as error:
-            halt = told(error, elements, recorder.last)
+            halt = failure_message(error, elements, recorder.last)
             if len(recorder.depth) < WORTH:
                 raise ConvergenceError(halt) from error
     return FiniteStrainHistory(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.viscoelastic import History
-from fefinger.mechanics.press.load_steps import Stride
+from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.neural.reference import Reference
 from fefinger.support.arrays import Array
 
@@ -45,7 +45,7 @@ class FiniteStrainHistory:
     """
 
     contact: ContactSurface
-    steps: Stride
+    steps: LoadSteps
     depth: Array
     pressure: Array
     gap: Array

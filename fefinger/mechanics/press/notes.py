@@ -31,15 +31,15 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
     """Return what is unusual in how the tissues of a finger relax."""
-    found = []
+    notes = []
     if finger.relaxation == "deviatoric":
-        found.append("Only the deviatoric stress relaxes; the pressure is elastic.")
+        notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
     for layer in ("skin", "subcutaneous"):
-        own = getattr(finger, layer).prony
-        if own not in (None, finger.prony):
-            found.append(f"The {layer} relaxes with a series of its own.")
-            found.extend(normalized(own))
-    return tuple(found)
+        prony = getattr(finger, layer).prony
+        if prony not in (None, finger.prony):
+            notes.append(f"The {layer} relaxes with a series of its own.")
+            notes.extend(normalized(prony))
+    return tuple(notes)
 
 
 def of_finger(finger: Finger) -> tuple[str, ...]:
@@ -62,7 +62,7 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
     """Return what keeps a mechanics with a rigid bone and a glued nail from a finger."""
     doubts = []
     if isinstance(finger.bone, Hard):
-        reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: it knows no elastic bone"
+        reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
         doubts.append(Doubt("finger.bone", reason))
     if finger.nail is not None:
         reason = "finger.nail: set, but it takes the nail as held with the bone"

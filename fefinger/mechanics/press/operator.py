@@ -32,7 +32,7 @@ from fefinger.support.checks import InputError
 
 
 STRAIN = "recovered"
-"""How strain at points is read, which what is kept depends on."""
+"""How strain at points is read; a part of the key of what is cached."""
 
 ARRAYS = ("order", "table", "rest", "values", "matrix")
 
@@ -52,17 +52,17 @@ def operator(
         message = f"{reason}; use the mechanics 'solid'"
         raise InputError(message)
     mesh = ready(finger, half=True)
-    own = solid(mesh, (1, 2))
-    body = own if half else solid(whole(mesh), (1, 2))
+    meshed = solid(mesh, (1, 2))
+    body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
     wanted = parities(half=half)
     known = tuple(identity(finger, odd=odd, mesh=mesh) for odd in wanted)
     for odd, identified in zip(wanted, known, strict=True):
         compliance = _compliance(finger, mesh, identified, odd=odd)
         if half:
-            unfold = sparse.eye(own.space.n_unknowns, format="csr")
+            unfold = sparse.eye(meshed.space.n_unknowns, format="csr")
         else:
-            unfold = mirrored(body.space, own.space, odd=odd)
+            unfold = mirrored(body.space, meshed.space, odd=odd)
         parts.append(Part(compliance, unfold, 1.0 / (len(wanted) * finger.skin.modulus)))
         progress(len(parts) / len(wanted))
     return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts), known)
@@ -72,8 +72,8 @@ def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
     """Return one parity of a finger, given the mesh of its half, with a skin of 1 kPa."""
     ratio = finger.subcutaneous.modulus / finger.skin.modulus
     tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
-    own = solid(mesh, tissues)
-    return condense(own, tissues, prescribed(own, mesh, held(finger), odd=odd))
+    body = solid(mesh, tissues)
+    return condense(body, tissues, prescribed(body, mesh, held(finger), odd=odd))
 
 
 def read(place: Path, identity: dict[str, Any]) -> Compliance:
@@ -86,16 +86,16 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
     """
     advice = f"delete the folder {str(place)!r}, and it is built again"
     try:
-        found = dict(json.loads((place / "identity.json").read_text(encoding="utf-8")))
+        stored = dict(json.loads((place / "identity.json").read_text(encoding="utf-8")))
         arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
     except (OSError, ValueError, TypeError, EOFError) as error:
         message = f"operator: expected {len(ARRAYS)} arrays and their identity ({error}); {advice}"
         raise InputError(message) from None
     for name, value in identity.items():
-        if found.get(name) != value:
+        if stored.get(name) != value:
             message = (
                 f"operator: expected one with {name} = {value!r}, received one with "
-                f"{found.get(name)!r}; {advice}"
+                f"{stored.get(name)!r}; {advice}"
             )
             raise InputError(message)
     return Compliance(
@@ -106,7 +106,7 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
 def reduced(
     finger: Finger, solid: Operator, patch: Patch, points: Array, probe: Callable[[], Any]
 ) -> Reduced:
-    """Return the operator reduced to a patch and to the strain at `points`, kept likewise.
+    """Return the operator reduced to a patch and to the strain at `points`, cached likewise.
 
     `probe` gives the strain at the points; it is called only where the cache lacks the answer.
     """
@@ -120,11 +120,11 @@ def reduced(
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
     with suppress(OSError, ValueError, EOFError):
-        found = [np.load(place / f"{name}.npy", mmap_mode="r") for name in names]
+        arrays = [np.load(place / f"{name}.npy", mmap_mode="r") for name in names]
         count = len(patch.vertices)
         rows = (count, 6 * len(points), len(patch.neighborhood.vertices))
-        if [array.shape for array in found] == [(row, count) for row in rows]:
-            return Reduced(patch, *(array.view(np.ndarray) for array in found))
+        if [array.shape for array in arrays] == [(row, count) for row in rows]:
+            return Reduced(patch, *(array.view(np.ndarray) for array in arrays))
     made = reduction.reduce(solid, patch, probe())
     if None not in solid.identities:
         with suppress(OSError), cache.appearing(place) as new:

@@ -66,7 +66,7 @@ def at_hand(finger: Finger, *, half: bool) -> bool:
     if not os.path.isdir(root()):  # then not even the name of the mesh is needed
         return False
     try:
-        found = [identity(finger, odd=odd) for odd in parities(half=half)]
+        keys = [identity(finger, odd=odd) for odd in parities(half=half)]
     except InputError:  # no mesh can be made for a finger of this size
         return False
-    return all(each is not None and os.path.isdir(folder(each)) for each in found)
+    return all(each is not None and os.path.isdir(folder(each)) for each in keys)

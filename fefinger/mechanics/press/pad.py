@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Neighborhood, Patch
+from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -50,15 +51,11 @@ def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, NDArray[np.in
     triangles = triangles[(triangles >= 0).all(axis=1)]
     if not body.half:
         return Pad(points, areas, normals, triangles), column
-    mirror = np.array([1.0, -1.0, 1.0])
-    off = points[:, 1] > 0
-    twin = column.copy()
-    twin[off] = len(points) + np.arange(off.sum())
-    whole = np.where(off, areas, 2 * areas)
+    halves = Halves.of(points)
     pad = Pad(
-        points=np.concatenate([points, points[off] * mirror]),
-        areas=np.concatenate([whole, whole[off]]),
-        normals=np.concatenate([normals, normals[off] * mirror]),
-        triangles=np.concatenate([triangles, twin[triangles][:, ::-1]]),
+        points=halves.vectors(points),
+        areas=halves.shares(areas),
+        normals=halves.vectors(normals),
+        triangles=halves.triangles(triangles),
     )
-    return pad, np.concatenate([column, column[off]])
+    return pad, halves.origin

@@ -9,6 +9,8 @@ from fefinger.fem.body import Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import foremost, smooth_places
 from fefinger.fem.elements.spaces import trace
+from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.locate import locate
 from fefinger.scene.indenter import STANDARD, Indenter, direction
 from fefinger.support.checks import InputError
 
@@ -30,7 +32,7 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     plate, at, roll = indenter.plate, indenter.place, indenter.turn
     if plate is not None:
         axis = direction(plate)
-        origin = np.zeros(3) if plate == STANDARD.plate else _met(body, axis)
+        origin = np.zeros(3) if plate == STANDARD.plate else _foremost(body, axis)
         placed = Obstacle(axis, origin, indenter.profile, roll)
         return _touching(placed, body, f"indenter.angle {plate.angle:g} degrees")
     origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
@@ -60,13 +62,13 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
-def _met(body: Solid, axis: Array) -> Array:
+def _foremost(body: Solid, axis: Array) -> Array:
     """Return where (3,) a plate moving along `axis` meets the smooth pad first.
 
     Of its vertices the first is up to 1.4 mm beside it, where the pad is flat.
     """
-    met = foremost(body.space.points, body.normals, body.pad, axis)
-    return met * (1.0, 0.0, 1.0) if body.half else met
+    point = foremost(body.space.points, body.normals, body.pad, axis)
+    return point * (1.0, 0.0, 1.0) if body.half else point
 
 
 def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
@@ -86,9 +88,7 @@ def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
 
 def border(body: Solid) -> NDArray[np.int64]:
     """Return the pad vertices on edges of only one pad triangle, the medial plane aside."""
-    edges = np.sort(body.pad[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    single = unique[count == 1]
+    single = boundary_edges(body.pad)
     if body.half:
         medial = (np.abs(body.space.points[single][:, :, 1]) == 0).all(axis=1)
         single = single[~medial]
@@ -97,22 +97,10 @@ def border(body: Solid) -> NDArray[np.int64]:
 
 def _pad_point(body: Solid, at: tuple[float, float]) -> tuple[Array, Array]:
     """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,)."""
-    points = body.space.points[body.pad]
-    palmar = body.normals[body.pad][:, :, 2].max(axis=1) < 0
-    a, b, c = np.moveaxis(points[palmar][:, :, :2], 1, 0)
-    place = np.asarray(at, dtype=np.float64)
-    total = _cross(b - a, c - a)
-    weights = np.stack([_cross(b - place, c - place), _cross(c - place, a - place)], axis=1)
-    weights = weights / total[:, None]
-    weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
-    best = int(np.argmax(weights.min(axis=1)))
-    if weights[best].min() < -1e-9:
+    palmar = body.pad[body.normals[body.pad][:, :, 2].max(axis=1) < 0]
+    (best,), (weights,) = locate(body.space.points[palmar][:, :, :2], np.array([at], dtype=float))
+    if weights.min() < -1e-9:
         message = f"indenter.at: expected a place (x, y) mm on the pad, received {tuple(at)}"
         raise InputError(message)
-    triangle = body.pad[palmar][best]
-    normal = weights[best] @ body.normals[triangle]
-    return weights[best] @ body.space.points[triangle], -normal / np.linalg.norm(normal)
-
-
-def _cross(u: Array, v: Array) -> Array:
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+    normal = weights @ body.normals[palmar[best]]
+    return weights @ body.space.points[palmar[best]], -normal / np.linalg.norm(normal)

@@ -26,7 +26,7 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
     """
     from fefinger.neural.populations import populate
 
-    layout, known = ask.population, library.innervation()
+    layout, rows = ask.population, library.innervation()
     if layout is None:
         msg = "ask.population: expected one, received none"
         raise InputError(msg)
@@ -37,8 +37,8 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
         types,
         places,
         depths=depths | dict(ask.depths),
-        organs={kind: row.organs for kind, row in known.items()} if layout.branched else None,
-        fields={kind: row.field for kind, row in known.items() if row.field is not None},
+        organs={kind: row.organs for kind, row in rows.items()} if layout.branched else None,
+        fields={kind: row.field for kind, row in rows.items() if row.field is not None},
         numbers=numbers,
         seed=layout.seed,
     )
@@ -49,13 +49,13 @@ def _places(
 ) -> tuple[tuple[str, ...], Array, Integers]:
     """Return type, place (n, 3) mm and number of every unit.
 
-    The number is its place among all units that are asked, wherever the skin ends.
+    The number is its place among all units of the scene, wherever the skin ends.
     """
     from fefinger.neural import populations
 
     if isinstance(layout, Scatter):
-        known = library.innervation()
-        wanted = {kind: layout.densities.get(kind, known[kind].density) for kind in types}
+        rows = library.innervation()
+        wanted = {kind: layout.densities.get(kind, rows[kind].density) for kind in types}
         kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
         points, on = populations.settled(skin, flat, axis)
         if not on.all():

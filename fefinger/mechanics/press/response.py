@@ -5,6 +5,7 @@ import numpy as np
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.elements.probe import tensors
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import (
@@ -14,7 +15,6 @@ from fefinger.mechanics.press.history import (
 )
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.press.sites import unfolded
 from fefinger.results.records import Pad, Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
@@ -120,8 +120,8 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
 
 def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
     """Return what an answer was computed from, with what solver, and in how much memory."""
-    found = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    return found | {"solver": body.system.name} if isinstance(body, Body) else found
+    sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
+    return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
 
 
 def gave_way(body: Solid) -> tuple[str, ...]:
@@ -161,7 +161,7 @@ def _small_strain(press: Press, history: SmallStrainHistory) -> Array | None:
         return None
     components = history.contact.elastic @ history.reduced.strain.T
     strain = tensors(components.reshape(len(press.time), -1, 6))
-    return unfolded(strain, press.sites.points) if press.body.half else strain
+    return mirror.from_half(strain, press.sites.points) if press.body.half else strain
 
 
 def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
@@ -169,7 +169,7 @@ def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
     if press.sites is None:
         return None
     strain = history.steps.smooth(history.strain)
-    return unfolded(strain, press.sites.points) if press.body.half else strain
+    return mirror.from_half(strain, press.sites.points) if press.body.half else strain
 
 
 def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:
@@ -186,7 +186,7 @@ def _areas(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
     """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     sign = np.ones((len(column), 3))
-    sign[len(seen.vertices) :, 1] = -1.0  # the mirror images follow
+    sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
     pressed = on_seen(history.pressure, seen)[:, column] > 0
     areas = np.empty(len(history.depth))
     for step, moved in enumerate(history.moved):

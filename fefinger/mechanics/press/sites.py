@@ -60,26 +60,6 @@ def end_organ_sites(
     return population.sites(population.place(ask, skin(), direction(STANDARD)))
 
 
-def folded(points: Array) -> Array:
-    """Return the points (n, 3) of a half model, y >= 0, that stand for points of the whole.
-
-    Those within rounding of the medial plane are put on it.
-    """
-    out = points.copy()
-    out[:, 1] = np.abs(points[:, 1])
-    out[out[:, 1] < 1e-9 * np.abs(points).max(initial=0.0), 1] = 0.0
-    return out
-
-
-def unfolded(strain: Array, points: Array) -> Array:
-    """Return strain (..., n, 3, 3) at points (n, 3) from that at the `folded` ones: mirrored."""
-    mirror = np.diag([1.0, -1.0, 1.0])
-    other = points[:, 1] < 0.0
-    out = strain.copy()
-    out[..., other, :, :] = mirror @ strain[..., other, :, :] @ mirror
-    return out
-
-
 def _check_above_bone(depths: Array, pulp: float) -> None:
     deepest = float(depths.max(initial=0.0))
     if deepest >= pulp:

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.mirror import Halves
+
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
@@ -34,10 +36,12 @@ def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half:
     used = used[np.linalg.norm(normals[used], axis=1) > 0.5]
     points, normals, shares = points[used], normals[used], shares[used]
     if half:
-        mirror, off = np.array([1.0, -1.0, 1.0]), points[:, 1] > 0.0
-        shares = np.concatenate([np.where(off, 1.0, 2.0) * shares, shares[off]])
-        points = np.concatenate([points, points[off] * mirror])
-        normals = np.concatenate([normals, normals[off] * mirror])
+        halves = Halves.of(points)
+        points, normals, shares = (
+            halves.vectors(points),
+            halves.vectors(normals),
+            halves.shares(shares),
+        )
     return Surface(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), shares)
 
 

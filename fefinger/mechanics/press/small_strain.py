@@ -11,6 +11,7 @@ from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
 from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import tissues
@@ -20,7 +21,6 @@ from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.problem import Method, Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
-from fefinger.mechanics.press.sites import folded
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -97,7 +97,7 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
     """
     body, motion, method = press.body, press.motion, press.method
     where = press.sites.points if press.sites else np.empty((0, 3))
-    where = folded(where) if body.half else where
+    where = mirror.to_half(where) if body.half else where
     probe = recovered_strain_at(body.space, where, body.planes)
     value = press.load_unit * motion.value(press.time)
     prescribed = Prescribed(motion.control, press.time, value)

@@ -94,8 +94,7 @@ def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
     """Yield the parts of the motion between its corners."""
     corners = np.unique(np.clip([0.0, *motion.breaks, motion.duration], 0.0, motion.duration))
     finest = FAST_STEP if fast else MOVING_STEP
-    frequency = getattr(motion, "frequency", None)
-    cycle = 1.0 / frequency if frequency else np.inf
+    cycle = 1.0 / motion.wave_frequency if motion.wave_frequency else np.inf
     for start, stop in pairwise(corners.tolist()):
         middle = (start + stop) / 2
         move = [end - begin for begin, end in motion.moving if begin <= middle <= end]

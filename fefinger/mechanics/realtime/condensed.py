@@ -24,15 +24,15 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Obstacle, Rigid
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import History
-from fefinger.fem.elements.probe import ODD, VOIGT
 from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
 from fefinger.mechanics import condensed
 from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.response import small_strain_response
-from fefinger.mechanics.press.sites import central_sites, folded
+from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import ready
 from fefinger.neural.streaming import Afferents
@@ -120,8 +120,8 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
-        where = folded(self.sites.points) if half else self.sites.points
-        reduced = _answering(finger, solid, touch, self.deepest, where)
+        where = mirror.to_half(self.sites.points) if half else self.sites.points
+        reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self._touch, self._reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
@@ -165,13 +165,13 @@ class Condensed:
         return afferents(self.finger, self.solid, self.sites, **options)
 
     def reset(self) -> None:
-        """Lift the indenter off, and let the tissue forget."""
+        """Lift the indenter off and clear the stress history."""
         step_compiled.reset(self._state, self._memory)
         step_compiled.read(self._state, self._memory, self._output, 1.0)
         self._read()
 
     def step(self, depth: float, dt: float) -> Step:
-        """Move the indenter to `depth` mm in `dt` s and return what the finger feels.
+        """Move the indenter to `depth` mm in `dt` s and return force, pressure and strain.
 
         A step that is refused leaves the finger as it was.
 
@@ -196,7 +196,7 @@ class Condensed:
         return self._advance(dt, depth, False, self._without)
 
     def step_force(self, force: float, dt: float) -> Step:
-        """Load the indenter with `force` N in `dt` s and return what the finger feels.
+        """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
 
         Raises
         ------
@@ -300,15 +300,15 @@ class Condensed:
         return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
-def _answering(
+def _reduced_to_candidates(
     finger: Finger, solid: Operator, touch: Rigid, deepest: float, where: Array
 ) -> Reduced:
-    """Return the finger reduced to what a press of `deepest` mm touches, as far as it is kept.
+    """Return the finger reduced to the candidates of a press of `deepest` mm.
 
     Beside an edge the gap grows within a facet to any reach: there, one ring more each time, but
     none beyond the palmar part: a step whose contact gets there is refused.
     """
-    probe, found = partial(recovered_strain_at, solid.space, where, solid.planes), None
+    probe, reduced = partial(recovered_strain_at, solid.space, where, solid.planes), None
     within = faces_down(solid)
     for rings in range(problem.ATTEMPTS):
         reach = problem.REACH * deepest
@@ -316,19 +316,19 @@ def _answering(
         if len(on_pad.vertices) == 0:
             raise InputError(limits.NOTHING_UNDER)
         try:
-            found = operator.reduced(finger, solid, on_pad, where, probe)
+            reduced = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:
             break
-        pressure = Complementarity(found.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
+        pressure = Complementarity(reduced.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
         if not (pressure[on_pad.edge & ~on_pad.rim] > 0).any():
             break
-    if found is None:
+    if reduced is None:
         message = (
             "deepest: expected a depth at which the indenter stays over the palmar part of the "
             f"pad, received {deepest:g} mm; give a smaller one"
         )
         raise InputError(message)
-    return found
+    return reduced
 
 
 def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
@@ -344,11 +344,10 @@ def _reference_plate(finger: Finger, solid: Solid, sites: Sites) -> problem.Refe
 
 
 def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
-    """Return strain (6 n, ...) at points (n, 3) from that at the `folded` ones: mirrored."""
+    """Return strain (6 n, ...) at points (n, 3), given that at their places in the half body."""
     if not solid.half:
         return strain
-    signs = np.ones((len(points), len(VOIGT)))
-    signs[np.ix_(points[:, 1] < 0, np.array(ODD))] = -1.0
+    signs = np.where(points[:, 1:2] < 0, mirror.SIX_SIGNS, 1.0)
     return signs.reshape(-1, 1) * strain
 
 

@@ -109,11 +109,11 @@ def end_organs(solid: Solid) -> Sites:
     points, normals = solid.space.points[near], solid.normals[near]
     kinds = list(depths)
     below = np.concatenate([points - depths[kind] * normals for kind in kinds])
-    kept = inside(solid.space, below)
-    types = np.repeat(kinds, len(near))[kept]
-    outward = np.tile(normals, (len(kinds), 1))[kept]
-    deep = np.repeat([depths[kind] for kind in kinds], len(near))[kept]
-    return Sites(below[kept], outward, deep, tuple(types.tolist()))
+    in_tissue = inside(solid.space, below)
+    types = np.repeat(kinds, len(near))[in_tissue]
+    outward = np.tile(normals, (len(kinds), 1))[in_tissue]
+    deep = np.repeat([depths[kind] for kind in kinds], len(near))[in_tissue]
+    return Sites(below[in_tissue], outward, deep, tuple(types.tolist()))
 
 
 def compressive(strain: Array) -> Array:
@@ -121,7 +121,7 @@ def compressive(strain: Array) -> Array:
     return np.maximum(0.0, -np.linalg.eigvalsh(tensors(strain))[:, 0])
 
 
-def said(frame: Frame) -> str:
+def status_line(frame: Frame) -> str:
     """Return the line on screen: where the plate is, and how fast the machine is."""
     return (
         f"{frame.time:.2f} s   {frame.depth:.2f} mm at {frame.angle:.0f}°   {frame.force:.2f} N   "

@@ -80,14 +80,14 @@ class Stiffening:
             t = unit * np.exp(numbers[0]) * into * exprel(numbers[1] * into)
             return np.asarray((t * linear - force) / largest)
 
-        found = least_squares(
+        fit = least_squares(
             missed, [0.0, 1.0], bounds=([-20.0, 0.0], [20.0, 20.0]), xtol=1e-12, ftol=1e-12
         )
-        misfit = float(np.abs(found.fun).max())
-        b, m = unit * float(np.exp(found.x[0])), float(found.x[1])
-        if not found.success:
+        misfit = float(np.abs(fit.fun).max())
+        b, m = unit * float(np.exp(fit.x[0])), float(fit.x[1])
+        if not fit.success:
             message = (
-                f"stiffening: the search for t had not settled after {found.nfev} evaluations, "
+                f"stiffening: the search for t had not settled after {fit.nfev} evaluations, "
                 f"at b = {b:.3g} 1/mm, m = {m:.3g} 1/mm and a misfit of {misfit:.2g}; "
                 "check the forces"
             )

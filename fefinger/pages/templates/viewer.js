@@ -63,16 +63,16 @@ async function unpack() {
 
 // Vertices at one place share the normal of the first of them.
 function normals(points, triangles, same) {
-  const found = new Float32Array(points.length);
+  const sums = new Float32Array(points.length);
   for (let k = 0; k < triangles.length; k += 3) {
     const [a, b, c] = [3 * triangles[k], 3 * triangles[k + 1], 3 * triangles[k + 2]];
     const u = [0, 1, 2].map((i) => points[b + i] - points[a + i]);
     const v = [0, 1, 2].map((i) => points[c + i] - points[a + i]);
     const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    for (let j = 0; j < 3; j++) for (let i = 0; i < 3; i++) found[3 * same[triangles[k + j]] + i] += n[i];
+    for (let j = 0; j < 3; j++) for (let i = 0; i < 3; i++) sums[3 * same[triangles[k + j]] + i] += n[i];
   }
-  for (let k = 0; k < same.length; k++) for (let i = 0; i < 3; i++) found[3 * k + i] = found[3 * same[k] + i];
-  return found;
+  for (let k = 0; k < same.length; k++) for (let i = 0; i < 3; i++) sums[3 * k + i] = sums[3 * same[k] + i];
+  return sums;
 }
 
 const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
@@ -263,9 +263,9 @@ class Scene {
     pen.fillText(record.title, 14, 24, wide);
     pen.font = "14px system-ui, sans-serif";
     pen.fillText(`${record.words}: ${field}`, 14, 44, wide);
-    const said = [`t = ${+record.times[frame].toPrecision(4)} s`, `depth ${record.depth[frame].toPrecision(3)} mm`];
-    if (record.force) said.push(`force ${record.force[frame].toPrecision(3)} N`);
-    pen.fillText(said.join(",  "), 14, 64, wide);
+    const words = [`t = ${+record.times[frame].toPrecision(4)} s`, `depth ${record.depth[frame].toPrecision(3)} mm`];
+    if (record.force) words.push(`force ${record.force[frame].toPrecision(3)} N`);
+    pen.fillText(words.join(",  "), 14, 64, wide);
     const right = this.paper.clientWidth - 84, tall = this.paper.clientHeight;
     const organs = this.marks, rated = organs?.rates && shown.rates;
     this.bar(pen, right, 84, 0.32 * tall, field, data.fields[field]);
@@ -331,9 +331,9 @@ class Scene {
 
 function start(scenes) {
   const draw = () => scenes.forEach((scene) => scene.draw());
-  let asked = 0;
-  const redraw = () => { cancelAnimationFrame(asked); asked = requestAnimationFrame(draw); };
-  const slider = element("time"), play = element("play"), said = element("said"), stamp = element("stamp");
+  let request = 0;
+  const redraw = () => { cancelAnimationFrame(request); request = requestAnimationFrame(draw); };
+  const slider = element("time"), play = element("play"), status = element("status"), stamp = element("stamp");
   const move = (number) => {
     now = times[number];
     slider.value = number;
@@ -357,7 +357,7 @@ function start(scenes) {
     label.append(box, part);
     element("parts").append(label);
   }
-  for (const scene of scenes) steer(scene, redraw, said);
+  for (const scene of scenes) steer(scene, redraw, status);
   addEventListener("resize", redraw);
   move(times.reduce((best, t, k) => (Math.abs(t - now) < Math.abs(times[best] - now) ? k : best), 0));
 }
@@ -369,7 +369,7 @@ function there(scenes, part) {
   return ["pressure", "indenter"].includes(part) || some((record) => record.pieces.some((piece) => piece.name === part));
 }
 
-function steer(scene, redraw, said) {
+function steer(scene, redraw, status) {
   const canvas = scene.canvas;
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
@@ -383,11 +383,11 @@ function steer(scene, redraw, said) {
       }
       return redraw();
     }
-    const found = scene.under(event);
-    if (!found) return;
-    const [x, y, z] = scene.points.subarray(3 * found.k, 3 * found.k + 3);
+    const nearest = scene.under(event);
+    if (!nearest) return;
+    const [x, y, z] = scene.points.subarray(3 * nearest.k, 3 * nearest.k + 3);
     const { drawn } = scene, { unit } = data.fields[drawn];
-    said.textContent = `${drawn} ${+scene.nodal[found.k].toPrecision(3)} ${unit} at x ${x.toFixed(2)}, y ${y.toFixed(2)}, z ${z.toFixed(2)} mm`;
+    status.textContent = `${drawn} ${+scene.nodal[nearest.k].toPrecision(3)} ${unit} at x ${x.toFixed(2)}, y ${y.toFixed(2)}, z ${z.toFixed(2)} mm`;
   });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
@@ -405,4 +405,4 @@ if (data.field === "pressure") {
 }
 unpack()
   .then((buffer) => start(data.scenes.map((record) => new Scene(record, buffer))))
-  .catch((error) => { element("said").className = "warning"; element("said").textContent = error.message; });
+  .catch((error) => { element("status").className = "warning"; element("status").textContent = error.message; });

@@ -1,1 +1,1 @@
-"""The pressure array of the source document, and the fit of its theory to such data."""
+"""Tactile array sensor of the source document, and parameter fits to its readings."""

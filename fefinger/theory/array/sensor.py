@@ -1,4 +1,4 @@
-"""The tactile array of the thesis: what it would have read of any pressure on a plane.
+"""Tactile array sensor of the thesis: simulated readings of a pressure on a plane.
 
 8 x 8 elements 2 mm apart, each a Gaussian of 0.96 mm, scanned one after the other at 200 Hz, with
 noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1997), section 3.2
@@ -17,22 +17,22 @@ from fefinger.theory.contact.elastic import Array
 
 
 QUADRATURE = 80
-"""Points of the radial convolution, at least; 40 give the same eight digits at 4 sigma."""
+"""Smallest number of points of the radial convolution; 40 give the same eight digits at 4 sigma."""
 
 PER_SIGMA = 3.0
-"""Points of it per sigma of its reach: they are then less than a sigma apart."""
+"""Points of the radial convolution per sigma of its reach: they are less than a sigma apart."""
 
 
 COARSEST = 1.5
-"""Spacing of points over sigma, up to which their sum is the integral of the Gaussian to
-2 exp(-2 pi² sigma² / spacing²) = 3e-4."""
+"""Largest spacing of points over sigma: the error of their sum as an integral of the Gaussian is
+then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation)."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What the array gave: frames one after the other, each scanned element by element.
+    """Readings of the array: consecutive frames, each scanned element by element.
 
-    time (n_frames, n) s, when each element was read; pressure (n_frames, n) kPa.
+    time (n_frames, n) s of each reading; pressure (n_frames, n) kPa.
     """
 
     time: Array
@@ -87,14 +87,14 @@ class ArraySensor:
         return np.arange(self.elements**2) / (self.elements**2 * self.rate)
 
     def weights(self, points: ArrayLike, areas: ArrayLike) -> Array:
-        """Return the matrix (n, n_points) from pressures at points to what the elements feel.
+        """Matrix (n, n_points) from pressures at points to the pressures that the elements average.
 
         points (n_points, 2) mm in the plane of the array, areas (n_points,) mm².
 
         Raises
         ------
         ValueError
-            Areas whose side is longer than 1.5 sigma, which do not resolve the response.
+            Areas with sides above 1.5 sigma, which do not resolve the response of an element.
         """
         points, areas = np.asarray(points, float), np.asarray(areas, float)
         if points.ndim != 2 or points.shape[1] != 2 or areas.shape != points.shape[:1]:
@@ -118,10 +118,10 @@ class ArraySensor:
         *,
         seed: int | None = None,
     ) -> Reading:
-        """Return what the array reads of a pressure (n_t, n_points) in kPa at the times (n_t,).
+        """Simulate readings of a pressure (n_t, n_points) in kPa at the times (n_t,) s.
 
-        The pressure is joined by straight lines in time and read from `time[0]` on; only whole
-        frames are returned. `seed` starts the noise; None leaves it out.
+        The pressure is linear between the times and read from `time[0]` on; only whole frames are
+        returned. `seed` is that of the noise; None: without noise.
 
         Raises
         ------
@@ -131,15 +131,14 @@ class ArraySensor:
         pressure = elastic.numbers("pressure", "pressures", pressure)
         return self.scan(time, pressure @ self.weights(points, areas).T, seed=seed)
 
-    def scan(self, time: ArrayLike, felt: ArrayLike, *, seed: int | None = None) -> Reading:
-        """Return what the array reads, element by element, of what these feel (n_t, n) in kPa.
-
-        The rest as in `read`.
-        """
+    def scan(
+        self, time: ArrayLike, element_pressure: ArrayLike, *, seed: int | None = None
+    ) -> Reading:
+        """Scan the pressure (n_t, n) in kPa on the elements; other arguments as in `read`."""
         time = elastic.numbers("time", "times", time)
-        felt = elastic.numbers("felt", "pressures", felt)
-        if felt.shape[:1] != time.shape or not (np.diff(time) > 0).all():
-            msg = f"time: expected {len(felt)} rising times, received {time.shape}"
+        element_pressure = elastic.numbers("element_pressure", "pressures", element_pressure)
+        if element_pressure.shape[:1] != time.shape or not (np.diff(time) > 0).all():
+            msg = f"time: expected {len(element_pressure)} rising times, received {time.shape}"
             raise ValueError(msg)
         span = time[-1] - time[0] - self.delays[-1]
         if span < 0:
@@ -147,7 +146,7 @@ class ArraySensor:
             raise ValueError(msg)
         starts = time[0] + np.arange(int(span * self.rate + 1e-9) + 1) / self.rate
         at = starts[:, None] + self.delays
-        columns = zip(at.T, felt.T, strict=True)
+        columns = zip(at.T, element_pressure.T, strict=True)
         read = np.stack([np.interp(when, time, value) for when, value in columns], axis=1)
         if seed is not None:
             read = read + np.random.default_rng(seed).normal(0.0, self.noise, read.shape)
@@ -166,9 +165,9 @@ def centroid(positions: ArrayLike, pressure: ArrayLike) -> Array:
 
 
 def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: float) -> Array:
-    """Return the line of one pressure as segments (k, 2, 2) mm, from linear triangles.
+    """Line of constant pressure as segments (k, 2, 2) mm, from linear triangles.
 
-    points (n, 2) mm, triangles (m, 3), pressure (n,) kPa. A place at exactly `level` is outside.
+    points (n, 2) mm, triangles (m, 3), pressure (n,) kPa. A vertex at exactly `level` is outside.
     """
     points = elastic.numbers("isobar", "places", points)
     pressure = elastic.numbers("isobar", "pressures", pressure)
@@ -190,10 +189,10 @@ def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: 
 def radial_profile(
     positions: ArrayLike, pressure: ArrayLike, edges: ArrayLike, *, center: ArrayLike = (0.0, 0.0)
 ) -> tuple[Array, Array]:
-    """Return mean distances and mean pressures (k,) in the bins between `edges` (k + 1,) mm.
+    """Mean distances and mean pressures (k,) in the bins between `edges` (k + 1,) mm.
 
-    The distance from the center counts as negative on the side of smaller x (proximal), so that
-    the two halves stay apart as in Figure 3-4. Empty bins are not numbers.
+    The distance from the center is negative on the side of smaller x (proximal), which separates
+    the two halves as in Figure 3-4. Empty bins are nan.
     """
     offset = np.asarray(positions, float) - np.asarray(center, float)
     distance = np.hypot(*offset.T) * np.where(offset[:, 0] < 0, -1.0, 1.0)
@@ -203,11 +202,11 @@ def radial_profile(
         raise ValueError(msg)
     elastic.numbers("radial_profile", "pressures", pressure)
     place = np.searchsorted(edges, distance, side="right") - 1
-    kept = (place >= 0) & (place < len(edges) - 1)
+    inside = (place >= 0) & (place < len(edges) - 1)
 
     def total(values: Array | None) -> Array:
-        chosen = None if values is None else values[kept]
-        return np.bincount(place[kept], chosen, minlength=len(edges) - 1).astype(float)
+        chosen = None if values is None else values[inside]
+        return np.bincount(place[inside], chosen, minlength=len(edges) - 1).astype(float)
 
     count = total(None)
     count[count == 0] = np.nan
@@ -217,7 +216,7 @@ def radial_profile(
 def blurred(
     pressure: Callable[[Array], Array], reach: float, r: ArrayLike, sigma: float = 0.96
 ) -> Array:
-    """Return the 2-D convolution (Eq. 3.18 and A.4) of a round pressure with the Gaussian, at r.
+    """Convolution (Eq. 3.18 and A.4) of an axisymmetric pressure with the Gaussian, at r.
 
     `pressure` takes distances (k,) mm from the axis and gives kPa; it is zero beyond `reach` mm,
     where it may end as a square root. r in mm, of any shape.
@@ -238,9 +237,9 @@ def blurred(
 
 @dataclass(frozen=True)
 class Sharpened:
-    """A pressure with the blur taken out: points (n, 2) mm, areas (n,) mm², pressure (n,) kPa.
+    """A deconvolved pressure: points (n, 2) mm, areas (n,) mm², pressure (n,) kPa.
 
-    `residual` kPa is the root mean square that is left unexplained, the noise.
+    `residual` kPa is the root mean square of the unexplained part of the readings.
     """
 
     points: Array
@@ -250,15 +249,15 @@ class Sharpened:
 
 
 def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Sharpened:
-    """Return the smoothest pressure whose blur explains one frame (n,) up to the noise.
+    """Deconvolve one frame (n,): the smoothest pressure that explains it up to the noise.
 
-    Deconvolution limited by noise: the roughness is the smallest for which the readings are met
-    within the standard deviation of the noise (discrepancy principle). `finer` points per pitch.
+    Tikhonov regularization by the discrepancy principle: the smallest roughness for which the
+    readings are reproduced within the standard deviation of the noise. `finer` points per pitch.
 
     Raises
     ------
     ValueError
-        A sensor without noise, for which this has no answer, or another number of readings.
+        A sensor without noise, or another number of readings.
     """
     pressure = elastic.numbers("sharpen", "pressures", pressure)
     if sensor.noise <= 0 or pressure.shape != (sensor.elements**2,):
@@ -270,27 +269,27 @@ def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Shar
     weights, rough = sensor.weights(points, areas), _roughness(dense.elements)
 
     def solve(smoothing: float) -> tuple[Array, float]:
-        found = np.linalg.solve(weights.T @ weights + smoothing * rough, weights.T @ pressure)
-        left = weights @ found - pressure
-        return np.asarray(found, np.float64), float(np.sqrt(np.mean(left**2)))
+        fitted = np.linalg.solve(weights.T @ weights + smoothing * rough, weights.T @ pressure)
+        misfit = weights @ fitted - pressure
+        return np.asarray(fitted, np.float64), float(np.sqrt(np.mean(misfit**2)))
 
     low, high = -10.0, 6.0
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if solve(10**middle)[1] < sensor.noise else (low, middle)
-    found, residual = solve(10 ** ((low + high) / 2))
-    return Sharpened(points, areas, found, residual)
+    sharpened, residual = solve(10 ** ((low + high) / 2))
+    return Sharpened(points, areas, sharpened, residual)
 
 
 def _roughness(side: int) -> Array:
-    """Return the sum of squared steps to the neighbors and, at the rim, to zero, as a matrix."""
+    """Matrix of the sum of squared differences to the neighbors and, at the rim, to zero."""
     step = np.diff(np.eye(side), axis=0, prepend=0.0, append=0.0)
     line = step.T @ step
     return np.kron(line, np.eye(side)) + np.kron(np.eye(side), line)
 
 
 def two_pole(time: ArrayLike, signal: ArrayLike, corner: float = 1000.0) -> Array:
-    """Return the signal (n_t,) behind a two-pole Butterworth low-pass of `corner` Hz.
+    """Filter a signal (n_t,) by a two-pole Butterworth low-pass of `corner` Hz.
 
     The filter of the force sensor (section 2.2). Exact for straight lines between the samples at
     rising times (n_t,) s; before the first one the signal rests at its first value.

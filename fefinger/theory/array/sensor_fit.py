@@ -1,7 +1,7 @@
-"""Parameters from readings of the tactile array, by the procedure of the thesis.
+"""Fit of contact parameters to readings of the tactile array, by the procedure of the thesis.
 
-A Hertz pressure is blurred by the elements, and a simplex search finds the parameters that leave
-the smallest squared error over the whole press. Lengths in mm, pressures and moduli in kPa.
+A Hertz pressure is convolved with the response of the elements; a simplex search minimizes the
+squared error over the whole press. Lengths in mm, pressures and moduli in kPa.
 Source: Pawluk (1997), section 3.4.2 and appendix A.3.
 """
 
@@ -23,19 +23,19 @@ SENSOR_MODULUS = 1000.0
 BALL = (31.0, 540.0)
 """Radius in mm and modulus in kPa of the rubber ball of appendix A.3."""
 
-TABLE = 120  # contact radii and distances at which the blurred pressure is tabulated
+TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Parameters by name, and the error as the thesis defines it (Eq. 2.5), a fraction."""
+    """Fitted parameters by name, and the error of Eq. 2.5 as a fraction."""
 
     parameters: dict[str, float]
     error: float
 
 
 class BlurredCap:
-    """The blurred sqrt(a² - r²) in mm, tabulated for contact radii a and distances r (mm)."""
+    """Table of the blurred sqrt(a² - r²) in mm for contact radii a and distances r (mm)."""
 
     def __init__(self, widest: float, farthest: float, sigma: float = 0.96) -> None:
         from scipy.interpolate import RectBivariateSpline
@@ -48,11 +48,12 @@ class BlurredCap:
         self._spline = RectBivariateSpline(radii, distances, np.array(rows))
 
     def __call__(self, radius: ArrayLike, r: ArrayLike) -> Array:
-        """Return the blurred cap for contact radii and distances, of their broadcast shape."""
+        """Interpolate the blurred cap at contact radii and distances, of their broadcast shape."""
         return np.asarray(self._spline(radius, r, grid=False))
 
 
 def _cap(a: float) -> Callable[[Array], Array]:
+    """Return the function sqrt(a² - s²), zero beyond a."""
     return lambda s: np.sqrt(np.maximum(a**2 - s**2, 0.0))
 
 
@@ -64,12 +65,12 @@ def fit_fingerpad(
     start: tuple[float, float, float] = (14.0, 3.0, 1.5),
     sigma: float = 0.96,
 ) -> Fit:
-    """Return R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm of a slow press (Eq. 3.17, 3.18).
+    """Fit R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm to a slow press (Eq. 3.17, 3.18).
 
     Parameters
     ----------
     depth, pressure
-        (n_t, n) mm, at the time when each element was read, and kPa.
+        (n_t, n) mm, at the time of the reading of each element, and kPa.
     distance
         (n,) mm of the elements from the center of contact.
     start
@@ -78,7 +79,7 @@ def fit_fingerpad(
     Raises
     ------
     ValueError
-        If the search does not end, or shapes do not match.
+        If the search does not converge, or shapes do not match.
     """
 
     def predict(radius: float, b: float, m: float, reach: Array, cap: BlurredCap) -> Array:
@@ -97,10 +98,10 @@ def fit_ball(
     start: tuple[float, float] = BALL,
     sigma: float = 0.96,
 ) -> Fit:
-    """Return radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
+    """Fit radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
 
     The array is an incompressible half-space of `sensor_modulus`, as in the thesis; a 2 mm cover
-    on a rigid plane is in truth much stiffer. Arguments and errors as `fit_fingerpad`.
+    on a rigid plane is actually much stiffer. Arguments and errors as `fit_fingerpad`.
     """
 
     def predict(radius: float, modulus: float, reach: Array, cap: BlurredCap) -> Array:
@@ -120,6 +121,7 @@ def _search(
     distance: ArrayLike,
     sigma: float,
 ) -> Fit:
+    """Minimize the squared error of `predict` over the logarithms of the parameters (simplex)."""
     from scipy.optimize import minimize
 
     depth = elastic.numbers("fit", "depth", depth)
@@ -133,17 +135,17 @@ def _search(
     if not reach.max() > 0:
         msg = "depth: expected a contact, received no depth above 0 mm"
         raise ValueError(msg)
-    widest = float(np.sqrt(4 * start[0] * reach.max()))
+    widest = float(np.sqrt(4 * start[0] * reach.max()))  # contact radius at R = 4 times the guess
     cap = BlurredCap(widest, float(np.max(np.asarray(distance))), sigma)
 
     def squares(logarithms: Array) -> float:
         return float(np.sum((predict(*np.exp(logarithms), reach, cap) - pressure) ** 2))
 
     options = {"xatol": 1e-7, "fatol": 1e-10, "maxiter": 4000, "maxfev": 4000}
-    found = minimize(squares, np.log(start), method="Nelder-Mead", options=options)
-    values = np.exp(found.x)
-    if not found.success or values[0] * reach.max() > widest**2:
-        msg = f"fit: the search ended at {values.round(4).tolist()} without a minimum"
+    minimum = minimize(squares, np.log(start), method="Nelder-Mead", options=options)
+    values = np.exp(minimum.x)
+    if not minimum.success or values[0] * reach.max() > widest**2:
+        msg = f"fit: expected a minimum, the search ended at {values.round(4).tolist()} without one"
         raise ValueError(msg)
     spread = float(np.sum((pressure - pressure.mean()) ** 2))
-    return Fit(dict(zip(names, values.tolist(), strict=True)), float(found.fun) / spread)
+    return Fit(dict(zip(names, values.tolist(), strict=True)), float(minimum.fun) / spread)

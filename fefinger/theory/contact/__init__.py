@@ -1,1 +1,1 @@
-"""Closed forms and exact layers of contact mechanics."""
+"""Contact mechanics in closed form, and exact solutions for layered bodies."""

@@ -1,7 +1,7 @@
-"""Contact of a sphere and a stack at any depth, from contacts solved once and joined by splines.
+"""Table of contacts of a sphere with a layered body, interpolated by splines to any depth.
 
-What is interpolated is the logarithm of the departure from Hertz, which starts at 0, so the table
-is right from the first touch on. It is smooth in the contact radius, not in the depth: under a
+The interpolated quantity is the logarithm of the departure from Hertz, which starts at 0, so the
+table is valid from first touch on. It is smooth in the contact radius, not in the depth: under a
 stiff skin the depth grows a thousandfold while the contact doubles. Lengths in mm, moduli and
 stresses in kPa, forces in mN.
 """
@@ -23,13 +23,13 @@ from fefinger.theory.contact.subsurface import below
 
 
 LEVELS = 48
-"""Contacts per table; the force of a finger over bone is then within 1e-6, its strain 1e-4."""
+"""Number of contacts per table; force of a finger over bone within 1e-6, strain within 1e-4."""
 
 FEWEST = 4
-"""Contacts that a cubic spline needs at least."""
+"""Smallest number of contacts that a cubic spline needs."""
 
 STEP = 2**0.25
-"""Ratio of the contact radii at which tables end, so that presses of one body share them."""
+"""Ratio of the largest contact radii of tables, so that presses of one body share tables."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Table:
 
     @property
     def deepest(self) -> float:
-        """Largest depth in mm that the table knows."""
+        """Largest depth in mm of the table."""
         return self.contacts[-1].depth
 
     def contact_radius(self, depth: ArrayLike) -> Array:
@@ -80,7 +80,7 @@ class Table:
     def load(self, depth: ArrayLike, r: ArrayLike) -> Array:
         """Return the force (n_d, n_r) in mN within r (n_r,) mm of the axis at depths (n_d,) mm.
 
-        The shares of the interpolated pressure, of the force that the table states.
+        The fractions of the interpolated pressure times the force of the table.
         """
         depth, r = np.atleast_1d(self._within(depth)), np.atleast_1d(np.asarray(r, np.float64))
         a = self.contact_radius(depth)
@@ -93,8 +93,8 @@ class Table:
     def strain(self, depth: ArrayLike, r: ArrayLike, *, z: ArrayLike) -> Array:
         """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
 
-        r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for points
-        that `below` refuses under the widest contact. The fields of the last points are kept.
+        r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for
+        points that `below` rejects under the widest contact. The last fields are cached.
         """
         depth = np.atleast_1d(self._within(depth))
         r, z = (np.atleast_1d(np.asarray(place, np.float64)) for place in (r, z))
@@ -109,12 +109,13 @@ class Table:
 
     @property
     def _widest(self) -> float:
+        """Largest contact radius in mm."""
         return self.contacts[-1].contact_radius
 
     def _rank(self, wanted: Array, which: int) -> Array:
         """Return sqrt(a / widest) where the depth (0) or force (1) is `wanted`, by bisection."""
         low, high = np.zeros_like(wanted), np.ones_like(wanted)
-        # 60 halvings reach rounding, whatever the curve.
+        # 60 halvings reach rounding for any curve.
         for _ in range(60):
             middle = (low + high) / 2
             wide, load = np.moveaxis(np.exp(self._departure(middle)), -1, 0)
@@ -125,7 +126,7 @@ class Table:
 
     @cached_property
     def _departure(self) -> CubicSpline:
-        """Logarithms of a / sqrt(R depth) and P / P_Hertz against sqrt(a / widest)."""
+        """Spline of the logarithms of a / sqrt(R depth) and P / P_Hertz over sqrt(a / widest)."""
         depth = np.array([contact.depth for contact in self.contacts])
         wide = np.array([contact.contact_radius for contact in self.contacts])
         force = np.array([contact.force for contact in self.contacts])
@@ -136,7 +137,7 @@ class Table:
 
     @cached_property
     def _shape(self) -> CubicSpline:
-        """The coefficients of phi / a² against a; at 0 those of Hertz."""
+        """Spline of the coefficients of phi / a² over a; at 0 those of Hertz."""
         count = max(len(contact.phi) for contact in self.contacts)
         rows = np.zeros((len(self.contacts) + 1, count))
         flat = elastic.plane_modulus(*self.stack.surface) / (math.pi * self.radius)
@@ -147,6 +148,7 @@ class Table:
         return CubicSpline(wide, rows)
 
     def _within(self, depth: ArrayLike) -> Array:
+        """Check that depths are in the range of the table."""
         depth = np.asarray(depth, np.float64)
         if not np.all((depth >= 0) & (depth <= self.deepest * (1 + 1e-12))):
             msg = f"Table: expected depths in 0 to {self.deepest:.6g} mm"
@@ -156,9 +158,9 @@ class Table:
 
 @lru_cache(maxsize=8)
 def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) -> CubicSpline:
-    """Return the strain (4, n_p) at the points r, z mm per unit force against a.
+    """Spline of the strain (4, n_p) at points r, z mm per unit force, over the contact radius a.
 
-    It tends to that of a point force, level in a.
+    It tends to that of a point force with zero slope in a.
     """
     solved = below(table.stack, table.contacts, r, z=z).strain
     wide = np.array([contact.contact_radius for contact in table.contacts])
@@ -168,17 +170,17 @@ def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) 
 
 @lru_cache(maxsize=16)
 def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> Table:
-    """Return the table of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
+    """Tabulate contacts of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
 
-    The last ones are kept: scenes of one finger share them.
-
-    ValueError for what `indentation.paraboloid` refuses at `widest`.
+    The last tables are cached: scenes of one finger share them. ValueError as in
+    `indentation.paraboloid` at `widest`.
     """
     elastic.require_positive("tabulate", radius=radius, widest=widest)
     if levels < FEWEST:
         msg = f"tabulate: expected at least {FEWEST} levels, received {levels!r}"
         raise ValueError(msg)
-    # Squares: the departure from Hertz begins at the thickness of the top layer, however thin.
+    # Quadratic spacing: the departure from Hertz begins at the thickness of the top layer, however
+    # thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2
     solved = [paraboloid(stack, radius, contact_radius=float(a)) for a in wide]
     return Table(stack, radius, tuple(solved))
@@ -192,9 +194,9 @@ def tabulate_to(
     force: float | None = None,
     levels: int = LEVELS,
 ) -> Table:
-    """Return a table that holds the contact at `depth` mm, or else that under `force` mN.
+    """Tabulate contacts up to `depth` mm, or else up to `force` mN.
 
-    Its widest contact is a power of STEP mm, the smallest that reaches so far, or `radius`.
+    The widest contact is the smallest power of STEP mm that suffices, or `radius`.
 
     ValueError for a contact wider than `radius`.
     """

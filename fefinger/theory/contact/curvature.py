@@ -19,14 +19,14 @@ GOODWIN_FINGER = 15.0
 
 
 def relative_radius(*radii: float) -> float:
-    """Return R with 1/R = sum of 1/Ri (Eq. 3.9 and 3.19) in mm; a flat surface has an infinite Ri.
+    """Relative radius R in mm with 1/R = sum of 1/Ri (Eq. 3.9 and 3.19).
 
-    A hollow surface has a negative Ri.
+    A flat surface has an infinite Ri, a hollow one a negative Ri.
 
     Raises
     ------
     ValueError
-        A radius of 0, or surfaces that fit into each other, so that no point touches first.
+        A radius of 0, or conforming surfaces, which do not touch first in a point.
     """
     if not radii or any(radius == 0 or math.isnan(radius) for radius in radii):
         msg = f"radii: expected radii in mm other than 0, received {list(radii)}"
@@ -39,7 +39,7 @@ def relative_radius(*radii: float) -> float:
 
 
 def equivalent_radius(first: float, second: float) -> float:
-    """Return sqrt(R' R'') in mm of the circular contact nearest to an elliptic one.
+    """Radius sqrt(R' R'') in mm of the circular contact equivalent to an elliptic one.
 
     For R'/R'' up to 5 the mean contact radius is then within 3.3 %, the depth within 3.4 % and the
     peak pressure within 7 % of the elliptic contact.
@@ -49,7 +49,7 @@ def equivalent_radius(first: float, second: float) -> float:
 
 
 def series_modulus(*solids: tuple[float, float]) -> float:
-    """Return E* in kPa with 1/E* = sum of (1 - nu²) / E over (E, nu) (Eq. 3.21 and A.3).
+    """Contact modulus E* in kPa with 1/E* = sum of (1 - nu²) / E over (E, nu) (Eq. 3.21 and A.3).
 
     A rigid solid has an infinite E.
     """
@@ -64,8 +64,8 @@ def series_modulus(*solids: tuple[float, float]) -> float:
 
 
 @dataclass(frozen=True)
-class Contact:
-    """An elastic contact: radius a mm, peak pressure p0 kPa, depth mm and force mN, as arrays."""
+class HertzContact:
+    """Hertz contacts: radius a mm, peak pressure p0 kPa, depth mm and force mN, as arrays."""
 
     radius: Array
     peak_pressure: Array
@@ -73,7 +73,7 @@ class Contact:
     force: Array
 
 
-def at_depth(depth: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Contact:
+def at_depth(depth: ArrayLike, radius: ArrayLike, plane_modulus: float) -> HertzContact:
     """Return the contact at a depth in mm (Eq. 3.8 and 3.20); radius R in mm, E* in kPa."""
     elastic.require_positive("at_depth", plane_modulus=plane_modulus)
     depth = elastic.numbers("at_depth", "depth", depth, least=0.0)
@@ -81,7 +81,7 @@ def at_depth(depth: ArrayLike, radius: ArrayLike, plane_modulus: float) -> Conta
     depth, radius = np.broadcast_arrays(depth, radius)
     peak = 2 * plane_modulus / np.pi * np.sqrt(depth / radius)
     force = 4 / 3 * plane_modulus * np.sqrt(radius) * depth**1.5
-    return Contact(np.sqrt(radius * depth), peak, np.array(depth), force)
+    return HertzContact(np.sqrt(radius * depth), peak, np.array(depth), force)
 
 
 def goodwin(
@@ -91,7 +91,7 @@ def goodwin(
     finger: float = GOODWIN_FINGER,
     reference: tuple[float, float] = (0.7, 20.0),
 ) -> Array:
-    """Return the peak pressure under spheres, relative to that at `reference` (Eq. 3.23).
+    """Peak pressure under spheres relative to that at `reference` (Eq. 3.23).
 
     curvature of the sphere in 1/mm, force in any one unit, radius of the finger in mm; `reference`
     is a curvature and a force. At fixed force p0 follows P^(1/3) (C_finger + C_sphere)^(2/3).
@@ -105,7 +105,7 @@ def goodwin(
 def goodwin_at_depth(
     curvature: ArrayLike, *, finger: float = GOODWIN_FINGER, reference: float = 0.7
 ) -> Array:
-    """Return the peak pressure at one depth, relative to that at the curvature `reference` 1/mm.
+    """Peak pressure at one depth relative to that at the curvature `reference` 1/mm.
 
     It follows (C_finger + C_sphere)^(1/2); 0.295 at zero curvature is near the printed 0.3.
     """
@@ -113,18 +113,18 @@ def goodwin_at_depth(
 
 
 def goodwin_radius(curvature: ArrayLike, *, finger: float = GOODWIN_FINGER) -> Array:
-    """Return the contact radius at one force relative to that of a plate (Eq. 3.25)."""
+    """Contact radius at one force relative to that of a plate (Eq. 3.25)."""
     return np.asarray(1 / np.cbrt(finger * _against(finger, curvature)))
 
 
 def _against(finger: float, curvature: ArrayLike) -> Array:
-    """Return the relative curvature in 1/mm of a finger and spheres that touch it in a point."""
+    """Relative curvature in 1/mm of a finger and spheres."""
     elastic.require_positive("goodwin", finger=finger)
     return 1 / finger + elastic.numbers("goodwin", "curvature", curvature, above=-1 / finger)
 
 
 def torsional_friction(friction: float, force: ArrayLike, contact_radius: ArrayLike) -> Array:
-    """Return the largest torque 3/16 pi mu P a of a Hertz contact about its axis, in mN mm.
+    """Largest frictional torque 3/16 pi mu P a of a Hertz contact about its axis, in mN mm.
 
     `friction` mu, force P in mN, contact radius a in mm. The integral of mu p r over the contact:
     proportional to the contact radius at a given force, as section 3.1 says.

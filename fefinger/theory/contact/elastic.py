@@ -1,4 +1,4 @@
-"""Hooke's law and the checks of input that the closed forms share.
+"""Hooke's law and input checks of the closed forms.
 
 Axially symmetric stress and strain are arrays (4, ...): radial, hoop, axial and rz components,
 positive in tension; the rz strain is the tensor component, half of the engineering shear.
@@ -46,7 +46,7 @@ def require_elastic(owner: str, modulus: float, poisson: float) -> None:
 
 
 def require_small(owner: str, name: str, value: float, *, limit: float, of: str) -> None:
-    """Raise ValueError where the length `value` mm is above the `limit` mm of linear theory."""
+    """Raise ValueError if the length `value` mm is above the `limit` mm of linear theory."""
     if value > limit:
         msg = (
             f"{owner}: expected {name} of at most {of} {limit:g} mm (small strain), received "
@@ -56,7 +56,7 @@ def require_small(owner: str, name: str, value: float, *, limit: float, of: str)
 
 
 def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
-    """Return r and z broadcast together, or raise ValueError for a point outside the body."""
+    """Broadcast r and z; ValueError for a point outside the body."""
     r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
     inside = np.all(r >= 0) and np.all(z >= 0)
     if not (inside and np.isfinite(r).all() and np.isfinite(z).all()):
@@ -68,7 +68,7 @@ def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
 def numbers(
     owner: str, name: str, values: ArrayLike, *, least: float = -math.inf, above: float = -math.inf
 ) -> Array:
-    """Return values (...,) as an array, or raise ValueError unless they are finite and in range."""
+    """Convert values (...,) to an array; ValueError unless they are finite and in range."""
     array = np.asarray(values, np.float64)
     wrong = array[~(np.isfinite(array) & (array >= least) & (array > above))]
     if wrong.size or not array.size:
@@ -81,12 +81,12 @@ def numbers(
 
 
 def distances(owner: str, r: ArrayLike) -> Array:
-    """Return the distances r (...,) mm from the axis, or raise ValueError unless 0 or above."""
+    """Convert distances r (...,) mm from the axis to an array; ValueError unless 0 or above."""
     return numbers(owner, "r", r, least=0.0)
 
 
 def places(owner: str, place: ArrayLike) -> Array:
-    """Return places (..., 3) mm below the surface, or raise ValueError."""
+    """Convert places (..., 3) mm to an array; ValueError unless below the surface."""
     place = np.asarray(place, np.float64)
     if place.shape[-1:] != (3,) or not np.isfinite(place).all() or np.any(place[..., 2] <= 0):
         msg = f"{owner}: expected finite places (..., 3) below the surface, z > 0 mm"
@@ -95,17 +95,17 @@ def places(owner: str, place: ArrayLike) -> Array:
 
 
 def plane_modulus(modulus: float, poisson: float) -> float:
-    """Return E* = E / (1 - nu²), the contact modulus below a rigid indenter."""
+    """Contact modulus E* = E / (1 - nu²) under a rigid indenter."""
     return modulus / (1 - poisson**2)
 
 
 def shear_modulus(modulus: float, poisson: float) -> float:
-    """Return G = E / 2(1 + nu)."""
+    """Shear modulus G = E / 2(1 + nu)."""
     return modulus / (2 * (1 + poisson))
 
 
 def strain(stress: Array, modulus: float, poisson: float) -> Array:
-    """Return the strain (4, ...) of the axially symmetric `stress` (4, ...) by Hooke's law."""
+    """Strain (4, ...) of an axially symmetric `stress` (4, ...) by Hooke's law."""
     require_elastic("strain", modulus, poisson)
     radial, hoop, axial, shear = stress
     trace = poisson * (radial + hoop + axial)
@@ -115,6 +115,6 @@ def strain(stress: Array, modulus: float, poisson: float) -> Array:
 
 
 def strain_tensor(stress: Array, modulus: float, poisson: float) -> Array:
-    """Return the strain (..., 3, 3) of a `stress` (..., 3, 3) by Hooke's law."""
+    """Strain (..., 3, 3) of a `stress` (..., 3, 3) by Hooke's law."""
     trace = np.trace(stress, axis1=-2, axis2=-1)[..., None, None]
     return ((1 + poisson) * stress - poisson * trace * np.eye(3)) / modulus

@@ -1,7 +1,7 @@
-"""Boussinesq's potentials of a half-ellipsoid of pressure on an elliptic contact, in closed form.
+"""Boussinesq potentials of Hertz's pressure on an elliptic contact, in closed form.
 
 psi, the integral of p / rho, is that of a thin homogeneous ellipsoidal plate; psi1, the integral of
-p ln(rho + z), has the second derivatives that Poisson's ratios below 1/2 need, by one smooth
+p ln(rho + z), is needed for Poisson's ratios below 1/2; its second derivatives are one smooth
 integral over the depth. Lengths in mm, pressures in kPa; z points into the body. Source: Hertz
 1881; Johnson, Contact Mechanics, 1985, 3.2 and 3.3; Carlson's elliptic integrals (DLMF 19.16).
 """
@@ -16,14 +16,14 @@ from fefinger.theory.contact.elastic import Array
 
 
 NEWTON = 200
-"""Most steps to the ellipsoid through a point: they double until near, then square the error."""
+"""Largest number of Newton steps to the ellipsoid through a point."""
 
 _NODES, _WEIGHTS = legendre.leggauss(120)
 
 
 @dataclass(frozen=True)
 class Potentials:
-    """Values at places (...,): psi, its gradient (..., 3) and second derivatives (..., 3, 3)."""
+    """Potential psi at places (...,), its gradient (..., 3) and second derivatives (..., 3, 3)."""
 
     psi: Array
     gradient: Array
@@ -31,7 +31,7 @@ class Potentials:
 
 
 def potentials(place: Array, semi_axes: tuple[float, float], peak: float) -> Potentials:
-    """Return psi in kPa mm and its derivatives at `place` (..., 3) mm, z > 0.
+    """Compute psi in kPa mm and its derivatives at `place` (..., 3) mm, z > 0.
 
     `semi_axes` a, b mm of the contact, `peak` p0 kPa.
     """
@@ -53,7 +53,7 @@ def potentials(place: Array, semi_axes: tuple[float, float], peak: float) -> Pot
 
 
 def deeper(place: Array, semi_axes: tuple[float, float], peak: float) -> tuple[Array, Array]:
-    """Return the gradient (..., 2) and second derivatives (..., 2, 2) of psi1 along x and y.
+    """Gradient (..., 2) and second derivatives (..., 2, 2) of psi1 along x and y.
 
     psi = d psi1 / dz, so they are minus the integrals of those of psi from the place downward.
     """
@@ -63,16 +63,17 @@ def deeper(place: Array, semi_axes: tuple[float, float], peak: float) -> tuple[A
     weights = _WEIGHTS / 2 * size * t * (2 - t) / (1 - t) ** 2
     below = np.repeat(np.asarray(place, np.float64)[..., None, :], len(t), axis=-2)
     below[..., 2] += down
-    found = potentials(below, semi_axes, peak)
-    gradient = np.einsum("...ni,n->...i", found.gradient[..., :2], weights)
-    hessian = np.einsum("...nij,n->...ij", found.hessian[..., :2, :2], weights)
+    potential = potentials(below, semi_axes, peak)
+    gradient = np.einsum("...ni,n->...i", potential.gradient[..., :2], weights)
+    hessian = np.einsum("...nij,n->...ij", potential.hessian[..., :2, :2], weights)
     return -gradient, -hessian
 
 
 def _level(place: Array, squares: Array) -> Array:
-    """Return the positive root w of x² / (a² + w) + y² / (b² + w) + z² / w = 1.
+    """Positive root w of x² / (a² + w) + y² / (b² + w) + z² / w = 1.
 
-    The left side falls and is convex, so Newton's method rises to the root from w = z².
+    The left side is decreasing and convex, so Newton's method converges monotonically from w = z²;
+    steps double w until it is near, then the error is squared.
     """
     square = place**2
     level = square[..., 2].copy()

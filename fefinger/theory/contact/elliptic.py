@@ -1,4 +1,4 @@
-"""Hertz contact with two different curvatures: an ellipse under a rigid frictionless indenter.
+"""Hertz contact with two different curvatures: an elliptic contact under a rigid indenter.
 
 Lengths in mm, moduli and stresses in kPa, forces in mN. Source: Hertz 1881; Johnson, Contact
 Mechanics, 1985, 4.2. The elliptic integrals are Carlson's (DLMF 19.25.1), which do not cancel as
@@ -20,7 +20,7 @@ from fefinger.theory.contact.ellipsoidal import deeper, potentials
 
 
 LONGEST = 1e6
-"""Largest ratio of the radii: beyond, the contact is a line and has no depth of its own."""
+"""Largest ratio of the radii: beyond, the contact is a line, whose depth is undefined."""
 
 
 @dataclass(frozen=True)
@@ -129,16 +129,16 @@ class Elliptic:
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, place: ArrayLike) -> Array:
-        """Return the stress tensor (..., 3, 3) in kPa at `place` (..., 3) mm from first touch.
+        """Stress tensor (..., 3, 3) in kPa at `place` (..., 3) mm from first touch.
 
         x along the longest axis of the contact, z > 0 into the body (ValueError otherwise; the
         surface itself carries `pressure`). Positive in tension.
         """
         place, nu = elastic.places("Elliptic.stress", place), self.poisson
-        found = potentials(place, self.semi_axes, self.peak_pressure)
+        potential = potentials(place, self.semi_axes, self.peak_pressure)
         z = place[..., 2, None, None]
-        stress = -z * found.hessian
-        sink = found.gradient[..., 2]
+        stress = -z * potential.hessian
+        sink = potential.gradient[..., 2]
         for i, part in enumerate((2 * nu, 2 * nu, 1.0)):
             stress[..., i, i] += part * sink
         if nu < 0.5:
@@ -147,15 +147,15 @@ class Elliptic:
         return stress / (2 * np.pi)
 
     def strain(self, place: ArrayLike) -> Array:
-        """Return the strain tensor (..., 3, 3) at `place`, as `stress`."""
+        """Strain tensor (..., 3, 3) at `place`, as in `stress`."""
         return elastic.strain_tensor(self.stress(place), self.modulus, self.poisson)
 
     def displacement(self, place: ArrayLike) -> Array:
-        """Return u (..., 3) in mm at `place` (..., 3) mm, as `stress`; zero at infinity."""
+        """Displacement u (..., 3) in mm at `place` (..., 3), as in `stress`; zero at infinity."""
         place, nu = elastic.places("Elliptic.displacement", place), self.poisson
-        found = potentials(place, self.semi_axes, self.peak_pressure)
-        moved = -place[..., 2, None] * found.gradient
-        moved[..., 2] += 2 * (1 - nu) * found.psi
+        potential = potentials(place, self.semi_axes, self.peak_pressure)
+        moved = -place[..., 2, None] * potential.gradient
+        moved[..., 2] += 2 * (1 - nu) * potential.psi
         if nu < 0.5:
             slope, _ = deeper(place, self.semi_axes, self.peak_pressure)
             moved[..., :2] -= (1 - 2 * nu) * slope
@@ -163,11 +163,11 @@ class Elliptic:
 
     @property
     def _complete(self) -> float:
-        """K(1 - k²)."""
+        """Complete elliptic integral K(1 - k²)."""
         return float(ellipkm1(self.axis_ratio**2))
 
     @property
     def _mean(self) -> float:
-        """Return sqrt((E/k² - K)(K - E)) / (1 - k²), pi/4 for a circle."""
+        """The factor sqrt((E/k² - K)(K - E)) / (1 - k²) of the semi-axes; pi/4 for a circle."""
         square = self.axis_ratio**2
         return math.sqrt(elliprd(0.0, 1.0, square) * elliprd(0.0, square, 1.0)) / 3

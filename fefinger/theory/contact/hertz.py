@@ -1,6 +1,6 @@
-"""Hertz contact of a sphere and an elastic half-space, and Huber's field below it: the formula.
+"""Hertz contact of a sphere and an elastic half-space, with Huber's stress field below it.
 
-`mechanics/hertz.py` answers scenes with it; `validation/fem/hertz.py` proves the finite elements
+`mechanics/hertz.py` answers scenes with it; `validation/fem/hertz.py` checks the finite elements
 against it. Lengths in mm, moduli and stresses in kPa, forces in mN; z points into the body.
 Sources: Hertz 1881, Huber 1904; Johnson, Contact Mechanics, 1985, chapters 3 and 4.
 """
@@ -24,7 +24,7 @@ class Hertz:
         R in mm.
     depth
         Approach in mm, 0 (touch, no field) to R, where the contact is as wide as the sphere.
-        `theory/sphere.py` has what the true sphere changes: 0.4 % of the force at a/R = 0.2.
+        `sphere.py` is for the true sphere: the force differs by 0.4 % at a/R = 0.2.
     modulus, poisson
         E in kPa and nu in 0 to 0.5.
 
@@ -88,8 +88,8 @@ class Hertz:
     def stress(self, r: ArrayLike, z: ArrayLike) -> Array:
         """Return sigma_r, sigma_theta, sigma_z, tau_rz (4, ...) in kPa, tension positive.
 
-        Huber's field in the variables of Johnson 3.4, with 1 - t² = r² / (a² + u) put in so that
-        it is regular on the axis and on the surface. ValueError for r < 0 or z < 0.
+        Huber's field in the variables of Johnson 3.4, with 1 - t² = r² / (a² + u) substituted,
+        which makes it regular on the axis and on the surface. ValueError for r < 0 or z < 0.
         """
         r, z = elastic.points("Hertz.stress", r, z)
         a, nu = self._size, self.poisson
@@ -131,7 +131,7 @@ class Hertz:
 
     @property
     def _size(self) -> float:
-        """Length that the fields are scaled by; at first touch they are zero for any."""
+        """Length scale of the fields; at first touch, where they are zero, any value serves."""
         return self.contact_radius or 1.0
 
     def _ellipsoid(self, r: Array, z: Array) -> tuple[Array, Array]:
@@ -140,7 +140,7 @@ class Hertz:
         half = (r**2 + z**2 - a**2) / 2
         root = np.hypot(half, a * z)
         inside = half < 0
-        # Each form where it does not cancel.
+        # Of the two algebraic forms of the root, the one that does not cancel.
         far = np.where(inside, 1.0, half + root)
         near = np.where(inside, root - half, 1.0)
         u = np.where(inside, (a * z) ** 2 / near, far)

@@ -1,4 +1,4 @@
-"""Frictionless contact of a round indenter with a body known by its Hankel compliance: exact.
+"""Exact frictionless contact of an axisymmetric indenter, for a body with a Hankel compliance.
 
 The pressure is written as p(xi) = integral over 0..a of phi(t) cos(xi t) dt, which leaves the
 Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for phi:
@@ -7,7 +7,7 @@ Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for 
     K(x, t) = integral over 0..inf of (1 - L(xi)) cos(xi x) cos(xi t) d xi,
 
 C = 2 (1 - nu²) / E of the surface, g = depth - x²/R for a paraboloid, with phi(a) = 0, and
-g = depth for a flat punch. phi is kept in even Legendre polynomials, whose pressures are known in
+g = depth for a flat punch. phi is expanded in even Legendre polynomials, whose pressures have a
 closed form. Lengths in mm, moduli in kPa, forces in mN. Source: Lebedev and Ufliand, J. Appl. Math.
 Mech. 22, 1958, 442.
 """
@@ -32,14 +32,14 @@ DECAY = 20.0
 """The departure 1 - L falls as exp(-2 xi h): at xi h = 20 it is under 1e-14."""
 
 WIDEST = 200.0
-"""Largest contact radius over thickness of the top layer; the equation grows with it."""
+"""Largest contact radius over thickness of the top layer; the number of unknowns grows with it."""
 
 ROUNDING = 1e-14
-"""Coefficients of phi this far below the largest are rounding."""
+"""Coefficients of phi below this fraction of the largest are rounding."""
 
 
-class Body(Protocol):
-    """What a contact has to know of a body, which is hashable: `layer.Sheet`, `stack.Stack`."""
+class LayeredBody(Protocol):
+    """Interface of an elastic body (hashable): `layer.Sheet`, `layer.Faced`, `stack.Stack`."""
 
     def __hash__(self) -> int:
         """Return a hash of the values."""
@@ -63,7 +63,7 @@ class Contact:
     `phi` (n,) kPa mm are the coefficients of P_0, P_2, P_4, ... of t / a.
     """
 
-    body: Body
+    body: LayeredBody
     contact_radius: float
     radius: float
     depth: float
@@ -85,7 +85,7 @@ class Contact:
         return np.where(x < 1, value, np.where(x > 1, 0.0, edge))
 
     def load(self, r: ArrayLike) -> Array:
-        """Return the force in mN that is carried within r (...,) mm of the axis."""
+        """Force in mN carried within r (...,) mm of the axis."""
         x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         inner = legendre.legint(self._over_edge(), lbnd=0)
@@ -93,40 +93,40 @@ class Contact:
         return 2 * np.pi * self.contact_radius * (whole - legendre.legval(y, inner))
 
     def transform(self, xi: ArrayLike) -> Array:
-        """Return the Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
+        """Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
 
-        It is the integral of p r J0(xi r) dr, a 2 pi-th of the force at xi = 0.
+        It is the integral of p r J0(xi r) dr; at xi = 0 the force over 2 pi.
         """
         xi = np.asarray(xi, np.float64)
         if xi.size:
             elastic.numbers("Contact.transform", "wavenumbers", xi, least=0.0)
         a, flat = self.contact_radius, xi.reshape(-1)
-        # phi itself turns at most as a wave of its degree; its last coefficients are rounding.
+        # phi oscillates at most as a wave of its degree; its last coefficients are rounding.
         fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
         t, weights = panels(a / 2, a, reach=fastest)
         density = weights * legendre.legval(t / a, _even(self.phi))
         return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
 
     def _over_edge(self) -> Array:
-        """Return the Legendre series of a y p in y = sqrt(1 - r² / a²)."""
+        """Legendre series of a y p in y = sqrt(1 - r² / a²)."""
         return over_edge(self.phi)
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Return u_z of the surface in mm at r (...,) mm, from the pressure, inside and outside."""
+        """Displacement u_z of the surface in mm at r (...,) mm, inside and outside the contact."""
         r = elastic.distances("Contact.displacement", r)
         flat = np.atleast_1d(r).ravel()
         near = np.minimum(flat, self.contact_radius)
         top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))
         nodes, weights = legendre.leggauss(2 * len(self.phi) + 8)
         t = flat[:, None] * np.sin(top[:, None] * (nodes + 1) / 2)
-        own = legendre.legval(t / self.contact_radius, _even(self.phi)) @ weights * top / 2
+        half_space = legendre.legval(t / self.contact_radius, _even(self.phi)) @ weights * top / 2
         xi, weight = spectrum(self.body, float(flat.max(initial=0.0)) + self.contact_radius)
         layers = j0(flat[:, None] * xi) @ (weight * self.transform(xi))
-        return (_compliance_of_half_space(self.body) * (own - layers)).reshape(r.shape)
+        return (_compliance_of_half_space(self.body) * (half_space - layers)).reshape(r.shape)
 
 
-def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
-    """Return the contact of a rigid paraboloid r² / 2R (R = `radius` mm) of a given contact radius.
+def paraboloid(body: LayeredBody, radius: float, *, contact_radius: float) -> Contact:
+    """Solve the contact of a rigid paraboloid r² / 2R (R = `radius` mm) with this contact radius.
 
     ValueError for a value at or below zero, or a contact wider than R (small strain) or than 200
     thicknesses of the top layer.
@@ -140,15 +140,15 @@ def paraboloid(body: Body, radius: float, *, contact_radius: float) -> Contact:
     return _contact(body, contact_radius, radius, depth=depth, phi=depth * lift - bowl / radius)
 
 
-def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
-    """Return the contact of a rigid paraboloid at an approach of `depth` mm, by its root in a."""
+def paraboloid_at(body: LayeredBody, radius: float, *, depth: float) -> Contact:
+    """Solve the contact of a rigid paraboloid at an approach of `depth` mm, by a root in a."""
     elastic.require_positive("paraboloid", radius=radius, depth=depth)
     guess = min(radius, math.sqrt(radius * depth))
     widest = radius * (1 - 1e-12)
 
     def excess(log_a: float) -> float:
-        found = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
-        return math.log(found.depth / depth)
+        contact = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
+        return math.log(contact.depth / depth)
 
     low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
     # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
@@ -166,18 +166,18 @@ def paraboloid_at(body: Body, radius: float, *, depth: float) -> Contact:
     return paraboloid(body, radius, contact_radius=min(a, widest))
 
 
-def flat_punch(body: Body, contact_radius: float, *, depth: float) -> Contact:
-    """Return the contact of a flat rigid punch of `contact_radius` mm pressed by `depth` mm."""
+def flat_punch(body: LayeredBody, contact_radius: float, *, depth: float) -> Contact:
+    """Solve the contact of a flat rigid punch of `contact_radius` mm pressed by `depth` mm."""
     elastic.require_positive("flat_punch", contact_radius=contact_radius, depth=depth)
     lift, _ = _solve(body, contact_radius)
     return _contact(body, contact_radius, math.inf, depth=depth, phi=depth * lift)
 
 
-def spectrum(body: Body, reach: float) -> tuple[Array, Array]:
-    """Return nodes xi (n,) and weights times 1 - L(xi) (n,) that integrate cos(xi y), y <= reach.
+def spectrum(body: LayeredBody, reach: float) -> tuple[Array, Array]:
+    """Nodes xi (n,) and weights times 1 - L(xi) (n,) of integrals with cos(xi y), y <= reach.
 
-    Gauss-Legendre panels graded from far below the thickness of the body to where 1 - L ends. The
-    last ones are kept, for a reach rounded up, because the contacts of one body share them.
+    Gauss-Legendre panels graded from far below the inverse thickness of the body to where 1 - L is
+    negligible. The reach is rounded up and the result cached: contacts of one body share it.
     """
     fine = body.scales[0]
     if fine == math.inf:
@@ -186,19 +186,19 @@ def spectrum(body: Body, reach: float) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=64)
-def _spectrum(body: Body, half_octave: int) -> tuple[Array, Array]:
-    """Return the spectrum for a reach of 2^(half_octave / 2) times the smallest scale."""
+def _spectrum(body: LayeredBody, half_octave: int) -> tuple[Array, Array]:
+    """Compute the `spectrum` for a reach of 2^(half_octave / 2) times the smallest scale."""
     fine, coarse = body.scales
     reach = fine * 2 ** (half_octave / 2)
     xi, weights = panels(1e-4 / coarse, DECAY / fine, reach=reach)
     departure = weights * (1 - body.compliance(xi))
-    for kept in (xi, departure):
-        kept.flags.writeable = False
+    for cached in (xi, departure):
+        cached.flags.writeable = False
     return xi, departure
 
 
 def over_edge(phi: Array) -> Array:
-    """Return the Legendre series (2 n - 1, ...) of a y p in y = sqrt(1 - r² / a²) of phi (n, ...).
+    """Legendre series (2 n - 1, ...) of a y p in y = sqrt(1 - r² / a²), from phi (n, ...).
 
     P_2k(sqrt(1 - y²)) integrates over the edge to P_2k(y) / P_2k(0).
     """
@@ -208,25 +208,25 @@ def over_edge(phi: Array) -> Array:
 
 
 def _even(coefficients: Array) -> Array:
-    """Return the Legendre series (2 n - 1, ...) whose even coefficients (n, ...) are given."""
+    """Legendre series (2 n - 1, ...) with these even coefficients (n, ...)."""
     series = np.zeros((2 * len(coefficients) - 1, *coefficients.shape[1:]))
     series[::2] = coefficients
     return series
 
 
-def _contact(body: Body, a: float, radius: float, *, depth: float, phi: Array) -> Contact:
-    """Return the contact without the trailing coefficients that are rounding."""
-    kept = int(np.flatnonzero(np.abs(phi) > ROUNDING * np.abs(phi).max())[-1]) + 1
-    return Contact(body, a, radius, depth, phi[:kept])
+def _contact(body: LayeredBody, a: float, radius: float, *, depth: float, phi: Array) -> Contact:
+    """Build a contact without the trailing coefficients of phi that are rounding."""
+    count = int(np.flatnonzero(np.abs(phi) > ROUNDING * np.abs(phi).max())[-1]) + 1
+    return Contact(body, a, radius, depth, phi[:count])
 
 
-def _compliance_of_half_space(body: Body) -> float:
-    """C = 2 (1 - nu²) / E of the surface in 1/kPa."""
+def _compliance_of_half_space(body: LayeredBody) -> float:
+    """Compliance C = 2 (1 - nu²) / E of the surface in 1/kPa."""
     return 2 / elastic.plane_modulus(*body.surface)
 
 
-def _solve(body: Body, a: float) -> tuple[Array, Array]:
-    """Return phi (n,) for g = 1 and for g = x², in even Legendre coefficients."""
+def _solve(body: LayeredBody, a: float) -> tuple[Array, Array]:
+    """Solve the equation for g = 1 and for g = x²: phi (n,) in even Legendre coefficients."""
     wide = a / body.scales[0]
     if wide > WIDEST:
         msg = (
@@ -234,6 +234,7 @@ def _solve(body: Body, a: float) -> tuple[Array, Array]:
             f"layer, received {wide:.3g}"
         )
         raise ValueError(msg)
+    # phi varies over the thickness of the top layer, so the number of unknowns grows with `wide`.
     count = 24 + 8 * math.ceil(6 * wide / 8)
     nodes, weights = even_rule(count)
     x, weight = a * nodes, a * weights
@@ -243,5 +244,5 @@ def _solve(body: Body, a: float) -> tuple[Array, Array]:
     right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
     values = np.linalg.solve(matrix, right)
     norm = 4.0 * np.arange(count) + 1
-    found = norm[:, None] * (even_basis(count).T * weights) @ values
-    return found[:, 0], found[:, 1]
+    phi = norm[:, None] * (even_basis(count).T * weights) @ values
+    return phi[:, 0], phi[:, 1]

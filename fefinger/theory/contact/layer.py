@@ -1,6 +1,6 @@
-"""One elastic layer on a rigid base: its exact compliance.
+"""Exact compliance of one elastic layer on a rigid base.
 
-`contact/indentation.py` solves the contact on a `Sheet`. Lengths in mm, moduli in kPa. Source:
+`indentation.py` solves the contact on a `Sheet`. Lengths in mm, moduli in kPa. Source:
 Lebedev and Ufliand 1958 (kernels).
 """
 
@@ -16,7 +16,7 @@ from fefinger.theory.contact.stack import Base
 
 @dataclass(frozen=True)
 class Sheet:
-    """A layer of `thickness` mm, bonded to a rigid base or sliding on it without friction.
+    """An elastic layer of `thickness` mm, bonded to a rigid base or sliding on it without friction.
 
     modulus E in kPa, poisson nu in 0 to 0.5; ValueError for a value outside its range.
     """
@@ -61,11 +61,11 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Faced:
-    """A sheet that is touched by an elastic body, such as a ball, instead of a rigid one.
+    """A sheet in contact with an elastic body, such as a ball, instead of a rigid one.
 
-    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. Its surface
-    sinks in too, so the compliances add: 1 - L is that of the sheet, in the part that the sheet has
-    in both. The depth of a contact is the approach of the two. ValueError for a value outside its
+    modulus E in kPa and poisson nu of that body, a half-space as in Hertz's theory. The compliances
+    add: 1 - L is that of the sheet times its fraction of the sum. The depth of a contact is the
+    approach of the two bodies. ValueError for a value outside its
     range.
     """
 
@@ -79,11 +79,11 @@ class Faced:
 
     @property
     def surface(self) -> tuple[float, float]:
-        """Modulus in kPa of the incompressible half-space that is as compliant as both at the top.
+        """Modulus in kPa and Poisson's ratio of a half-space as compliant as both at the top.
 
-        The sheet is as thick as a half-space there.
+        At high wavenumbers the sheet is a half-space.
         """
-        return 0.75 / (self._own + self._under), 0.5
+        return 0.75 / (self._above + self._under), 0.5
 
     @property
     def scales(self) -> tuple[float, float]:
@@ -92,13 +92,15 @@ class Faced:
 
     def compliance(self, xi: ArrayLike) -> Array:
         """Return L (n,) at wavenumbers xi (n,) in 1/mm: both u_z over those of two half-spaces."""
-        part = self._under / (self._own + self._under)
+        part = self._under / (self._above + self._under)
         return 1 - part * (1 - self.sheet.compliance(xi))
 
     @property
-    def _own(self) -> float:
+    def _above(self) -> float:
+        """Compliance 1 / E* of the touching body."""
         return 1 / elastic.plane_modulus(self.modulus, self.poisson)
 
     @property
     def _under(self) -> float:
+        """Compliance 1 / E* of the sheet at high wavenumbers."""
         return 1 / elastic.plane_modulus(*self.sheet.surface)

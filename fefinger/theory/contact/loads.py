@@ -1,4 +1,4 @@
-"""Point force on the surface of a half-space (Boussinesq).
+"""Displacement by a point force on the surface of a half-space (Boussinesq).
 
 Lengths in mm, moduli in kPa, forces in mN; z points into the body. Source: Johnson, Contact
 Mechanics, 1985, 3.2.
@@ -14,7 +14,7 @@ from fefinger.theory.contact.elastic import Array
 def point_displacement(
     r: ArrayLike, z: ArrayLike, *, force: float, modulus: float, poisson: float
 ) -> Array:
-    """Return u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
+    """Displacement u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
     elastic.require_elastic("point_displacement", modulus, poisson)
     elastic.require_finite("point_displacement", force=force)
     r, z = elastic.points("point_displacement", r, z)

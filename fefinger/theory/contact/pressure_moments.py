@@ -1,7 +1,7 @@
-"""Center, asymmetry and ellipticity of a pressure that is linear on triangles: exact integrals.
+"""Center, asymmetry and ellipticity of a piecewise linear pressure, by exact integrals.
 
-Lengths in mm, pressures in kPa. Lines cut the triangles wherever they run, so nothing jumps when a
-line passes a vertex.
+Lengths in mm, pressures in kPa. Triangles are cut along lines exactly, so that results are
+continuous when a line passes a vertex.
 """
 
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from fefinger.theory.contact.elastic import Array
 
 @dataclass(frozen=True)
 class Moments:
-    """What a pressure is like about the origin of its places.
+    """Force, center, asymmetry and ellipticity of a pressure.
 
-    force mN; center (2,) mm; asymmetry, the force at x > 0 less that at x < 0 over both;
+    force mN; center (2,) mm; asymmetry, (force at x > 0 - force at x < 0) / force;
     ellipticity 1 - b/a, from the ratio of the principal second moments about the center, which is
     that of the axes of an ellipse under Hertz's pressure; long_axis, degrees from x in -90 to 90.
     """
@@ -32,14 +32,14 @@ class Moments:
 def moments(
     places: ArrayLike, triangles: ArrayLike, areas: ArrayLike, pressure: ArrayLike
 ) -> Moments:
-    """Return the moments of a pressure (n,) kPa at places (n, 2) mm.
+    """Compute the moments of a pressure (n,) kPa at places (n, 2) mm.
 
-    triangles (m, 3); areas (m,) mm², which may be larger than seen in the plane of the places.
+    triangles (m, 3); areas (m,) mm², which may be larger than their projection on the plane.
 
     Raises
     ------
     ValueError
-        A pressure that adds up to nothing.
+        A pressure with a force of 0 or less.
     """
     corners, areas = np.asarray(triangles), elastic.numbers("moments", "areas", areas)
     at = elastic.numbers("moments", "places", places)[corners]
@@ -64,7 +64,7 @@ def moments(
 
 
 def _product(areas: Array, f: Array, g: Array, h: Array) -> float:
-    """Return the integral of f g h, each (m, 3) at the vertices and linear on the triangles.
+    """Integral of f g h, each (m, 3) at the vertices and linear on the triangles.
 
     From the integral of barycentric coordinates, 2 A a! b! c! / (a + b + c + 2)!.
     """
@@ -74,7 +74,7 @@ def _product(areas: Array, f: Array, g: Array, h: Array) -> float:
 
 
 def _beyond(x: Array, areas: Array, p: Array) -> float:
-    """Return the integral of p over x > 0; x and p (m, 3) at the vertices."""
+    """Integral of p over x > 0; x and p (m, 3) at the vertices."""
     order = np.argsort(x, axis=1)
     x, p = np.take_along_axis(x, order, 1), np.take_along_axis(p, order, 1)
     whole = areas * p.mean(axis=1)
@@ -88,7 +88,7 @@ def _beyond(x: Array, areas: Array, p: Array) -> float:
 
 
 def _corner(x: Array, p: Array, areas: Array) -> Array:
-    """Return the integrals (m,) of p over the corners that x = 0 cuts off at the first vertex."""
+    """Integrals (m,) of p over the corners at the first vertex that the line x = 0 cuts off."""
     first, others = x[:, :1], x[:, 1:]
     share = np.divide(first, first - others, out=np.zeros_like(others), where=first != others)
     ends = p[:, :1] + share * (p[:, 1:] - p[:, :1])

@@ -15,7 +15,7 @@ from fefinger.theory.contact.elastic import Array
 
 
 STEEPEST = 45.0
-"""Smallest half angle of a cone in degrees: linear theory takes its slope for small."""
+"""Smallest half angle of a cone in degrees: linear theory assumes small slopes."""
 
 
 @dataclass(frozen=True)
@@ -151,10 +151,10 @@ class Cylinder:
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, x: ArrayLike, z: ArrayLike) -> Array:
-        """Return sigma_x, sigma_z, tau_xz (3, ...) in kPa at z >= 0 (McEwen; Johnson 4.49)."""
+        """Stress sigma_x, sigma_z, tau_xz (3, ...) in kPa at z >= 0 (McEwen; Johnson 4.49)."""
         _, z = elastic.points("Cylinder.stress", np.abs(x), z)
         x, b = np.broadcast_to(np.asarray(x, np.float64), z.shape), self.half_width
-        # The complex root of (x + iz)² - b² is n + im in McEwen's letters, up to its sign.
+        # The complex root of (x + iz)² - b² is n + im in McEwen's notation, up to its sign.
         root = np.sqrt((x + 1j * z - b) + 0j) * np.sqrt((x + 1j * z + b) + 0j)
         n, m = root.real, root.imag
         size = np.where(np.abs(root) > 0, np.abs(root) ** 2, 1.0)

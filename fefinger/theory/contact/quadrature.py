@@ -11,21 +11,21 @@ from fefinger.theory.contact.elastic import Array
 
 
 PHASE = 14.0
-"""Radians of a cosine in a panel: its Legendre coefficient of degree 32 is 1e-19."""
+"""Largest phase of a cosine per panel in radians: its Legendre coefficient 32 is then 1e-19."""
 
 _NODES, _WEIGHTS = legendre.leggauss(16)
 
 
 @cache
 def even_rule(count: int) -> tuple[Array, Array]:
-    """Return nodes and weights (count,) on 0..1, exact for even polynomials of degree < 4 count."""
+    """Nodes and weights (count,) on 0..1, exact for even polynomials of degree < 4 count."""
     nodes, weights = legendre.leggauss(2 * count)
     return nodes[count:], weights[count:]
 
 
 @cache
 def even_basis(count: int) -> Array:
-    """Return P_0, P_2, ... (count, count) at the nodes of `even_rule`, one row per node."""
+    """Legendre P_0, P_2, ... (count, count) at the nodes of `even_rule`, one row per node."""
     nodes, _ = even_rule(count)
     basis = np.array(legendre.legvander(nodes, 2 * count - 1)[:, ::2], np.float64)
     basis.flags.writeable = False
@@ -33,7 +33,7 @@ def even_basis(count: int) -> Array:
 
 
 def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
-    """Return nodes and weights (n,) on 0..high: one panel to `low`, then octaves.
+    """Composite Gauss-Legendre nodes and weights (n,) on 0..high: one panel to `low`, then octaves.
 
     No panel is wider than PHASE / reach.
     """
@@ -49,6 +49,6 @@ def panels(low: float, high: float, *, reach: float) -> tuple[Array, Array]:
 
 
 def panels_up_to(nodes: Array, high: float) -> int:
-    """Return how many of the first `nodes` of `panels` cover 0..high, in whole panels."""
+    """Count the first `nodes` of `panels` that cover 0..high, in whole panels."""
     points = len(_NODES)
     return min(len(nodes), points * math.ceil(int(np.searchsorted(nodes, high)) / points))

@@ -1,4 +1,4 @@
-"""A rigid sphere on an elastic half-space, where the paraboloid of Hertz no longer stands for it.
+"""Contact of a rigid sphere and an elastic half-space, beyond the paraboloid of Hertz.
 
 Lengths in mm, moduli and stresses in kPa, forces in mN. Source: Sneddon, Int. J. Eng. Sci. 3,
 1965, 47; the pressure is the Abel integral of his solution.
@@ -22,7 +22,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 def _force(x: float) -> float:
-    """Return (1 + x²) artanh x - x, by its series where that cancels."""
+    """Force function (1 + x²) artanh x - x, by its series where that cancels."""
     if x > 0.1:
         return (1 + x * x) * math.atanh(x) - x
     odd = range(1, 21, 2)
@@ -64,8 +64,10 @@ class Sphere:
                 f"a = {WIDEST} R, received {ratio:.3g} R"
             )
             raise ValueError(msg)
-        found = brentq(lambda x: x * math.atanh(x) - ratio, 0.0, WIDEST, xtol=1e-300, rtol=1e-14)
-        return cls(radius, found * radius, modulus=modulus, poisson=poisson)
+        ratio_of_radii = brentq(
+            lambda x: x * math.atanh(x) - ratio, 0.0, WIDEST, xtol=1e-300, rtol=1e-14
+        )
+        return cls(radius, ratio_of_radii * radius, modulus=modulus, poisson=poisson)
 
     @property
     def depth(self) -> float:
@@ -94,7 +96,7 @@ class Sphere:
         r, a, big = elastic.distances("Sphere", r), self.contact_radius, self.radius
         inside = self.depth - big + np.sqrt(np.maximum(big**2 - np.minimum(r, a) ** 2, 0.0))
         far = np.maximum(r, a)[..., None]
-        # t = far sin(s) takes away the root at the edge.
+        # t = far sin(s) removes the square root at the edge.
         top = np.arcsin(a / far)
         s = top * (_NODES + 1) / 2
         t = far * np.sin(s)

@@ -1,10 +1,10 @@
-"""Elastic layers bonded to each other, on rigid bone or on a half-space: the exact Hankel kernels.
+"""Bonded elastic layers on a rigid base or a half-space: exact Hankel kernels.
 
 Each wavenumber obeys an ordinary differential equation for the amplitudes of u_r, u_z, sigma_z and
 tau_rz over the depth. Every layer is solved in waves that decay away from its two faces, and the
-layers are joined from the bottom up by what comes back from below (a Riccati recursion in
-reflections), so no exponential grows and thick or thin layers of any contrast are as accurate as
-one. Contact: `theory/indentation.py`; field below it: `theory/below.py`.
+layers are joined from the bottom up by their reflections (a Riccati recursion). No exponential
+grows, so that the accuracy is the same for layers of any thickness and contrast. Contact:
+`indentation.py`; field below it: `subsurface.py`.
 
 Lengths in mm, moduli and stresses in kPa; z points into the body, wavenumbers xi in 1/mm. Source:
 Thomson 1950, Haskell 1953 for layers in series.
@@ -26,7 +26,7 @@ Base = Literal["bonded", "sliding"]
 
 @dataclass(frozen=True)
 class Layer:
-    """One layer: thickness in mm (math.inf: a half-space, last), E in kPa, nu 0 to 0.5."""
+    """An elastic layer: thickness in mm (math.inf: a half-space, last), E in kPa, nu 0 to 0.5."""
 
     thickness: float
     modulus: float
@@ -60,8 +60,8 @@ class Stack:
     layers
         At least one, the top one first. Only the last may be infinitely thick.
     base
-        What a last layer of finite thickness rests on: "bonded" to a rigid base (bone), or
-        "sliding" on it without friction and without lifting off.
+        Condition below a last layer of finite thickness: "bonded" to a rigid base (bone), or
+        "sliding" on it without friction and without separation.
 
     Raises
     ------
@@ -114,7 +114,7 @@ class Stack:
         return kernels[1] * modulus / (2 * (1 - poisson**2))
 
     def kernels(self, xi: ArrayLike, z: float) -> Array:
-        """Return the amplitudes (4, n) at the depth z mm per unit pressure at wavenumbers xi (n,).
+        """Amplitudes (4, n) at the depth z mm per unit pressure at wavenumbers xi (n,).
 
         They are xi u_r and xi u_z in 1/kPa, and sigma_z and tau_rz (dimensionless), of J1, J0, J0
         and J1 of xi r: u_z(r) = integral of kernel * p(xi) J0(xi r) d xi with p(xi) the Hankel
@@ -124,7 +124,7 @@ class Stack:
         return self.depths(xi, [z])[0]
 
     def depths(self, xi: ArrayLike, z: ArrayLike) -> Array:
-        """Return the `kernels` (n_z, 4, n) at several depths z (n_z,) mm for one recursion."""
+        """Compute the `kernels` (n_z, 4, n) at several depths z (n_z,) mm by one recursion."""
         xi, z = np.atleast_1d(np.asarray(xi, np.float64)), np.asarray(z, np.float64)
         if not (np.all(xi > 0) and np.all(np.isfinite(xi))):
             msg = "Stack: expected wavenumbers above 0 1/mm"
@@ -146,7 +146,7 @@ class Stack:
         return out
 
     def locate(self, z: float) -> tuple[int, float]:
-        """Return the index of the layer at the depth z mm and the depth below its top."""
+        """Find the index of the layer at the depth z mm and the depth below its top."""
         for index, layer in enumerate(self.layers[:-1]):
             if z <= layer.thickness:
                 return index, z
@@ -154,7 +154,7 @@ class Stack:
         return len(self.layers) - 1, min(z, self.layers[-1].thickness)
 
     def _waves(self, xi: Array) -> list[_Waves]:
-        """Return the waves of each layer, top first, under unit pressure on the surface."""
+        """Compute the waves of each layer, top first, under unit pressure on the surface."""
         carried, steps = self._join(xi)
         load = np.zeros((len(xi), 2, 1))
         load[:, 0] = -1.0
@@ -169,10 +169,10 @@ class Stack:
         return waves
 
     def _join(self, xi: Array) -> tuple[Array, list[Array]]:
-        """Return the states (n, 4, 2) that the surface can have, and each layer's step, bottom up.
+        """Compute the possible states (n, 4, 2) of the surface, and each layer's step, bottom up.
 
-        A step (n, 4, 2) takes the downward waves of a layer to the upward ones and to the downward
-        ones of the layer below.
+        A step (n, 4, 2) maps the downward waves of a layer to its upward waves and to the downward
+        waves of the layer below.
         """
         rest = list(self.layers)
         if rest[-1].thickness == math.inf:
@@ -191,7 +191,7 @@ class Stack:
         return below, steps
 
     def _down(self, layer: Layer, s: Array) -> Array:
-        """Return the two states (n, 4, 2) that decay with s = xi z, stress over 2 G of the top."""
+        """Return the two states (n, 4, 2) that decay with s = xi z; stress over 2 G of the top."""
         return self._decaying(layer, s, side=1.0)
 
     def _up(self, layer: Layer, s: Array) -> Array:
@@ -199,7 +199,7 @@ class Stack:
         return self._decaying(layer, -s, side=-1.0)
 
     def _decaying(self, layer: Layer, s: Array, *, side: float) -> Array:
-        """Solve the equation by (alpha + beta s) exp(-s); side -1 mirrors u_z and tau."""
+        """Solutions (alpha + beta s) exp(-s) of the equation; side -1 mirrors u_z and tau."""
         nu, stiff = layer.poisson, layer.shear / self.layers[0].shear
         one = np.ones_like(s)
         first = [one, side * one, -stiff * one, -side * stiff * one]

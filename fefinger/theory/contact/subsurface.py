@@ -1,7 +1,7 @@
-"""Displacement, strain and stress below a round contact on a stack, by Hankel inversion.
+"""Displacement, strain and stress below an axisymmetric contact on a stack, by Hankel inversion.
 
-The kernels of `theory/stack.py` decay as exp(-xi z) and the transform of a contact's pressure is
-known in closed form (`theory/indentation.py`), so each component is one smooth integral over the
+The kernels of `stack.py` decay as exp(-xi z) and the transform of a contact's pressure is
+known in closed form (`indentation.py`), so each component is one smooth integral over the
 wavenumber. It is linear in the pressure: many contacts on one stack share the kernels and the
 Bessel functions. Lengths in mm, moduli and stresses in kPa; z points into the body.
 """
@@ -24,12 +24,12 @@ SHALLOWEST = 0.02
 """Smallest depth over the largest contact radius; the integral grows as its inverse."""
 
 _DECAY = 28.0
-"""What is left out, exp(-28), is 1e-12 of the whole."""
+"""Exponent at which the integrals are truncated: exp(-28) is 1e-12."""
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """The field of n_c contacts at n_p points.
+    """Displacement, strain and stress of n_c contacts at n_p points.
 
     displacement (n_c, 2, n_p) u_r and u_z in mm; strain (n_c, 4, n_p) and stress (n_c, 4, n_p) in
     kPa with the components r, theta, z and rz (tensor), positive in tension.
@@ -41,7 +41,7 @@ class Field:
 
 
 def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLike) -> Field:
-    """Return the field below `contacts` on one `stack` at the points r (n_p,), z (n_p,) in mm.
+    """Compute the field below `contacts` on one `stack` at points r (n_p,), z (n_p,) in mm.
 
     ValueError for a contact on another body, r < 0, or z outside 0.02 a to the base.
     """
@@ -54,8 +54,8 @@ def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLi
     if np.any(z < SHALLOWEST * widest):
         msg = (
             f"below: expected points at least {SHALLOWEST} contact radii = "
-            f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; the surface itself has "
-            f"the pressure of the contact"
+            f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
+            f"pressure of the contact"
         )
         raise ValueError(msg)
     displacement = np.empty((len(contacts), 2, len(z)))
@@ -86,7 +86,7 @@ def below(stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLi
 def _integrate(
     loads: Array, layer: Layer, kernels: Array, *, xi: Array, r: Array
 ) -> tuple[Array, Array, Array]:
-    """Return displacement, strain and stress (n_c, 2 or 4, n_p) at one depth.
+    """Integrate displacement, strain and stress (n_c, 2 or 4, n_p) at one depth.
 
     loads (n_c, n) are the transforms times the weights, kernels (4, n) those of the stack.
     """

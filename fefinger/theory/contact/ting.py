@@ -1,4 +1,4 @@
-"""Viscoelastic contact through any number of loadings and unloadings, for a body with one G.
+"""Viscoelastic contact with any loading history, for a body with one relaxation function G.
 
 Every nested axisymmetric contact is a sum of flat punches of growing radius (Mossakovskii, Jaeger).
 With Phi(d) the share of all punches wider than the contact at the elastic depth d, the elastic
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ContactHistory:
-    """A contact through time, from which every quantity of the elastic contact gets its history.
+    """History of a contact, which converts elastic quantities to viscoelastic histories.
 
     time (n_t,) s; depth (n_t,) mm; nodes (n,) mm, elastic depths, first 0; stressed and strained
     (n_t, n) mm, the shares Phi_p and Phi_q at the nodes; edge (n_t,) mm, the elastic depth whose
@@ -40,17 +40,18 @@ class ContactHistory:
     edge: Array
 
     def stress(self, elastic: ArrayLike) -> Array:
-        """Return the history (n_t, ...) of a force, pressure or stress.
+        """History (n_t, ...) of a force, pressure or stress.
 
         `elastic` (n, ...) is its value at the nodes in the body of the modulus at t = 0.
         """
         return self._history(self.stressed, elastic)
 
     def strain(self, elastic: ArrayLike) -> Array:
-        """Return the history (n_t, ...) of a strain or displacement from its elastic values."""
+        """History (n_t, ...) of a strain or displacement from its elastic values."""
         return self._history(self.strained, elastic)
 
     def _history(self, shares: Array, elastic: ArrayLike) -> Array:
+        """Combine elastic values at the nodes with the shares of the punches."""
         elastic = np.asarray(elastic, float)
         if len(elastic) != len(self.nodes):
             msg = (
@@ -64,7 +65,7 @@ class ContactHistory:
 
 
 def radius_nodes(deepest: float, count: int = 256) -> Array:
-    """Return `count` + 1 depths from 0 to `deepest` mm whose Hertz contact radii are even.
+    """Depths (`count` + 1,) from 0 to `deepest` mm with equally spaced Hertz contact radii.
 
     The elastic force is joined by straight lines between them: with 256, Hertz's force is right to
     1e-5 at the deepest and to 1e-3 at a hundredth of it.
@@ -76,7 +77,7 @@ def radius_nodes(deepest: float, count: int = 256) -> Array:
 
 
 def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array) -> ContactHistory:
-    """Return the contact history of an indenter that is moved.
+    """Compute the contact history of an indenter with prescribed depth.
 
     Parameters
     ----------
@@ -109,10 +110,10 @@ def press_by_force(
     nodes: Array,
     elastic_force: Callable[[Array], Array],
 ) -> ContactHistory:
-    """Return the contact history of an indenter that is pushed with `force` (n_t,) >= 0.
+    """Compute the contact history of an indenter with prescribed `force` (n_t,) >= 0.
 
     `elastic_force` gives the force against the depth in mm for the modulus at t = 0, rising ever
-    more steeply. With no force the indenter rests where it just touches.
+    more steeply. At zero force the indenter just touches.
 
     Raises
     ------
@@ -121,7 +122,9 @@ def press_by_force(
     """
     time, force = _signal("force", time, force)
     if force.min() < 0:
-        msg = f"force: expected none below 0 (a contact cannot pull), received {force.min():g}"
+        msg = (
+            f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
+        )
         raise ValueError(msg)
     stiffness = spring_weights(elastic_force(nodes), nodes)
 
@@ -138,7 +141,7 @@ def press_by_force(
 
 
 def spring_weights(elastic_force: Array, nodes: Array) -> Array:
-    """Return the stiffness (n - 1,) of the spring at each node but the last.
+    """Stiffness (n - 1,) of the spring at each node but the last.
 
     They are the changes of slope of the force (n,) joined by straight lines over the nodes.
     """
@@ -151,6 +154,7 @@ def spring_weights(elastic_force: Array, nodes: Array) -> Array:
 
 
 def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
+    """Check a signal and its times and convert them to arrays."""
     time, values = np.asarray(time, float), np.asarray(values, float)
     if time.ndim != 1 or time.shape != values.shape or not len(time):
         msg = f"{name}: expected one per time, received {values.shape} for times {time.shape}"
@@ -164,7 +168,10 @@ def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array
 def _march(
     prony: Prony, time: Array, nodes: Array, depth_at: Callable[[int, float, Array], float]
 ) -> ContactHistory:
-    """March all springs; `depth_at(step, g, onset)` gives the depth, contact is g depth > onset."""
+    """Step all springs through time: contact where g depth > onset.
+
+    `depth_at(step, g, onset)` gives the depth in mm.
+    """
     nodes = np.asarray(nodes, float)
     if len(nodes) < 2 or nodes[0] != 0 or (np.diff(nodes) <= 0).any():
         msg = "nodes: expected depths that start at 0 and rise"
@@ -194,7 +201,7 @@ def _march(
 
 
 def _edge(nodes: Array, push: Array) -> float:
-    """Return the depth at which the push falls to zero."""
+    """Elastic depth of the edge of the contact, where the push falls to zero."""
     if push[0] <= 0:
         return 0.0
     outside = int(np.argmax(push <= 0))

@@ -1,1 +1,1 @@
-"""The lumped finger of the source document: a nonlinear spring that relaxes."""
+"""Lumped finger of the source document: a nonlinear spring with stress relaxation."""

@@ -1,6 +1,6 @@
 """Work, power and dissipation of the lumped fingerpad (Pawluk 1997, section 2.4.3).
 
-Only a force above zero does work: an indenter that leaves the skin gets nothing back.
+Forces below zero count as zero: an indenter that leaves the skin recovers no work.
 """
 
 import math
@@ -17,15 +17,15 @@ from fefinger.theory.relaxation import Prony
 Array = NDArray[np.float64]
 
 RAMP_SPEED = 100.0  # mm/s, to the offset
-SECONDS = 8.0  # of sinusoid, after which the transient has relaxed
+SECONDS = 8.0  # duration of the sinusoid, after which the transient has relaxed
 PER_CYCLE = 256  # samples; the work of a cycle is then right to 1e-4
 
 
 @dataclass(frozen=True)
 class Dissipation:
-    """Work of one cycle: loading and unloading in mJ (N mm), and how long it takes in s.
+    """Work of one cycle: loading and unloading in mJ (N mm), and its duration in s.
 
-    `unloading` is negative: the work that the skin gives back.
+    `unloading` is negative: the work that the skin returns.
     """
 
     loading: float
@@ -39,13 +39,13 @@ class Dissipation:
 
     @property
     def fraction(self) -> float:
-        """Share of the loading work that is not given back, 0 to 1 (Eq. 2.15)."""
+        """Dissipated fraction of the loading work, 0 to 1 (Eq. 2.15)."""
         return (self.loading + self.unloading) / self.loading
 
 
 @dataclass(frozen=True)
 class Vibration:
-    """A sinusoid about an offset: its first half cycle and its last whole cycle.
+    """Response to a sinusoid about an offset: first half cycle and last whole cycle.
 
     Forces in N: `mean` (over time) and `peak_to_peak` of the last cycle, `first_mean` and
     `first_peak_to_peak` of the first cycle, `peak` of all; `contact` is the share of the samples
@@ -63,14 +63,14 @@ class Vibration:
 
 
 def dissipation(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> Dissipation:
-    """Return the work of a stretch of motion, (n_t,) s, mm and N (Eq. 2.16, trapezoids).
+    """Compute the work of a motion (n_t,) s, mm and N (Eq. 2.16, trapezoids).
 
     Loading is where the position grows, unloading where it falls; forces below zero count as zero.
 
     Raises
     ------
     ValueError
-        Shapes that do not match, or no work on loading, so that no fraction exists.
+        Shapes that do not match, or no work on loading, where the fraction is undefined.
     """
     time, position, force = (np.asarray(values, float) for values in (time, position, force))
     if time.ndim != 1 or not time.shape == position.shape == force.shape or len(time) < 2:
@@ -103,7 +103,7 @@ def vibration(
     seconds: float = SECONDS,
     speed: float = RAMP_SPEED,
 ) -> Vibration:
-    """Return forces and dissipation of the thesis's simulated task.
+    """Compute forces and dissipation of the simulated task of the thesis.
 
     A ramp at `speed` mm/s to `offset` mm after first touch, then a sine of `peak_to_peak` mm at
     `frequency` Hz, upward first, for the whole cycles within `seconds`. The transient is the first
@@ -138,7 +138,7 @@ def vibration(
 
 
 def tap(spring: Spring, prony: Prony, *, depth: float, speed: float) -> Dissipation:
-    """Return the work of a tap: in to `depth` mm and out again at `speed` mm/s, from rest."""
+    """Compute the work of a tap: in to `depth` mm and out again at `speed` mm/s, from rest."""
     if not min(depth, speed) > 0:
         msg = f"tap: expected depth and speed above 0, received {depth:g} mm and {speed:g} mm/s"
         raise ValueError(msg)
@@ -149,5 +149,5 @@ def tap(spring: Spring, prony: Prony, *, depth: float, speed: float) -> Dissipat
 
 
 def _mean(force: Array) -> float:
-    """Return the mean over a whole cycle whose first and last samples are the same phase."""
+    """Mean over a whole cycle whose first and last samples have the same phase."""
     return float((force[:-1] + force[1:]).mean() / 2)

@@ -1,8 +1,9 @@
-"""Identification of the lumped finger from a ramp and hold: the thesis's way and an unbiased one.
+"""Identification of the lumped finger from a ramp and hold: method of the thesis, and unbiased.
 
-`thesis` takes the ramp for the instantaneous response and the hold for the relaxation after a step
-(Pawluk 1997, section 2.4.1). Neither is: at 60 mm/s a finger has relaxed to 69 to 74 % of T on the
-way, so b comes out 33 to 43 % low and c0 high. `joint` fits Eq. 2.3 to ramp and hold together.
+`thesis` treats the ramp as the instantaneous response and the hold as the relaxation after a step
+(Pawluk 1997, section 2.4.1). Both are approximations: during a ramp of 60 mm/s a finger relaxes to
+69 to 74 % of T, which makes b 33 to 43 % too low and c0 too high. `joint` fits Eq. 2.3 to ramp and
+hold together.
 """
 
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory.lumped import confidence as doubt
+from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.confidence import covariance as covariance_of
 from fefinger.theory.lumped.confidence import deviations
 from fefinger.theory.lumped.ramp_hold import (
@@ -34,23 +35,23 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 TERMS = 3
-FASTEST = 300.0  # 1/s, where the search for the rates starts
-EVALUATIONS = 500  # of the hold, at most
-FAINT = 1e-6  # weight of a term that is none
-TYPICAL = 2.0  # 1/mm, of fingers, where the search for m starts if there is no line
+FASTEST = 300.0  # 1/s, initial value of the fastest rate
+EVALUATIONS = 500  # limit for the fit of the hold
+FAINT = 1e-6  # weight below which a term counts as missing
+TYPICAL = 2.0  # 1/mm, typical m of fingers: the initial value without a stiffness line
 
 
 @dataclass(frozen=True)
 class Identification:
-    """What a fit found.
+    """Identified parameters with uncertainty, quality of the fit and warnings.
 
     `uncertainty` holds one standard deviation of b (N/mm), m (1/mm), x0 (mm), c0, c1, ... and v1,
-    ... (1/s), from the Jacobian and the scatter about the fit, for white noise: it knows nothing of
-    bias, and a pulse of the blood pressure in the hold moves the rates by more than it says. `mse`
+    ... (1/s), from the Jacobian and the scatter about the fit, for white noise. It excludes bias:
+    a pulse of the blood pressure in the hold moves the rates by more than that. `mse`
     is that of Eq. 2.5 over ramp and hold, as a fraction; `vaf_stiffness` and `vaf_hold` the
     variance accounted for of the stiffness against the force (None where it was not fitted) and of
-    the hold. `warnings` are sentences on what the data do not decide, and on searches of `thesis`
-    that were cut short.
+    the hold. `warnings` are sentences on parameters that the data do not identify, and on
+    fits of `thesis` that did not converge.
     """
 
     spring: Spring
@@ -63,7 +64,7 @@ class Identification:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """The parameters by the names that `uncertainty` uses; x0 and the weights included."""
+        """Parameters by the names in `uncertainty`, including x0 and the weights."""
         weights = {f"c{i}": c for i, c in enumerate(self.prony.weights)}
         rates = {f"v{i}": v for i, v in enumerate(self.prony.v, start=1)}
         spring = {"b": self.spring.b, "m": self.spring.m, "x0": self.spring.x0}
@@ -73,7 +74,7 @@ class Identification:
 def thesis(
     time: ArrayLike, position: ArrayLike, force: ArrayLike, *, terms: int = TERMS
 ) -> Identification:
-    """Return the identification of the thesis from (n_t,) s, mm and N.
+    """Identify the lumped finger by the method of the thesis from (n_t,) s, mm and N.
 
     A 9 point average, the derivative by 5 points, a line through stiffness against force (Eq. 2.4)
     for m and b, x0 by least squares with these, and `terms` exponentials through the hold.
@@ -81,13 +82,13 @@ def thesis(
     Raises
     ------
     ValueError
-        A record without a usable ramp and hold (see `ramphold.split`).
+        A record without a usable ramp and hold (see `ramp_hold.split`).
     """
     _check_terms(terms)
     record = split(time, position, force)
     m, b, of_line, vaf_stiffness = stiffness_line(record)
-    x0, x0_spread, touch_said = touch(record, m, b, of_line)
-    prony, hold_spread, vaf_hold, hold_said = _relaxation(record, terms)
+    x0, x0_spread, touch_warnings = touch(record, m, b, of_line)
+    prony, hold_spread, vaf_hold, hold_warnings = _relaxation(record, terms)
     spring = Spring(b, m, x0)
     return Identification(
         spring=spring,
@@ -101,18 +102,18 @@ def thesis(
         mse=mse(record, spring, prony),
         vaf_hold=vaf_hold,
         vaf_stiffness=vaf_stiffness,
-        warnings=touch_said + hold_said + doubt.terms(record, prony, hold_spread),
+        warnings=touch_warnings + hold_warnings + confidence.terms(record, prony, hold_spread),
     )
 
 
 def joint(
     time: ArrayLike, position: ArrayLike, force: ArrayLike, *, terms: int = TERMS
 ) -> Identification:
-    """Return the fit of Eq. 2.3 to ramp and hold together, from (n_t,) s, mm and N.
+    """Fit Eq. 2.3 to ramp and hold together, from (n_t,) s, mm and N.
 
-    Every sample is weighted by the noise of the force and, through the stiffness, of the position,
-    as found in the record itself. The search starts from the rates of the hold, and from spread
-    ones.
+    Every sample is weighted by the noise of the force and, through the stiffness, of the position;
+    both are estimated from the record. The search starts from the rates of the hold and from rates
+    at equal ratios.
 
     Raises
     ------
@@ -127,16 +128,16 @@ def joint(
     spring, of_hold = _start(record), _relaxation(record, terms)[0]
     spaced = _spaced(terms, record.hold_seconds)
     starts = (of_hold, spaced) if _shown(of_hold, record) else (spaced,)
-    found = _best(record, [_packed(spring, each) for each in starts])
-    if not found.success:
+    fit = _best(record, [_packed(spring, each) for each in starts])
+    if not fit.success:
         msg = (
-            f"joint: the fit did not converge in {found.nfev} evaluations "
-            f"({found.message}); fit fewer terms than {terms}, or a longer hold"
+            f"joint: the fit did not converge in {fit.nfev} evaluations "
+            f"({fit.message}); fit fewer terms than {terms}, or a longer hold"
         )
         raise RuntimeError(msg)
-    values = found.x
+    values = fit.x
     spring, prony = _unpacked(values)
-    covariance = covariance_of(found.jac, found.fun, at_least=1.0)
+    covariance = covariance_of(fit.jac, fit.fun, at_least=1.0)
     order = np.argsort(prony.v)[::-1]
     prony = _sorted(prony, order)
     spread = _spread(spring, prony, covariance, order)
@@ -147,16 +148,17 @@ def joint(
         uncertainty=spread,
         mse=mse(record, spring, prony),
         vaf_hold=accounted(f[hold], model[hold]),
-        warnings=doubt.terms(record, prony, spread)
-        + doubt.misfit(model - f, _sigma(record, values) * np.sqrt(size), size, float(f.max()))
-        + doubt.bias(record, prony, spring.x0, spread),
+        warnings=confidence.terms(record, prony, spread)
+        + confidence.misfit(model - f, _sigma(record, values) * np.sqrt(size), size, float(f.max()))
+        + confidence.bias(record, prony, spring.x0, spread),
     )
 
 
 def _start(record: RampHold) -> Spring:
-    """Return a spring to start from: of the thesis's line, or a typical one that has the peak."""
+    """Choose the initial spring: from the line of the thesis, or a typical one with that peak."""
     try:
         m, b, covariance, _ = stiffness_line(record)
+        # b of the line is 33 to 43 % too low, see the head of the module.
         return Spring(1.5 * b, m, touch(record, m, b, covariance)[0])
     except ValueError:
         x0 = float(smooth(record.position)[record.touch])
@@ -166,15 +168,15 @@ def _start(record: RampHold) -> Spring:
 
 
 def _shown(prony: Prony, record: RampHold) -> bool:
-    """Return whether the samples of a hold can show every term of a G that was found in it."""
+    """Test whether the samples of a hold resolve every term of a G that was fitted to it."""
     least, most = 0.1 / record.hold_seconds, 1.0 / float(np.median(np.diff(record.time)))
     return min(prony.weights) > FAINT and all(least < v < most for v in prony.v)
 
 
 def _spaced(terms: int, seconds: float) -> Prony:
-    """Return terms of equal weight, their rates evenly apart in what a hold of `seconds` shows.
+    """Choose an initial G: equal weights, rates at equal ratios down to those of the hold.
 
-    A ramp shows terms that have faded by the hold, of which the hold alone tells nothing.
+    The ramp contains terms that have decayed by the hold, so the fastest rate is beyond the hold.
     """
     return Prony(
         (1 / (terms + 1),) * (terms + 1), tuple(np.geomspace(FASTEST, 4.0 / seconds, terms))
@@ -182,33 +184,38 @@ def _spaced(terms: int, seconds: float) -> Prony:
 
 
 def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
-    """Return the nearest of the fits from `starts`; one that went astray looks good by itself.
+    """Return the fit, of those from `starts`, with the smallest misfit under common weights.
+
+    Each fit has its own weights, by which a diverged fit may look good.
 
     Raises
     ------
     RuntimeError
-        If all of them lead beyond what can be computed.
+        If all fits leave the range that can be computed.
     """
     t, x, f, _ = averages(record)
-    found, said = [], ""
+    fits, reason = [], ""
     for start in starts:
         try:
-            found.append(_together(record, start))
+            fits.append(_together(record, start))
         except ValueError as error:
-            said = str(error)
-    if not found:
-        msg = f"joint: the fit does not converge ({said}); are samples missing at the corner?"
+            reason = str(error)
+    if not fits:
+        msg = (
+            f"joint: the fit did not converge ({reason}); check for missing samples at the corner "
+            "of the ramp"
+        )
         raise RuntimeError(msg)
-    sigma = _sigma(record, found[0].x)
+    sigma = _sigma(record, fits[0].x)
 
     def rank(each: "OptimizeResult") -> tuple[bool, float]:
         return not each.success, float(np.mean(((force_of(each.x, t, x) - f) / sigma) ** 2))
 
-    return min(found, key=rank)
+    return min(fits, key=rank)
 
 
 def _together(record: RampHold, values: Array) -> "OptimizeResult":
-    """Return the least squares of Eq. 2.3 through ramp and hold, from the start `values`."""
+    """Fit Eq. 2.3 to ramp and hold by least squares, from the start `values`."""
     from scipy.optimize import least_squares
 
     t, x, f, _ = averages(record)
@@ -218,42 +225,43 @@ def _together(record: RampHold, values: Array) -> "OptimizeResult":
         def residual(values: Array, sigma: Array = weight) -> Array:
             return (force_of(values, t, x) - f) / sigma
 
-        found = least_squares(residual, values, x_scale="jac", xtol=1e-12, max_nfev=200)
-        values = found.x
-    return found
+        fit = least_squares(residual, values, x_scale="jac", xtol=1e-12, max_nfev=200)
+        values = fit.x
+    return fit
 
 
 def _sigma(record: RampHold, values: Array) -> Array:
-    """Return the standard deviations (n,) N of the averages."""
+    """Return the standard deviations (n,) N of the averages for these parameters."""
     return deviation_of(record, *_unpacked(values))
 
 
 def _check_terms(terms: int) -> None:
+    """Check the number of exponentials."""
     if terms < 1 or terms != int(terms):
         msg = f"terms: expected a whole number of exponentials, 1 or more, received {terms!r}"
         raise ValueError(msg)
 
 
 def force_of(values: Array, time: Array, position: Array) -> Array:
-    """Return Eq. 2.3 for the parameters (log b, log m, x0, log ci/c0 ..., log vi ...)."""
+    """Force of Eq. 2.3 for the parameters (log b, log m, x0, log ci/c0 ..., log vi ...)."""
     return force(*_unpacked(values), time, position)
 
 
 def _relaxation(
     record: RampHold, terms: int
 ) -> tuple[Prony, dict[str, float], float, tuple[str, ...]]:
-    """Return G from the hold alone, its standard deviations and the variance accounted for.
+    """Fit G to the hold alone: G, standard deviations, variance accounted for, and warnings.
 
-    And a sentence where the search was not done.
+    The warning is on a fit that did not converge.
     """
     t, _, f, size = (values[-_groups(record) :] for values in averages(record))
     root = np.sqrt(size)
-    found = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
-    order = np.argsort(found.x[terms + 1 :])[::-1]
-    amplitudes = np.exp(np.clip(found.x[: terms + 1], -40, 40))
-    rates = np.exp(np.clip(found.x[terms + 1 :], -20, 20))
+    fit = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
+    order = np.argsort(fit.x[terms + 1 :])[::-1]
+    amplitudes = np.exp(np.clip(fit.x[: terms + 1], -40, 40))
+    rates = np.exp(np.clip(fit.x[terms + 1 :], -20, 20))
     prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
-    covariance = covariance_of(found.jac, found.fun)
+    covariance = covariance_of(fit.jac, fit.fun)
     share = _rows(order, offset=1)
     weights = np.array(prony.weights)
     jacobian = np.diag(weights) - np.outer(weights, weights)
@@ -261,16 +269,16 @@ def _relaxation(
     spread = {f"c{i}": value for i, value in enumerate(deviation)}
     for i, row in enumerate(order, start=1):
         spread[f"v{i}"] = prony.v[i - 1] * float(np.sqrt(covariance.diagonal()[terms + 1 + row]))
-    vaf = accounted(f, f + found.fun / root)
-    said = (
-        f"the {terms} terms had not settled after {found.nfev} evaluations; as they are they "
-        f"leave {100 * (1 - vaf):.2g} % of the variance of the hold; fit fewer terms"
+    vaf = accounted(f, f + fit.fun / root)
+    warning = (
+        f"the {terms} terms had not converged after {fit.nfev} evaluations; they leave "
+        f"{100 * (1 - vaf):.2g} % of the variance of the hold unexplained; fit fewer terms"
     )
-    return prony, spread, vaf, () if found.success else (said,)
+    return prony, spread, vaf, () if fit.success else (warning,)
 
 
 def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -> "OptimizeResult":
-    """Return the least squares of a constant and `terms` exponentials through a hold of `seconds`.
+    """Fit a constant and `terms` exponentials to a hold of `seconds` by least squares.
 
     t s since its start, f N and the root of their weights, (n,) each; the solution holds the
     logarithms of the amplitudes, that of the constant first, and of the rates.
@@ -292,17 +300,19 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
 
 
 def _groups(record: RampHold) -> int:
-    """Return how many of the averages are in the hold."""
+    """Count the averages in the hold."""
     return int(np.sum(averages(record)[0] >= record.time[record.hold]))
 
 
 def _packed(spring: Spring, prony: Prony) -> Array:
+    """Convert parameters to the vector of `force_of`."""
     weights = np.maximum(prony.weights, 1e-6)
     shares = np.log(weights[1:] / weights[0])
     return np.concatenate([np.log([spring.b, spring.m]), [spring.x0], shares, np.log(prony.v)])
 
 
 def _unpacked(values: Array) -> tuple[Spring, Prony]:
+    """Convert the vector of `force_of` to parameters; clipped, so that a search cannot overflow."""
     terms = (len(values) - 3) // 2
     shares = np.exp(np.clip(np.append(0.0, values[3 : 3 + terms]), -40, 40))
     rates = np.exp(np.clip(values[3 + terms :], -20, 20))
@@ -313,7 +323,7 @@ def _unpacked(values: Array) -> tuple[Spring, Prony]:
 
 
 def _sorted(prony: Prony, order: NDArray[np.intp]) -> Prony:
-    """Return the terms in `order`, fastest first as the tables of the thesis have them."""
+    """Sort the terms of G by `order`; the tables of the thesis have the fastest first."""
     c, v = prony.weights, prony.v
     return Prony((c[0], *(c[1 + i] for i in order)), tuple(v[i] for i in order))
 
@@ -326,7 +336,7 @@ def _rows(order: NDArray[np.intp], *, offset: int) -> list[int]:
 def _spread(
     spring: Spring, prony: Prony, covariance: Array, order: NDArray[np.intp]
 ) -> dict[str, float]:
-    """Return one standard deviation of every parameter of `joint`."""
+    """Return the standard deviations of all parameters of `joint`, by name."""
     deviation = np.sqrt(np.diag(covariance))
     terms = len(prony.v)
     shares = [3 + int(i) for i in order]

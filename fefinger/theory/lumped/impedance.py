@@ -31,8 +31,8 @@ def operating_stiffness(
     Notes
     -----
     Eq. 2.7 starts from the steady state, where P0 = c0 T, so K_x = (m / c0) P0 + b. Eq. 2.12 prints
-    m P0 + b, as if P0 had not relaxed, 3.4 to 3.8 times lower for the subjects; `printed` gives
-    that form.
+    m P0 + b, as if P0 had not relaxed: 3.4 to 3.8 times lower for the subjects. `printed`
+    selects that form.
     """
     preload = np.asarray(preload, float)
     if not np.all((preload >= 0) & np.isfinite(preload)):
@@ -51,8 +51,8 @@ def impedance(
 ) -> Complex:
     """Return Z = P / (s X) = K_x G(s) in N s/mm at frequencies in Hz (Eq. 2.9).
 
-    1 N s/mm is 1000 N s/m. `printed` takes K_x as Eq. 2.12 prints it. There is no mass in it: the
-    thesis compares its magnitude up to 200 Hz and its phase up to 30 Hz.
+    1 N s/mm is 1000 N s/m. `printed` takes K_x as Eq. 2.12 prints it. The model has no mass: the
+    thesis compares the magnitude up to 200 Hz and the phase up to 30 Hz.
     """
     stiffness = operating_stiffness(spring, prony, preload, printed=printed)
     return stiffness * relaxation_spectrum(prony, frequency)

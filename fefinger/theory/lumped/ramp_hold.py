@@ -1,4 +1,4 @@
-"""Ramp-and-hold records: where the hold is, smoothing, derivative and averages of samples."""
+"""Ramp-and-hold records: detection of ramp and hold, noise, smoothing, derivative, averages."""
 
 from dataclasses import dataclass
 
@@ -12,28 +12,28 @@ from fefinger.theory.relaxation import Prony, exprel
 Array = NDArray[np.float64]
 
 SMOOTHING = 9  # samples of the moving average (Pawluk 1997, section 2.4.1)
-FEWEST = 20  # samples that the ramp in contact and the hold need each
-RAMP_POINTS = 400  # averages that are fitted on the ramp, at most
-HOLD_RATIO = 1.03  # of the ends of successive averages in the hold
-REACHED = 0.98  # part of the travel from which the indenter is near its hold
-STILL = 2e-3  # part of the travel within which a hold stays
-STRAY = 6.0  # standard deviations of smoothed noise that are not travel, in 1e5 samples
-LEVELS = 50  # of the upper half of the travel, among which the hold has most samples
-BEGUN = 0.01  # part of the largest force from which a record is taken to begin in contact
-WHOLE = 1e-3  # of a step, by which differences of a rounded signal may be no multiples of it
-OFFSET = 0.1  # part of the largest force by which a force may begin below 0
-STEPPED = 0.5  # part of the samples that are as the one before in a force that is read in steps
-FILTERED = 0.01  # s over which noise that went through a filter is taken to be forgotten
-COLORED = 1.3  # times the noise from sample to sample that it has to be over that to count
+FEWEST = 20  # smallest number of samples in the ramp in contact, and in the hold
+RAMP_POINTS = 400  # largest number of averages on the ramp
+HOLD_RATIO = 1.03  # ratio of the times, since its start, of successive averages in the hold
+REACHED = 0.98  # fraction of the travel from which the indenter is near its hold
+STILL = 2e-3  # fraction of the travel within which a hold stays
+STRAY = 6.0  # standard deviations that smoothed noise does not exceed in 1e5 samples
+LEVELS = 50  # bins of the upper half of the travel; the hold is in the fullest one
+BEGUN = 0.01  # first force, over the largest one, from which a record begins in contact
+WHOLE = 1e-3  # tolerance, over the step, for differences of a rounded signal to be multiples of it
+OFFSET = 0.1  # largest offset below 0 of the first force, over the largest force
+STEPPED = 0.5  # fraction of equal successive samples from which a force is read in steps
+FILTERED = 0.01  # s after which filtered noise is uncorrelated
+COLORED = 1.3  # ratio of noise over FILTERED to that between samples from which noise is filtered
 
 
 @dataclass(frozen=True)
 class RampHold:
     """A checked record: time (n_t,) s, position (n_t,) mm, force (n_t,) N, and its parts.
 
-    `touch` is the first sample that is surely in contact, `hold` the first of the hold, with which
-    the record ends, and `beyond` the first before it that is farther in, or `hold`. `force_noise`
-    in N and `position_noise` in mm are those of one sample, that of its rounding included.
+    `touch`: first sample that is certainly in contact. `hold`: first sample of the hold, with which
+    the record ends. `beyond`: first sample before the hold that is deeper than it, or `hold`.
+    `force_noise` N and `position_noise` mm: standard deviations of one sample, with rounding.
     """
 
     time: Array
@@ -52,7 +52,7 @@ class RampHold:
 
 
 def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
-    """Return a record with its ramp and hold found.
+    """Check a record and find its ramp and hold.
 
     Raises
     ------
@@ -90,22 +90,22 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
 
 
 def _check_parts(time: Array, force: Array, touch: int, hold: int) -> None:
-    """Refuse a force that begins below 0, and a record with too few samples of ramp or hold."""
+    """Reject a force that begins below 0, and a record with too few samples of ramp or hold."""
     first = float(np.median(force[:SMOOTHING]))
     if first < -OFFSET * float(force.max()):
-        msg = f"force: expected it to begin at 0 N, received {first:.3g} N before touch; tare it"
+        msg = f"force: expected 0 N before touch, received {first:.3g} N; tare the force"
         raise ValueError(msg)
     for name, count in (("ramp in contact", hold - touch), ("hold", len(time) - hold)):
         if count >= FEWEST:
             continue
         if count <= 0:
             msg = (
-                f"{name}: expected a force that rises while the position does, which it does not; "
-                "is it the force of this ramp, and are both columns read at the same times?"
+                f"{name}: expected a force that rises with the position, received one that does "
+                "not; check that both columns are of this ramp and recorded at the same times"
             )
         else:
             msg = (
-                f"{name}: expected at least {FEWEST} samples, found {count}, one every "
+                f"{name}: expected at least {FEWEST} samples, received {count}, one every "
                 f"{1e3 * float(np.median(np.diff(time))):.3g} ms; the record needs a fast ramp "
                 "into the finger and then a rest at that position, both sampled often enough"
             )
@@ -113,9 +113,9 @@ def _check_parts(time: Array, force: Array, touch: int, hold: int) -> None:
 
 
 def _check_range(force: Array) -> None:
-    """Refuse a force that stays at its largest value and then falls, as no peak of a finger does.
+    """Reject a force that stays at its largest value and then falls, as at the end of a range.
 
-    One that is read in steps may.
+    A force that is read in steps is accepted.
     """
     largest = float(force.max())
     at_top = np.diff((force == largest).astype(np.int8), prepend=0)
@@ -124,17 +124,16 @@ def _check_range(force: Array) -> None:
     same = np.diff(force[(force > largest / 2) & (force < largest)]) == 0
     if stays.max(initial=0) >= FEWEST and same.size and same.mean() < STEPPED:
         msg = (
-            f"force: expected a peak, received {largest:.4g} N in {stays.max()} samples one after "
-            "another, as of a sensor at the end of its range; record within it"
+            f"force: expected a peak, received {largest:.4g} N in {stays.max()} successive "
+            "samples, as from a sensor at the end of its range; record within the range"
         )
         raise ValueError(msg)
 
 
 def _hold(position: Array, noise: float) -> tuple[int, int, int]:
-    """Return the first sample beyond the hold, its own first one, and the one behind its last.
+    """Find the first sample deeper than the hold, the first of the hold, and the one after its end.
 
-    The hold is the longest stay. What an indenter does before it has settled, as to go too far and
-    come back, is of the ramp.
+    The hold is the longest rest. Overshoot before it belongs to the ramp.
     """
     smoothed = smooth(position)
     low, high = float(smoothed.min()), float(smoothed.max())
@@ -144,17 +143,17 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
     level = float(np.median(smoothed[near]))
     tolerance = max(STRAY * noise / np.sqrt(SMOOTHING), STILL * (high - low))
     away = np.abs(smoothed - level)
-    # Twice: noise at the way in is no way out.
+    # Twice the tolerance, so that noise at the entry does not end the rest.
     ends = np.flatnonzero(np.diff(away <= 2 * tolerance, prepend=False, append=False))
     if not ends.size:
         msg = (
-            f"hold: expected a rest of at least {FEWEST} samples at the end of the ramp, found "
-            "none: the position never stays; hold it, or cut the record to one ramp and its hold"
+            f"hold: expected a rest of at least {FEWEST} samples at the end of the ramp, "
+            "received a position that never rests; hold it, or cut the record to one ramp and hold"
         )
         raise ValueError(msg)
     start, end = max(ends.reshape(-1, 2).tolist(), key=lambda stay: stay[1] - stay[0])
     hold = start + int(np.argmax(away[start:end] <= tolerance))
-    # The average carries a sharp corner into the hold, so back to the first sample that is there.
+    # The average shifts a sharp corner into the hold, so go back to the first sample at its level.
     first = max(hold - SMOOTHING // 2, 0)
     still = max(STRAY / 2 * noise, 1e-6 * (high - low))
     moving = np.flatnonzero(np.abs(position[first:hold] - level) > still)
@@ -164,6 +163,7 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
 
 
 def _check(time: Array, position: Array, force: Array) -> None:
+    """Check shapes, number of samples, finite values, rising times and contact."""
     if time.ndim != 1 or not time.shape == position.shape == force.shape:
         msg = (
             f"record: expected time, position and force of one shape (n_t,), "
@@ -180,18 +180,18 @@ def _check(time: Array, position: Array, force: Array) -> None:
         msg = "record: expected times that increase from sample to sample"
         raise ValueError(msg)
     if force.max() <= 0 or np.ptp(position) == 0:
-        msg = "record: expected a force above 0 and a position that changes, found no contact"
+        msg = "record: expected a force above 0 and a position that changes, received no contact"
         raise ValueError(msg)
 
 
 def smooth(values: Array, width: int = SMOOTHING) -> Array:
-    """Return the symmetric moving average over `width` samples, fewer at the ends."""
+    """Symmetric moving average over `width` samples, fewer at the ends."""
     window = np.ones(width)
     return np.convolve(values, window, "same") / np.convolve(np.ones_like(values), window, "same")
 
 
 def derivative(x: Array, y: Array) -> Array:
-    """Return dy/dx (n - 4,) at the inner points by the polynomial through 5 points.
+    """Return dy/dx (n - 4,) at the inner points, by the polynomial through 5 points.
 
     The points need not be equally spaced; it is exact for polynomials up to degree 4.
 
@@ -220,13 +220,12 @@ def derivative(x: Array, y: Array) -> Array:
 
 
 def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
-    """Return time, position and force averaged over groups of samples, and the size of each group.
+    """Average time, position and force over groups of samples; also return the group sizes.
 
-    The position is smoothed before (ramp and hold apart, to keep the corner), because a fit that
-    takes noise for travel is biased.
-    Single samples early in the hold, then groups whose duration grows with the time since its start
-    (3 %, so that an exponential changes by less than 5e-5 of itself within one); before the hold
-    even groups, at most 400 from touch on.
+    The position is smoothed first (ramp and hold separately, to keep the corner), because position
+    noise biases the fit. Groups are single samples early in the hold, then of a duration of 3 % of
+    the time since its start (an exponential then changes by less than 5e-5 within one); before the
+    hold equal groups, at most 400 from touch on.
     """
     starts = _even(0, record.touch, RAMP_POINTS) + _even(record.touch, record.hold, RAMP_POINTS)
     since = record.time[record.hold :] - record.time[record.hold]
@@ -243,10 +242,10 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
 
 
 def smooth_position(record: RampHold) -> Array:
-    """Return the position by straight lines or cubics through some points, of ramp and hold.
+    """Smooth the position by local lines or cubics, ramp and hold separately.
 
-    As many points as nine of the averages of a ramp have, or nine, and no more smoothing than
-    takes away noise alone: none of a gentle start and stop that is sampled by few.
+    The window has as many points as nine averages of a ramp, or nine. The strongest smoothing that
+    removes noise alone is used: none for a smooth start and stop with few samples.
     """
     ramp, rest = np.split(record.position, [record.hold])
     wide = SMOOTHING * max(1, round((record.hold - record.touch) / RAMP_POINTS)) | 1
@@ -260,9 +259,9 @@ def smooth_position(record: RampHold) -> Array:
 def _denoised(
     values: Array, noise: float, ways: tuple[tuple[int, int], ...], start: int = 0
 ) -> Array:
-    """Return the values by the first of `ways`, (points, degree), that bends none from `start` on.
+    """Smooth by the first of `ways` (points, degree) that keeps the signal after `start` unchanged.
 
-    What smoothing did to the signal it does about once more to what it left, noise hardly.
+    Test: smoothing twice distorts a signal about twice, but changes smoothed noise hardly.
     """
     from scipy.signal import savgol_filter
 
@@ -277,56 +276,59 @@ def _denoised(
 
 
 def _even(start: int, stop: int, most: int) -> list[int]:
+    """List the starts of at most `most` equal groups of the samples from `start` to `stop`."""
     count = min(stop - start, most)
     return np.linspace(start, stop, count, endpoint=False).astype(int).tolist() if count else []
 
 
 def deviation_of(record: RampHold, spring: Spring, prony: Prony) -> Array:
-    """Return the standard deviations (n,) N of the averages, of force and of position.
+    """Return the standard deviations (n,) N of the averages, from noise of force and position.
 
-    What noise of a position makes of the model's force relaxes on the way from the average before.
+    The effect of position noise on the force of the model relaxes since the previous average.
     """
     time, x, f, size = averages(record)
     passed = np.multiply.outer(np.diff(time, prepend=time[0]), np.array(prony.v))
-    kept = prony.weights[0] + exprel(-passed) @ np.array(prony.weights[1:])
+    retained = prony.weights[0] + exprel(-passed) @ np.array(prony.weights[1:])
     stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
-    sigma = np.hypot(record.force_noise, kept * stiffness * record.position_noise)
+    sigma = np.hypot(record.force_noise, retained * stiffness * record.position_noise)
     return np.asarray(np.maximum(sigma, 1e-6 * f.max()) / np.sqrt(size))
 
 
 def accounted(measured: Array, model: Array) -> float:
-    """Return the variance accounted for, 1 - mse of Eq. 2.5; 1 is a perfect model."""
+    """Variance accounted for, 1 - mse of Eq. 2.5; 1 for a perfect model."""
     about_mean = float(np.sum((measured - measured.mean()) ** 2))
     return 1.0 - float(np.sum((measured - model) ** 2)) / about_mean
 
 
 def mse(record: RampHold, spring: Spring, prony: Prony) -> float:
-    """Return the mse of Eq. 2.5 as a fraction; the thesis gives it in percent.
+    """Mean squared error of Eq. 2.5 as a fraction; the thesis gives it in percent.
 
-    The model moves by the smoothed position: at 6 N/mm, 3 um of noise would count as 18 mN.
+    The model uses the smoothed position: at 6 N/mm, 3 um of noise would count as 18 mN.
     """
     model = force(spring, prony, record.time, smooth_position(record))
     return 1.0 - accounted(record.force, model)
 
 
 def _noise(values: Array) -> float:
-    """Return the standard deviation of white noise on a slow signal, from its second differences.
+    """Estimate the standard deviation of white noise on a slow signal by second differences.
 
-    The median keeps corners and steps out of it. Of a signal in steps, which stays on one for many
-    samples, it is that of the rounding at least.
+    The median excludes corners and steps. For a signal read in steps it is at least that of the
+    rounding.
     """
     second = np.diff(values, 2)
     return max(_median_noise(second), _rounding(second, float(np.ptp(values))))
 
 
 def _median_noise(second: Array) -> float:
+    """Estimate the standard deviation of noise from second differences."""
+    # 0.6745: median of |x| of a standard normal; 6 = 1 + 4 + 1: variance of a second difference.
     return float(np.median(np.abs(second - np.median(second)))) / (0.6745 * np.sqrt(6.0))
 
 
 def _rounding(second: Array, size: float) -> float:
-    """Return the standard deviation of the rounding of a signal, by its `second` differences.
+    """Estimate the standard deviation of rounding from the `second` differences of a signal.
 
-    Those of a rounded signal are multiples of its step, and go up and down by turns.
+    Those of a rounded signal are multiples of its step and alternate in sign. 0 for other signals.
     """
     steps = second[np.abs(second) > 1e-9 * size]
     turns = np.count_nonzero(steps[1:] * steps[:-1] < 0)
@@ -338,10 +340,10 @@ def _rounding(second: Array, size: float) -> float:
 
 
 def _held_noise(time: Array, force: Array) -> float:
-    """Return the standard deviation of the noise of a force in the hold.
+    """Estimate the standard deviation of the noise of a force in the hold.
 
-    A filter before the sampling leaves less of it from one sample to the next: it counts with all
-    that it has over FILTERED.
+    A filter before the sampling reduces differences of successive samples; the noise is then that
+    of samples FILTERED s apart.
     """
     lag = int(FILTERED / float(np.median(np.diff(time))))
     near = _noise(force)

@@ -1,6 +1,6 @@
-"""The lumped fingerpad of Pawluk (1997), chapter 2: an exponential spring that relaxes (QLV).
+"""Lumped fingerpad of Pawluk (1997), chapter 2: an exponential spring with relaxation (QLV).
 
-Forces are exact for positions that are straight lines between samples. Eq. 2.3 holds in contact;
+Forces are exact for positions that are linear between samples. Eq. 2.3 holds in contact;
 `contact_force` lets the indenter leave the skin and come back.
 """
 
@@ -18,7 +18,7 @@ from fefinger.theory.relaxation import Prony, creep_integral, exprel
 
 
 LARGEST = 600.0
-"""Largest exponent m times depth of Eq. 2.1, whose force then is still a number."""
+"""Largest exponent m times depth of Eq. 2.1: exp(600) is still a finite number."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Spring:
 
 
 def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:
-    """Return P in N of Eq. 2.3, exact for a position that is linear between samples.
+    """Force P in N of Eq. 2.3, exact for a position that is linear between samples.
 
     Parameters
     ----------
@@ -92,11 +92,10 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     ValueError
         Arrays of two shapes or with values that are not finite, or times that decrease.
 
-    Notes
-    -----
-    Where x falls fast, P is below zero: Eq. 2.3 glues the indenter to the skin. On a segment each
-    exponential gains b e^(m y) dy e^(max(A, -v h)) (1 - e^-|z|) / |z| with A = m dy, z = A + v h,
-    y the indentation at its start, dy its change and h the part of the segment in contact.
+    Notes ----- Where x falls fast, P is below zero: Eq. 2.3 lets the indenter adhere to the skin.
+    On a segment each exponential gains b e^(m y) dy e^(max(A, -v h)) (1 - e^-|z|) / |z| with A = m
+    dy, z = A + v h, y the indentation at its start, dy its change and h the part of the segment in
+    contact.
     """
     time, position = _samples(time, position)
     _require_small(spring.m * float(spring.depth(position).max()))
@@ -110,11 +109,11 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
 
 
 def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:
-    """Return the force in N of an indenter that can leave the skin; arguments as in `force`.
+    """Force in N of an indenter that can leave the skin; arguments as in `force`.
 
-    Where Eq. 2.3 would pull, the force is zero and the skin recovers freely: T follows from
-    P = 0 until the indenter catches up with it. The moment at which contact is lost or found again
-    is resolved to one time step.
+    Where Eq. 2.3 would give tension, the force is zero and the skin recovers freely: T follows from
+    P = 0 until the indenter reaches the skin again. Loss and return of contact are resolved to one
+    time step.
     """
     time, position = _samples(time, position)
     pulled = force(spring, prony, time, position)
@@ -127,21 +126,21 @@ def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: Array
     memory, surface, out = np.full(len(prony.v), elastic[0]), elastic[0], [elastic[0]]
     for i, (before, after) in enumerate(pairwise(elastic)):
         touching = surface == before
-        kept = decay[i] * memory
+        decayed = decay[i] * memory
         added = gain[i] if touching else ramp[i] * (after - surface)
-        total = weights[0] * after + weights[1:] @ (kept + added)
+        total = weights[0] * after + weights[1:] @ (decayed + added)
         free = total < 0
         if free:
             rate = weights[1:] @ ramp[i]
-            after = (rate * surface - weights[1:] @ kept) / (weights[0] + rate)
+            after = (rate * surface - weights[1:] @ decayed) / (weights[0] + rate)
             added = ramp[i] * (after - surface)
-        memory, surface = kept + added, after
+        memory, surface = decayed + added, after
         out.append(0.0 if free else float(total))
     return np.array(out)
 
 
 def constant_velocity(spring: Spring, prony: Prony, position: ArrayLike, speed: float) -> Array:
-    """Return P in N while the indenter moves in at `speed` > 0 mm/s from before first touch.
+    """Force P in N of an indenter that moves in at `speed` > 0 mm/s from before first touch.
 
     The closed form of Eq. 2.3: each exponential gives b s (e^(m y) - e^(-v y / s)) / (m s + v).
     """
@@ -149,12 +148,12 @@ def constant_velocity(spring: Spring, prony: Prony, position: ArrayLike, speed: 
     y = spring.depth(position)
     _require_small(spring.m * float(y.max()))
     rates = np.array((0.0, *prony.v))
-    kept = exprel(-y[..., None] * (spring.m + rates / speed)) @ np.array(prony.weights)
-    return spring.b * y * np.exp(spring.m * y) * kept
+    response = exprel(-y[..., None] * (spring.m + rates / speed)) @ np.array(prony.weights)
+    return spring.b * y * np.exp(spring.m * y) * response
 
 
 def position_under(spring: Spring, prony: Prony, time: ArrayLike, applied: ArrayLike) -> Array:
-    """Return the position in mm under the force `applied` >= 0 in N: Eq. 2.3 turned around.
+    """Position in mm under the force `applied` >= 0 in N: the inverse of Eq. 2.3.
 
     Exact for a force that is linear between samples; a first value above 0 is a step.
     T is the integral of J(t - s) dP(s) with the creep function J.
@@ -164,13 +163,14 @@ def position_under(spring: Spring, prony: Prony, time: ArrayLike, applied: Array
 
 
 def _require_small(exponent: float) -> None:
-    """Raise ValueError unless the exponent m times depth leaves a force that is a number."""
+    """Raise ValueError if the exponent m times depth is beyond LARGEST."""
     if exponent > LARGEST:
         msg = f"lumped: expected m times depth of at most {LARGEST:g}, received {exponent:.3g}"
         raise ValueError(msg)
 
 
 def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
+    """Check the samples and convert them to arrays."""
     time, position = np.asarray(time, float), np.asarray(position, float)
     if time.ndim != 1 or position.shape != time.shape or not len(time):
         msg = (
@@ -186,7 +186,7 @@ def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
 
 
 def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[Array, Array]:
-    """Return by how much each exponential decays and what it gains, (n_t - 1, n) each."""
+    """Decay factor and gain of each exponential over each step, (n_t - 1, n) each."""
     step, travel = np.diff(time), np.diff(position)
     y = spring.depth(position)
     change = np.diff(y)

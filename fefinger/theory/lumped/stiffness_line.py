@@ -1,6 +1,7 @@
-"""The line of the thesis through the stiffness of a ramp against its force, and the first touch.
+"""Line fit of stiffness against force on a ramp, and position of first touch.
 
-Of the ramp alone, taken for instantaneous (Pawluk 1997, section 2.4.1, Eq. 2.1 and 2.4).
+The method of the thesis, which treats the ramp as instantaneous (Pawluk 1997, section 2.4.1, Eq.
+2.1 and 2.4).
 """
 
 import numpy as np
@@ -20,12 +21,12 @@ from fefinger.theory.lumped.spring import Spring
 
 Array = NDArray[np.float64]
 
-STEADY = 0.8  # part of the median speed of the ramp below which the indenter starts or stops
-CUT = SMOOTHING // 2 + 1  # samples before the hold into which smoothing carries it
+STEADY = 0.8  # fraction of the median speed below which the indenter starts or stops
+CUT = SMOOTHING // 2 + 1  # samples before the hold that smoothing mixes with it
 
 
 def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
-    """Return m, b, their covariance (2, 2) and the variance accounted for (Eq. 2.4)."""
+    """Fit m and b of Eq. 2.4; also return their covariance (2, 2) and variance accounted for."""
     part, each = _steady(record), -(-(record.beyond - record.touch) // RAMP_POINTS)
     width = SMOOTHING * each | 1
     steady = slice(part.start, part.stop - (width - SMOOTHING) // 2, each)
@@ -35,9 +36,9 @@ def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
     (m, b), *_ = np.linalg.lstsq(design, k, rcond=None)
     if not min(m, b) > 0:
         msg = (
-            f"stiffness against force: expected a rising line above 0, found m = {m:.3g} 1/mm and "
-            f"b = {b:.3g} N/mm; is the force 0 before touch, is this a ramp into a finger, sampled "
-            f"fast enough, and is its noise, {record.force_noise:.2g} N, small enough for slopes?"
+            f"stiffness against force: expected a rising line above 0, received m = {m:.3g} 1/mm "
+            f"and b = {b:.3g} N/mm; check that the force is 0 before touch, the ramp sampled fast "
+            f"enough, and that noise ({record.force_noise:.2g} N) is small enough for slopes"
         )
         raise ValueError(msg)
     rest = k - design @ (m, b)
@@ -46,13 +47,13 @@ def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
 
 
 def _steady(record: RampHold) -> slice:
-    """Return the part of the ramp in contact between the corners, where the speed is steady."""
+    """Find the samples of the ramp in contact with steady speed, between the corners."""
     part = slice(record.touch, record.beyond - CUT)
     if part.stop - part.start < SMOOTHING:
         msg = (
-            f"ramp: expected {SMOOTHING + CUT} samples or more from touch until the indenter is as "
-            f"far in as in the hold, found {record.beyond - record.touch}; sample faster, or ramp "
-            "so that it goes less beyond the hold"
+            f"ramp: expected {SMOOTHING + CUT} samples or more from touch to the depth of the "
+            f"hold, received {record.beyond - record.touch}; sample faster, or ramp with less "
+            "overshoot"
         )
         raise ValueError(msg)
     speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
@@ -63,10 +64,10 @@ def _steady(record: RampHold) -> slice:
 def touch(
     record: RampHold, m: float, b: float, covariance: Array
 ) -> tuple[float, float, tuple[str, ...]]:
-    """Return x0 by least squares of Eq. 2.1 on the ramp with m and b kept, and its deviation.
+    """Fit x0 of Eq. 2.1 to the ramp with m and b fixed: x0, standard deviation, and warnings.
 
-    Most of it is that of m and b, by their `covariance`. And a sentence where the search was not
-    done.
+    Most of the deviation is due to that of m and b, by their `covariance`. The warning is on a fit
+    that did not converge.
     """
     from scipy.optimize import least_squares
 
@@ -76,12 +77,12 @@ def touch(
     def residual(x0: Array) -> Array:
         return Spring(b, m, float(x0[0])).force(x) - f
 
-    found = least_squares(residual, [start], x_scale="jac")
-    spring, by_x0 = Spring(b, m, float(found.x[0])), found.jac[:, 0]
+    fit = least_squares(residual, [start], x_scale="jac")
+    spring, by_x0 = Spring(b, m, float(fit.x[0])), fit.jac[:, 0]
     pressed, y = spring.force(x), spring.depth(x)
     by_line = np.stack([(b * y * np.exp(m * y) - pressed) / m, pressed / b], axis=1)
-    moved = by_x0 @ by_line / (by_x0 @ by_x0)
-    own = covariance_of(found.jac, found.fun)[0, 0]
-    spread = float(np.sqrt(own + moved @ covariance @ moved))
-    said = f"x0 = {found.x[0]:.4g} mm had not settled after {found.nfev} evaluations"
-    return float(found.x[0]), spread, () if found.success else (said,)
+    by_m_and_b = by_x0 @ by_line / (by_x0 @ by_x0)
+    variance = covariance_of(fit.jac, fit.fun)[0, 0]
+    spread = float(np.sqrt(variance + by_m_and_b @ covariance @ by_m_and_b))
+    warning = f"x0 = {fit.x[0]:.4g} mm had not converged after {fit.nfev} evaluations"
+    return float(fit.x[0]), spread, () if fit.success else (warning,)

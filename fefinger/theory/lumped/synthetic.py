@@ -1,4 +1,4 @@
-"""Made-up trials of the lumped finger with the noise of the thesis's sensors, seeded."""
+"""Synthetic trials of the lumped finger with the sensor noise of the thesis, seeded."""
 
 from dataclasses import dataclass
 
@@ -37,7 +37,7 @@ def ramp_and_hold(
     seed: int | None = 0,
     sample_rate: float = SAMPLE_RATE,
 ) -> Trial:
-    """Return the trial that the thesis identifies from (section 2.2.2, experiment 2).
+    """Simulate the ramp-and-hold trial of the thesis (section 2.2.2, experiment 2).
 
     A sharp ramp at `speed` mm/s until the force is `peak_force` N, then `hold` s at that position,
     sampled at `sample_rate` Hz, with white noise on position and force; without noise if `seed` is
@@ -61,7 +61,7 @@ def ramp_and_hold(
 
 
 def _depth_at(spring: Spring, prony: Prony, speed: float, peak: float) -> float:
-    """Return the depth in mm at which a ramp at constant speed reaches the force `peak` in N."""
+    """Depth in mm at which a ramp at constant speed reaches the force `peak` in N."""
     from scipy.optimize import brentq
 
     low, high = (float(spring.position(p)) for p in (peak, peak / prony.long_time))

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from fefinger.mechanics.press.load_steps import STRIDES, heaviest, memories, stride
+from fefinger.mechanics.press.load_steps import (
+    BY_DISTANCE,
+    load_steps,
+    peak_steps,
+    tissue_relaxations,
+)
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
@@ -20,7 +25,7 @@ from fefinger.scene.motion import (
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
-PRONY = memories(Finger.subject("a.h."))
+PRONY = tissue_relaxations(Finger.subject("a.h."))
 MOTIONS: list[Motion] = [
     Ramp(20, 1.0),
     RampHold(60, 1.5, hold=5),
@@ -33,18 +38,18 @@ EACH = pytest.mark.parametrize("motion", MOTIONS, ids=[motion.kind for motion in
 @EACH
 def test_steps_are_few_and_include_every_turn(motion: Motion):
     time = time_grid(motion, fast=True)
-    steps = stride(motion, time, PRONY)
+    steps = load_steps(motion, time, PRONY)
     assert steps.times[0] == 0
     assert steps.times[-1] == time[-1]
-    assert np.abs(np.diff(steps.value)).max() < 1.5 * motion.peak / STRIDES
+    assert np.abs(np.diff(steps.value)).max() < 1.5 * motion.peak / BY_DISTANCE
     assert steps.value.max() == steps.path.max()
     assert len(steps.times) < len(time) / 2
-    assert len(stride(motion, time, PRONY, refine=2).times) > 1.5 * len(steps.times)
+    assert len(load_steps(motion, time, PRONY, refine=2).times) > 1.5 * len(steps.times)
 
 
 @EACH
 def test_what_follows_the_motion_is_interpolated_exactly_enough(motion: Motion):
-    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     follows = steps.path**2
     for way, limit in ((steps.smooth, 4e-3), (steps.bounded, 6e-3)):
         found = way(follows[steps.chosen])
@@ -55,21 +60,21 @@ def test_what_follows_the_motion_is_interpolated_exactly_enough(motion: Motion):
 @pytest.mark.parametrize("depth", [1.9, 2.0, 2.3, 2.6])
 def test_a_plain_ramp_is_solved_at_every_twelfth_of_its_depth(depth: float):
     motion = Ramp(60, depth, corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=False), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
     twelfths = depth * np.arange(1, 13) / 12
     assert np.abs(steps.value[:, None] - twelfths).min(axis=0).max() < 1e-9
 
 
 def test_nothing_below_zero_comes_of_forces_that_push():
     motion = Trapezoid(20, 1.0, hold=0.2)
-    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     force = np.maximum(steps.value - 0.5, 0.0) ** 1.5
     assert steps.bounded(force).min() == 0
 
 
 def test_tensors_keep_their_shape():
     motion = RampHold(60, 1.5, hold=0.1)
-    steps = stride(motion, time_grid(motion, fast=False), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
     values = np.random.default_rng(0).normal(size=(len(steps.times), 2, 3, 3))
     assert steps.smooth(values).shape == (len(steps.time), 2, 3, 3)
 
@@ -83,7 +88,7 @@ def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> N
     peak = 5e-3 / refine**2  # second order
     scene = builtin.load("flat-press")
     time = time_grid(scene.motion, fast=True)
-    steps = stride(scene.motion, time, memories(scene.finger), refine)
+    steps = load_steps(scene.motion, time, tissue_relaxations(scene.finger), refine)
     fine = np.linspace(0.0, scene.motion.duration, 100_001)
     prony = scene.finger.prony
     exact = hereditary_integral(prony, fine, stiffening(scene.motion.value(fine)))
@@ -96,7 +101,7 @@ def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> N
 
 def test_at_its_steps_the_answer_is_what_was_solved_to_the_last_bit():
     motion = Trapezoid(0.0046825, 0.55848, hold=0.0, corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=False), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
     values = np.sqrt(np.random.default_rng(8).uniform(0, 1, len(steps.chosen)))
     values[-1] = 0.0
     for interpolate in (steps.bounded, steps.smooth):
@@ -116,7 +121,7 @@ def test_a_motion_that_changes_its_speed_is_followed_through_the_change(motion: 
     """A press that goes on to drift lost 15 % of its peak, and was 36 % too high after it."""
     (prony,) = PRONY
     time = time_grid(motion, fast=False)
-    steps = stride(motion, time, PRONY)
+    steps = load_steps(motion, time, PRONY)
     assert len(steps.times) < 60
     fine = np.unique(np.concatenate([time, np.linspace(0.0, motion.duration, 100_001)]))
     exact = hereditary_integral(prony, fine, stiffening(motion.value(fine)))
@@ -129,7 +134,7 @@ def test_a_motion_that_changes_its_speed_is_followed_through_the_change(motion: 
 def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
     (prony,) = PRONY
     motion = ForceSampled((0.0, 0.05, 3.0), (0.0, 0.3, 0.31), corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=False), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
     exact = creep_integral(prony, steps.time, steps.path)
     few = creep_integral(prony, steps.times, steps.value)
     assert steps.bounded(few) == pytest.approx(exact, abs=5e-3 * exact.max())
@@ -138,7 +143,7 @@ def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
 def test_depth_and_area_are_known_from_a_light_touch_on_under_force_control() -> None:
     """They begin as roots of the force, which a spring that is linear in it does not see."""
     motion = ForceRampHold(loading_rate=5, force=1, hold=0.05)
-    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     for power in (1, 2 / 3, 1 / 3):
         exact = np.maximum(steps.path, 0.0) ** power
         assert steps.bounded(exact[steps.chosen]) == pytest.approx(exact, abs=0.02)
@@ -147,7 +152,7 @@ def test_depth_and_area_are_known_from_a_light_touch_on_under_force_control() ->
 def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
     (prony,) = PRONY
     motion = RampSinusoid(20, 0.5, amplitude=0.02, frequency=50, cycles=6, settle=0.1, corner=0.0)
-    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     force = hereditary_integral(prony, steps.time, stiffening(steps.path))
     found = steps.bounded(hereditary_integral(prony, steps.times, stiffening(steps.value)))
     last = steps.time > motion.duration - 1 / 50
@@ -158,8 +163,8 @@ def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
 
 def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() -> None:
     scene = builtin.load("flat-press")
-    steps = stride(scene.motion, time_grid(scene.motion, fast=True), PRONY)
-    (found,) = heaviest(scene.motion, steps, PRONY)
+    steps = load_steps(scene.motion, time_grid(scene.motion, fast=True), PRONY)
+    (found,) = peak_steps(scene.motion, steps, PRONY)
     (prony,) = PRONY
     exact = hereditary_integral(prony, steps.time, stiffening(steps.path))
     assert steps.times[found] == pytest.approx(steps.time[exact.argmax()], abs=1e-3)
@@ -169,11 +174,11 @@ def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() 
 @EACH
 @pytest.mark.parametrize("count", [4, 9])
 def test_the_first_steps_alone_are_those_steps(motion: Motion, count: int) -> None:
-    steps = stride(motion, time_grid(motion, fast=True), PRONY)
+    steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     first = steps.until(count)
     assert first.times.tolist() == steps.times[:count].tolist()
     assert first.time[-1] == first.times[-1]
-    assert len(first.path) == len(first.clock) == len(first.time)
+    assert len(first.path) == len(first.coordinate) == len(first.time)
     assert first.bounded(first.value)[first.chosen].tolist() == first.value.tolist()
     kept = first.bounded(first.time[first.chosen])
     assert (np.diff(kept) > 0).all()

@@ -50,7 +50,7 @@ def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
     space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
     elements = continuum(space, {materials.NAIL: neo_hookean(Elastic(2e6, 0.3))})
-    stretch, _, tissue = failure.most_pressed(elements, np.zeros(space.n_unknowns))
+    stretch, _, tissue = failure.most_compressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from fefinger.theory.contact.curvature import (
-    Contact,
+    HertzContact,
     at_depth,
     equivalent_radius,
     goodwin,
@@ -27,7 +27,7 @@ def at_force(force, radius, plane_modulus):
     """Return the contact under a force in mN (Eq. 3.22 and 3.24); radius in mm, E* in kPa."""
     a = np.cbrt(3 * force * radius / (4 * plane_modulus))
     peak = np.cbrt(6 * force * plane_modulus**2 / (np.pi**3 * radius**2))
-    return Contact(a, peak, a**2 / radius, force)
+    return HertzContact(a, peak, a**2 / radius, force)
 
 
 @pytest.mark.parametrize(

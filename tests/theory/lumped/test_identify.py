@@ -241,7 +241,7 @@ def test_more_exponentials_than_there_are_get_a_warning():
 def test_a_search_of_the_thesis_that_is_cut_short_is_told(monkeypatch):
     """As is that of a.h. with 4 terms or d.p. and p.w. with 5, after 500 evaluations."""
     whole = identify.thesis(*trial())
-    assert not any("settled" in each for each in whole.warnings)
+    assert not any("converged" in each for each in whole.warnings)
     search = optimize.least_squares
 
     def short(*arguments, **options):
@@ -250,8 +250,8 @@ def test_a_search_of_the_thesis_that_is_cut_short_is_told(monkeypatch):
     monkeypatch.setattr(optimize, "least_squares", short)
     found = identify.thesis(*trial())
     touch, hold, *_ = found.warnings
-    assert touch == f"x0 = {found.spring.x0:.4g} mm had not settled after 3 evaluations"
-    assert hold.startswith("the 3 terms had not settled after 3 evaluations; as they are they")
+    assert touch == f"x0 = {found.spring.x0:.4g} mm had not converged after 3 evaluations"
+    assert hold.startswith("the 3 terms had not converged after 3 evaluations; they leave")
     assert f"leave {100 * (1 - found.vaf_hold):.2g} % of the variance of the hold" in hold
     assert found.prony.weights[0] == pytest.approx(whole.prony.weights[0], rel=0.1)
 

@@ -1,0 +1,38 @@
+"""Where points lie among triangles of a plane or tetrahedra: the simplex and its weights."""
+
+import numpy as np
+
+from fefinger.support.arrays import Array, Integers
+
+
+def barycentric(corners: Array, points: Array) -> Array:
+    """Return the weights (..., d + 1) of simplex corners (..., d + 1, d) that give points (..., d).
+
+    They sum to 1 and are 0 or more inside. A simplex without a volume has none: -inf.
+    """
+    first = corners[..., 0, :]
+    sides = np.swapaxes(corners[..., 1:, :] - first[..., None, :], -1, -2)
+    volume = np.linalg.det(sides)
+    flat = volume == 0.0
+    sides = np.where(flat[..., None, None], np.eye(sides.shape[-1]), sides)
+    others = np.linalg.solve(sides, (points - first)[..., None])[..., 0]
+    weights = np.concatenate([1 - others.sum(axis=-1, keepdims=True), others], axis=-1)
+    return np.where(flat[..., None], -np.inf, weights)
+
+
+def locate(corners: Array, points: Array, *, nearest: int | None = None) -> tuple[Integers, Array]:
+    """Return the simplex (n,) that holds each of the points (n, d), or comes closest, and weights.
+
+    corners (m, d + 1, d); the weights (n, d + 1) of its corners have one below 0 for a point that
+    none holds. `nearest`: only so many simplices are looked at, those with the nearest centers.
+    """
+    count = min(nearest or len(corners), len(corners))
+    near = np.broadcast_to(np.arange(count), (len(points), count))
+    if count < len(corners):
+        from scipy.spatial import cKDTree
+
+        near = cKDTree(corners.mean(axis=1)).query(points, np.arange(1, count + 1))[1]
+    weights = barycentric(corners[near], points[:, None])
+    best = np.argmax(weights.min(axis=-1), axis=1)
+    rows = np.arange(len(points))
+    return near[rows, best], weights[rows, best]

@@ -1,0 +1,97 @@
+"""Mirror images in the medial plane y = 0, and whole bodies put together from their halves.
+
+A half body has y >= 0. Points and vectors change the sign of y; of a tensor the components with
+one y change theirs, in a (3, 3) tensor as among the six xx, yy, zz, xy, yz, xz.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fefinger.support.arrays import Array, Integers
+
+
+SIGNS = np.array([1.0, -1.0, 1.0])
+"""What the components of a vector are multiplied by."""
+
+TENSOR_SIGNS = np.outer(SIGNS, SIGNS)
+"""What the components (3, 3) of a tensor are multiplied by."""
+
+SIX_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+"""What the components xx, yy, zz, xy, yz, xz of a symmetric tensor are multiplied by."""
+
+ROUNDING = 1e-9
+"""Distance from the plane, over the largest coordinate, that is rounding."""
+
+
+def image(vectors: Array) -> Array:
+    """Return the mirror images of points or vectors (..., 3)."""
+    return vectors * SIGNS
+
+
+def to_half(points: Array) -> Array:
+    """Return where points (n, 3) of a whole body are in its half: at y >= 0.
+
+    Those within rounding of the plane are put on it.
+    """
+    half = points.copy()
+    half[:, 1] = np.abs(points[:, 1])
+    half[half[:, 1] < ROUNDING * np.abs(points).max(initial=0.0), 1] = 0.0
+    return half
+
+
+def from_half(tensors: Array, points: Array) -> Array:
+    """Return tensors (..., n, 3, 3) at points (n, 3), given those at their places `to_half`."""
+    whole = tensors.copy()
+    whole[..., points[:, 1] < 0.0, :, :] *= TENSOR_SIGNS
+    return whole
+
+
+@dataclass(frozen=True)
+class Halves:
+    """How the points of a half body are numbered in the whole one: themselves, then their images.
+
+    aside (m,): the points off the plane; twin (n,): the number of the image of each of n points,
+    which is that of the point itself on the plane.
+    """
+
+    aside: Integers
+    twin: Integers
+
+    @classmethod
+    def of(cls, points: Array, tolerance: float = 0.0) -> "Halves":
+        """Return the numbering of points (n, 3), on the plane up to y = `tolerance` mm."""
+        aside = np.flatnonzero(points[:, 1] > tolerance)
+        twin = np.arange(len(points))
+        twin[aside] = len(points) + np.arange(len(aside))
+        return cls(aside, twin)
+
+    @property
+    def origin(self) -> Integers:
+        """Which point of the half every point of the whole is, or is the image of."""
+        return np.concatenate([np.arange(len(self.twin)), self.aside])
+
+    def values(self, values: Array, axis: int = 0) -> Array:
+        """Return values of the whole: even ones, the same at a point and at its image."""
+        return np.asarray(np.take(values, self.origin, axis=axis))
+
+    def vectors(self, vectors: Array) -> Array:
+        """Return points or vectors (..., n, 3) of the whole."""
+        return np.concatenate([vectors, image(vectors[..., self.aside, :])], axis=-2)
+
+    def six(self, tensors: Array) -> Array:
+        """Return symmetric tensors (..., n, 6) of the whole."""
+        return np.concatenate([tensors, tensors[..., self.aside, :] * SIX_SIGNS], axis=-2)
+
+    def shares(self, shares: Array) -> Array:
+        """Return shares of points in a sum over the whole, as areas (n,): doubled on the plane."""
+        doubled = np.where(self.twin == np.arange(len(self.twin)), 2.0 * shares, shares)
+        return np.concatenate([doubled, shares[self.aside]])
+
+    def cells(self, cells: Integers) -> Integers:
+        """Return the tetrahedra of the whole, (2 m, 4): an image has two vertices changed."""
+        return np.concatenate([cells, self.twin[cells][:, [0, 2, 1, 3]]])
+
+    def triangles(self, triangles: Integers) -> Integers:
+        """Return the triangles of the whole, (2 m, 3), turned the same way round."""
+        return np.concatenate([triangles, self.twin[triangles][:, [0, 2, 1]]])
