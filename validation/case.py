@@ -1,4 +1,4 @@
-"""A Case: one number that fefinger gives, beside what it should be and who says so."""
+"""Case of a validation suite: one computed number, its expected value and the source of that."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ Verdict = Literal["pass", "documented", "short", "fail"]
 
 @dataclass(frozen=True)
 class Told:
-    """A value with a sentence on what came out, which the page shows under the case."""
+    """A value with a sentence on it, which the page shows under the case."""
 
     value: float
     text: str
@@ -21,7 +21,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Case:
-    """One comparison.
+    """One comparison of a computed number with its expected value.
 
     measure: gives fefinger's value, or what is Told of it; expected and tolerance (absolute) in
     `unit`; source: the equation, table, program or second method behind `expected`; printed: a
@@ -48,7 +48,7 @@ class Case:
 class Outcome:
     """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN.
 
-    `told` is what the measure said beside the value.
+    `told` is the sentence of the measure on its value.
     """
 
     case: Case

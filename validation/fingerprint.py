@@ -1,4 +1,4 @@
-"""Records what fefinger answers, and tells later whether a change of its code changed an answer.
+"""Record the answers of fefinger, and compare them with those after a change of its code.
 
     python -m fefinger.validation.fingerprint record FILE [--quick]
     python -m fefinger.validation.fingerprint compare FILE [--quick]
@@ -257,9 +257,9 @@ def _slow(label: str) -> bool:
 
 def differences(base: Fingerprint, new: Fingerprint) -> Iterator[str]:
     """Give one line for each difference between two fingerprints."""
-    known, found = set(base.labels), set(new.labels)
-    yield from (f"{label}: missing" for label in base.labels if label not in found)
-    yield from (f"{label}: not in the base" for label in new.labels if label not in known)
+    base_labels, new_labels = set(base.labels), set(new.labels)
+    yield from (f"{label}: missing" for label in base.labels if label not in new_labels)
+    yield from (f"{label}: not in the base" for label in new.labels if label not in base_labels)
     for label, array in base.arrays.items():
         if label in new.arrays:
             yield from _of_arrays(label, array, new.arrays[label])
@@ -293,8 +293,9 @@ def _of_texts(label: str, base: str, new: str) -> Iterator[str]:
     if base != new:
         same = takewhile(lambda pair: pair[0] == pair[1], zip(base, new, strict=False))
         first = len(tuple(same))
-        seen = slice(max(first - 20, 0), first + 60)
-        yield f"{label}: text {new[seen]!r}, was {base[seen]!r} (from character {seen.start})"
+        excerpt = slice(max(first - 20, 0), first + 60)
+        start = excerpt.start
+        yield f"{label}: text {new[excerpt]!r}, was {base[excerpt]!r} (from character {start})"
 
 
 def record(*, quick: bool) -> Fingerprint:
@@ -425,12 +426,12 @@ def _answer(made: Fingerprint, name: str, table: Tables, mechanics: str) -> None
         made.texts[_label(name, mechanics, "refused")] = _timeless(text)
         return
     made.texts[_label(name, mechanics, "notes")] = "\n".join(result.notes)
-    stride = max(len(result.time) // TIMES, 1)
+    every = max(len(result.time) // TIMES, 1)
     for quantity in (*QUANTITIES, *AT_PLACES):
-        found = getattr(result, quantity)
-        if found is not None:
-            kept = found[::stride] if quantity in AT_PLACES else found
-            made.arrays[_label(name, mechanics, quantity)] = np.asarray(kept, float)
+        values = getattr(result, quantity)
+        if values is not None:
+            sampled = values[::every] if quantity in AT_PLACES else values
+            made.arrays[_label(name, mechanics, quantity)] = np.asarray(sampled, float)
     if result.spikes is not None:
         for unit, times in zip(result.spikes.names, result.spikes.times, strict=True):
             made.arrays[_label(name, mechanics, f"{SPIKES}{unit}")] = np.asarray(times, float)
@@ -449,8 +450,8 @@ def _messages(made: Fingerprint, table: Tables, folder: Path) -> None:
         (folder / name).write_text(text, encoding="utf-8")
     for line in BAD_COMMANDS:
         done = _command(*line.split())
-        said = f"exit status {done.returncode}\n{done.stderr}".replace(str(folder), "FOLDER")
-        made.texts[_label("messages", "command", line)] = _timeless(said)
+        output = f"exit status {done.returncode}\n{done.stderr}".replace(str(folder), "FOLDER")
+        made.texts[_label("messages", "command", line)] = _timeless(output)
 
 
 def _suites(made: Fingerprint) -> None:

@@ -1,4 +1,4 @@
-"""The page that gathers what is in a folder of reports: suites, benchmarks and evidence.
+"""Index page of a folder of reports: suites, benchmarks and evidence.
 
 `python -m fefinger.validation.index reports` writes `reports/index.html` from the files there;
 with `--pages` it first writes the page of every suite anew from its JSON, without measuring.

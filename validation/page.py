@@ -1,4 +1,4 @@
-"""The outcome of the validation suites as files: `validation.json` and a self-contained page.
+"""Write the outcome of validation suites: `validation.json` and a self-contained page.
 
 The page lists the verdict of every case: pass, documented (fefinger agrees with the reference, the
 published value does not), short (as expected, but off the target) or fail.
@@ -124,7 +124,7 @@ def _suite(
 
 
 def _texts(cases: Sequence[dict[str, Any]], verdict: str, key: str) -> dict[str, list[str]]:
-    """Return the explanations of a verdict, each with the names of its cases."""
+    """Return why cases have a verdict other than pass, with their names."""
     names: dict[str, list[str]] = {}
     for case in cases:
         if case["verdict"] == verdict:
@@ -133,7 +133,7 @@ def _texts(cases: Sequence[dict[str, Any]], verdict: str, key: str) -> dict[str,
 
 
 def _nearest(cases: Sequence[dict[str, Any]]) -> list[tuple[int, str]]:
-    """Return the largest shares of a tolerance that are used, in %, with the names of the cases."""
+    """Share in % of the tolerance that each case uses, with its name, the largest first."""
     shares = [
         (round(100 * abs(case["value"] - case["expected"]) / case["tolerance"]), case["name"])
         for case in cases

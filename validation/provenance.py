@@ -1,4 +1,4 @@
-"""Where a number that is kept in `reports/` comes from."""
+"""Provenance of the numbers in `reports/`."""
 
 import platform
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""The suites by name, and how they are run."""
+"""List and run the validation suites by name."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -44,26 +44,26 @@ def figures(record: dict[str, Any]) -> dict[str, list[tuple[str, Any]]]:
 
     A suite draws what it knows (`figures`), or what came out of its cases (`figures_of`).
     """
-    found = {}
+    drawn = {}
     for suite, module, cases in _recorded(record):
         if hasattr(module, "figures_of"):
-            found[suite] = list(module.figures_of(cases))
+            drawn[suite] = list(module.figures_of(cases))
         elif hasattr(module, "figures"):
-            found[suite] = list(module.figures())
-    return found
+            drawn[suite] = list(module.figures())
+    return drawn
 
 
 def findings(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return what the suites of a record are about, and texts and tables of what they find.
+    """Collect the subject of the suites of a record, with texts and tables of their findings.
 
     A suite says what it knows (`finding`), or what came out of its cases (`finding_of`).
     """
-    found = {}
+    results = {}
     for suite, module, cases in _recorded(record):
-        said = module.finding_of(cases) if hasattr(module, "finding_of") else {}
-        said = module.finding() if hasattr(module, "finding") else said
-        found[suite] = {"about": ABOUT[suite]} | said
-    return found
+        finding = module.finding_of(cases) if hasattr(module, "finding_of") else {}
+        finding = module.finding() if hasattr(module, "finding") else finding
+        results[suite] = {"about": ABOUT[suite]} | finding
+    return results
 
 
 def _recorded(record: dict[str, Any]) -> Iterator[tuple[str, Any, list[dict[str, Any]]]]:
@@ -108,10 +108,12 @@ def _measured(case: Case) -> Outcome:
     """Measure a case; one that breaks fails by itself and costs no other."""
     try:
         measured = case.measure()
-        value, told = float(measured), measured.text if isinstance(measured, Told) else ""
+        value, sentence = float(measured), measured.text if isinstance(measured, Told) else ""
     except Exception as error:  # whatever it is, it is told
         return Outcome(case, math.nan, f"{type(error).__name__}: {error}")
-    return Outcome(case, value, "" if math.isfinite(value) else f"the measure gave {value}", told)
+    return Outcome(
+        case, value, "" if math.isfinite(value) else f"the measure gave {value}", sentence
+    )
 
 
 def as_json(outcomes: dict[str, tuple[Outcome, ...]]) -> dict[str, Any]:

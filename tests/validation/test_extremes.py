@@ -152,7 +152,7 @@ def test_a_small_sphere_is_a_paraboloid_to_all_digits():
 
 
 def test_a_membrane_without_a_state_is_refused():
-    with pytest.raises(InputError, match=r"out of the range of its rates; take smaller currents"):
+    with pytest.raises(InputError, match=r"out of the range of its rates; use smaller currents"):
         HodgkinHuxley().fire([0.0, 0.05], [-1e4, -1e4])
 
 

@@ -109,7 +109,7 @@ def test_a_press_carries_to_a_motion_as_a_direct_answer_has_it(motion):
     relaxed = tradeoff_scenes.press("flat-30")
     curve = hertz.respond(relaxed)
     known = Press.of(curve)
-    carried, direct = tradeoff_motion.passage(known, scene), hertz.respond(scene)
+    carried, direct = tradeoff_motion.motion_history(known, scene), hertz.respond(scene)
     assert carried.force == pytest.approx(direct.force, abs=2e-3 * direct.force.max())
     assert carried.area == pytest.approx(direct.contact_area, abs=5e-3 * direct.contact_area.max())
     size = np.abs(direct.strain).max()

@@ -1,1 +1,1 @@
-"""Benchmarks: how fast the parts are, as ratios measured in one run."""
+"""Benchmarks of speed, as ratios measured in one run."""

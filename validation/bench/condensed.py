@@ -1,4 +1,4 @@
-"""How fast a condensed finger is: its operator, a step of contact, a step with 1000 end organs.
+"""Speed of a condensed finger: its operator, a step of contact, a step with 1000 end organs.
 
 A whole finger under a tilted plate, so that neither symmetry nor half a mesh helps: ramp, hold, 8
 Hz sinusoid and retraction in 10 000 steps of 1 ms. A step is timed in processor time of its thread
@@ -57,22 +57,22 @@ def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
     load = os.getloadavg()[0]
     finger = replace(builtin.load("flat-press").finger, resolution="standard")
-    found = [*_building(finger), *_loading(finger)]
+    rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
     placed = _seconds(lambda: _placed(finger, sites, "double"))
-    found += [
+    rows += [
         Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", placed),
     ]
     double, single = _placed(finger, sites, "double"), _placed(finger, sites, "single")
-    found += [*_stepping("strains in double precision", double), *_contact(double)]
+    rows += [*_stepping("strains in double precision", double), *_contact(double)]
     progress("condensed", 0.7)
-    found += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
+    rows += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
     for membrane in (IntegrateAndFire(), HodgkinHuxley()):
-        found += _spiking(single, membrane)
-    found += _rolling(finger, sites)
-    found += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
-    return [*found, Figure("load average of the minute before", load, "processes")]
+        rows += _spiking(single, membrane)
+    rows += _rolling(finger, sites)
+    rows += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
+    return [*rows, Figure("load average of the minute before", load, "processes")]
 
 
 def motion() -> Array:
@@ -125,12 +125,12 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
     The factor and LOADS of the loads are timed, on the even half.
     """
     solid = body(mesh, constitutive.tissues(finger), materials.held(finger))
-    own, space = solid.system, solid.space
-    found, factoring = timed(lambda: superlu.factor(space, own.matrix, own.fixed))
+    system, space = solid.system, solid.space
+    superlu_system, factoring = timed(lambda: superlu.factor(space, system.matrix, system.fixed))
     count = 3 * len(palmar(solid))
-    loads = np.zeros((len(own.free), LOADS))
+    loads = np.zeros((len(system.free), LOADS))
     loads[np.arange(LOADS), np.arange(LOADS)] = 1.0
-    _, solving = timed(lambda: found.solver.solve(loads))
+    _, solving = timed(lambda: superlu_system.solver.solve(loads))
     return 2 * (factoring + solving * count / LOADS)
 
 
@@ -237,17 +237,17 @@ def _agreement(finger: Condensed) -> list[Figure]:
     """Compare pressures and seconds with `march`, on the same operator, over a short motion."""
     on_pad, prony = finger.patch, finger.finger.prony
     depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
-    asked = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
+    prescribed = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-    few = Prescribed("depth", asked.time[:2], depth[:2])
+    few = Prescribed("depth", prescribed.time[:2], depth[:2])
     step_compiled.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
     for method in (step_compiled.march, march):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()
-        found = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, asked)
+        history = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
         seconds.append((time.thread_time() - begun) / len(depth))
-        answers.append(found.pressure)
+        answers.append(history.pressure)
     error = np.abs(answers[0] - answers[1]).max(axis=1)
     scale = np.abs(answers[1]).max(axis=1)
     worst = float((error[scale > 0] / scale[scale > 0]).max())
@@ -272,7 +272,7 @@ def _strain_error(single: Condensed, double: Condensed) -> list[Figure]:
 
 def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
     """Trade the tolerance of the contact against its error."""
-    found = []
+    rows = []
     forces = _forces(exact)
     for tolerance in TOLERANCES:
         rough = Condensed(
@@ -281,11 +281,11 @@ def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
         begun = time.thread_time()
         error = np.abs(_forces(rough) - forces).max() / forces.max()
         seconds = (time.thread_time() - begun) / STEPS
-        found += [
+        rows += [
             Figure(f"contact tolerance {tolerance:g}: step, mean, processor", 1e3 * seconds, "ms"),
             Figure(f"contact tolerance {tolerance:g}: error of the force", float(error), "1"),
         ]
-    return found
+    return rows
 
 
 def _coarser(finger: Finger) -> list[Figure]:

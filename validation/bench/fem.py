@@ -1,4 +1,4 @@
-"""How fast the finite elements are: a finger by stages, Hertz to an accuracy, growth with size.
+"""Speed of the finite elements: a finger by stages, Hertz to an accuracy, growth with size.
 
 The baseline of factor and loads is SciPy's SuperLU in symmetric mode, given the same order of the
 unknowns (its own orders are several times slower) and one BLAS thread, which is faster for it too.
@@ -98,23 +98,23 @@ def contact(solid: body.Body, finger: Finger) -> float:
     small = body.reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
     prony, size = finger.prony, len(on_pad.vertices)
     times = np.linspace(0.0, 1.0, STEPS)
-    asked = Prescribed("depth", times, DEPTH * np.sin(np.pi * times))
+    prescribed = Prescribed("depth", times, DEPTH * np.sin(np.pi * times))
 
     def pressed() -> Any:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
-        return march(small.flexibility, on_pad.gap, on_pad.travel, memory, asked)
+        return march(small.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
 
     return best(pressed)[1]
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """Return what `work` gives and its CPU seconds."""
+    """Run `work`; return its result and its CPU seconds."""
     started = time.process_time()
     answer = work()
     return answer, time.process_time() - started
 
 
 def best(work: Callable[[], T]) -> tuple[T, float]:
-    """Return what `work` gives and the CPU seconds of its fastest run."""
+    """Run `work` several times; return its result and the CPU seconds of the fastest run."""
     runs = [timed(work) for _ in range(REPEATS)]
     return runs[-1][0], min(seconds for _, seconds in runs)

@@ -1,4 +1,4 @@
-"""How fast and how exactly 1000 afferents fire: ramp and hold, and sinusoids, rates / 6, 1 s.
+"""Speed and accuracy of 1000 afferents: ramp and hold, and sinusoids, rates / 6, 1 s.
 
 Membranes alone, then the integrators that a requested error of spike times chooses, then the whole
 chain from skin displacement to spikes with the memory that it takes.
@@ -88,7 +88,7 @@ def plain(current: NDArray[np.float64], *, exponential: bool) -> Spikes:
 
 
 def methods() -> dict[str, Callable[[NDArray[np.float64]], Spikes]]:
-    """Return what is timed, by name."""
+    """Benchmarked methods by name."""
     slowed, cheap = HodgkinHuxley(DIVISOR), IntegrateAndFire()
     return {
         BASELINE: lambda current: plain(current, exponential=False),
@@ -113,36 +113,36 @@ class Timing:
 
 
 def timed(progress: Progress) -> dict[str, Timing]:
-    """Return how long each method takes; they take turns, so that a busy machine slows them all."""
+    """Time each method; they run in turns, so that a busy machine slows all alike."""
     current, todo = currents(UNITS), methods()
-    found = {name: Timing(np.inf, np.inf, fire(current[:, :40])) for name, fire in todo.items()}
+    timings = {name: Timing(np.inf, np.inf, fire(current[:, :40])) for name, fire in todo.items()}
     for repeat in range(REPEATS):
         progress("neural", repeat / (REPEATS + 2))
         for name, fire in todo.items():
-            best, started, used = found[name], time.perf_counter(), time.process_time()
+            best, started, used = timings[name], time.perf_counter(), time.process_time()
             best.spikes = fire(current)
             best.wall = min(best.wall, time.perf_counter() - started)
             best.core = min(best.core, time.process_time() - used)
-    return found
+    return timings
 
 
-def speeds(found: dict[str, Timing]) -> list[Figure]:
+def speeds(timings: dict[str, Timing]) -> list[Figure]:
     """Return wall time and units per core, against the plain loop."""
-    base, figures = found[BASELINE], []
-    for name, each in found.items():
+    base, figures = timings[BASELINE], []
+    for name, each in timings.items():
         figures.append(Figure(f"{name}: wall", each.wall, "s", base.wall))
         rate, plainly = UNITS / each.core, UNITS / base.core
         figures.append(Figure(f"{name}: speed", rate, "unit-s per core-s", plainly))
-    cheap, cheapest = found[CHEAP].wall, found[FAST].wall
+    cheap, cheapest = timings[CHEAP].wall, timings[FAST].wall
     figures.append(Figure(f"{CHEAP}: wall, against {FAST}", cheap, "s", cheapest))
     return figures
 
 
-def errors(found: dict[str, Timing], fine: Spikes) -> list[Figure]:
+def errors(timings: dict[str, Timing], fine: Spikes) -> list[Figure]:
     """Return the errors of Hodgkin-Huxley spike times, against those of the plain loop."""
-    base, figures = compare(found[BASELINE].spikes, fine), []
-    for name in (name for name in found if name != CHEAP):
-        error = compare(found[name].spikes, fine)
+    base, figures = compare(timings[BASELINE].spikes, fine), []
+    for name in (name for name in timings if name != CHEAP):
+        error = compare(timings[name].spikes, fine)
         figures += [
             Figure(f"{name}: median spike-time error", error.median, "ms", base.median),
             Figure(f"{name}: worst spike-time error", error.worst, "ms", base.worst),
@@ -184,14 +184,14 @@ def sinusoids() -> list[Figure]:
 def ladder(fine: Spikes) -> list[Figure]:
     """Return, for each requested error, its 95th percentile and the speed of what it chooses."""
     slowed, current, rows = HodgkinHuxley(DIVISOR), currents(UNITS), []
-    for asked in TOLERANCES:
-        method, dt = slowed.integrator(asked)
+    for tolerance in TOLERANCES:
+        method, dt = slowed.integrator(tolerance)
         wall, firing = once(
-            partial(slowed.fire, TIME, current, tolerance=asked, stimulus_driven=False)
+            partial(slowed.fire, TIME, current, tolerance=tolerance, stimulus_driven=False)
         )
         pairs = [(a, b) for a, b in zip(firing.times, fine, strict=True) if len(a) == len(b)]
         error = 1e3 * float(np.quantile(np.abs(np.concatenate([a - b for a, b in pairs])), 0.95))
-        name = f"asked {1e3 * asked:g} ms: {method}, {1e6 * dt:.3g} us"
+        name = f"asked {1e3 * tolerance:g} ms: {method}, {1e6 * dt:.3g} us"
         rows += [
             Figure(f"{name}: 95 % of spike-time errors below", error, "ms"),
             Figure(f"{name}: speed", UNITS / wall, "unit-s per s"),
@@ -235,7 +235,7 @@ def held(work: Callable[[], object]) -> float:
 def figures(progress: Progress) -> list[Figure]:
     """Return speed and errors of each method, memory, and the load of the machine at the start."""
     load = os.getloadavg()[0]
-    found = timed(progress)
+    timings = timed(progress)
     progress("neural", REPEATS / (REPEATS + 2))
     slowed, current = HodgkinHuxley(DIVISOR), currents(UNITS)
     fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
@@ -245,8 +245,8 @@ def figures(progress: Progress) -> list[Figure]:
     memory = held(partial(slowed.fire, TIME, current, tolerance=TOLERANCE, stimulus_driven=False))
     progress("neural", 1.0)
     return [
-        *speeds(found),
-        *errors(found, fine),
+        *speeds(timings),
+        *errors(timings, fine),
         *sinusoids(),
         *ladder(fine),
         *chain(),

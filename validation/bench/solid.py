@@ -52,13 +52,13 @@ def _parts(solver: Equilibrium) -> dict[str, float]:
     right = values[system.free]
     from fefinger.fem.linalg.system import rough
 
-    kept = rough(system.matrix, system)
+    factor = rough(system.matrix, system)
 
     work = {
         "residual": lambda: body.residual(values, body.at_rest),
         "tangent": lambda: body.tangent(values, body.at_rest),
         "factor": lambda: rough(system.matrix, system),
-        "solution": lambda: kept.solve(right),
+        "solution": lambda: factor.solve(right),
     }
     seconds = {}
     for name, call in work.items():

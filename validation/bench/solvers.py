@@ -37,7 +37,7 @@ CASES = ((0.49, 1.0), (0.4999, 1.0), (0.5, 1.0), (0.49, 1e3), (0.49, 1e6))
 
 
 @dataclass(frozen=True)
-class Cube:
+class HeldCube:
     """The equations of a cube, and the seconds of their assembly."""
 
     space: Space
@@ -55,7 +55,7 @@ class Cube:
         return np.concatenate([load.ravel(), np.zeros(self.space.n_unknowns - load.size)])
 
 
-def cube(boxes: int, poisson: float = NU, ratio: float = 1.0) -> Cube:
+def cube(boxes: int, poisson: float = NU, ratio: float = 1.0) -> HeldCube:
     """Return a cube of 10 mm; with a `ratio` of moduli, a stiff block floats in its middle."""
     line = np.linspace(0.0, 10.0, boxes + 1)
     space, tissues = box(line, line, line), {1: Elastic(MODULUS, poisson)}
@@ -69,26 +69,28 @@ def cube(boxes: int, poisson: float = NU, ratio: float = 1.0) -> Cube:
     matrix = stiffness(space, tissues)
     seconds = time.process_time() - started
     held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 10, 3))
-    return Cube(space, matrix, held, seconds)
+    return HeldCube(space, matrix, held, seconds)
 
 
 def figures(progress: Progress) -> Iterator[Figure]:
     """Measure every solver on its sizes, fit how its costs grow, and give MINRES hard cubes."""
-    sizes = sorted({boxes for own in SIZES.values() for boxes in own})
+    sizes = sorted({boxes for sizes_of_solver in SIZES.values() for boxes in sizes_of_solver})
     rows: dict[str, list[tuple[int, dict[str, float]]]] = {name: [] for name in SIZES}
     for number, boxes in enumerate(sizes):
         given = cube(boxes)
         unknowns = given.space.n_unknowns
         yield Figure(f"cube of {unknowns} unknowns, assembly: CPU", given.assembly, "s")
-        for name in (solver for solver, own in SIZES.items() if boxes in own):
+        for name in (
+            solver for solver, sizes_of_solver in SIZES.items() if boxes in sizes_of_solver
+        ):
             found = measured(given, name)
             rows[name].append((unknowns, found))
             for key, value in found.items():
                 unit = {"CPU": "s", "emory": "MB"}.get(key[-5:].split()[-1], "1")
                 yield Figure(f"cube of {unknowns} unknowns, {name}, {key}", value, unit)
         progress("fem", 0.3 + 0.6 * (number + 1) / len(sizes))
-    for name, own in rows.items():
-        yield from _exponents(name, own[-FITTED:])
+    for name, sizes_of_solver in rows.items():
+        yield from _exponents(name, sizes_of_solver[-FITTED:])
     for poisson, ratio in CASES:
         found = measured(cube(HARD, poisson, ratio), "iterative")
         what = f"nu {poisson:g}" + (f", moduli {ratio:g} apart" if ratio != 1 else "")
@@ -96,7 +98,7 @@ def figures(progress: Progress) -> Iterator[Figure]:
 
 
 @one_thread
-def measured(given: Cube, name: str) -> dict[str, float]:
+def measured(given: HeldCube, name: str) -> dict[str, float]:
     """Return the costs of a solver by what they are of."""
     before = _memory(reset=True)
     started = time.process_time()

@@ -1,4 +1,4 @@
-"""Benchmarks: what is fast, by how much, against what, measured in one run.
+"""Benchmark suites by name, and their records: ratios measured in one run.
 
 A suite is a module of this package with `figures(progress)`. Nothing here is a test: a time is
 never checked.

@@ -67,10 +67,10 @@ def _stiffness() -> Any:
     made = figure(WIDE, 3.2)
     axes = made.subplots()
     for name, color in zip(rows(), COLORS, strict=False):
-        wanted, found = targets.subject(name), calibrated(name)
-        mine = stiffness(found.curve, 1.0, found.prony, wanted.force)
+        wanted, calibration = targets.subject(name), calibrated(name)
+        stiffnesses = stiffness(calibration.curve, 1.0, calibration.prony, wanted.force)
         axes.plot(wanted.force, wanted.stiffness, "--", color=color)
-        axes.plot(wanted.force, mine, color=color, label=name)
+        axes.plot(wanted.force, stiffnesses, color=color, label=name)
     axes.set_xlabel("T / N")
     axes.set_ylabel("dT/dx / N/mm")
     axes.legend(frameon=False)
@@ -87,13 +87,13 @@ def _table_caption() -> str:
 
 
 def _cost() -> str:
-    """Return what the calibrations took, the presses that were kept included."""
-    said = []
+    """Cost of the calibrations, cached presses included."""
+    costs = []
     for name in rows():
-        found = calibrated(name)
-        spent = sum(stage.presses_cpu for stage in found.stages)
-        said.append(f"{name} {spent:.0f} s ({found.finger['resolution']} mesh)")
-    return f"Presses took, in CPU time: {', '.join(said)}; the fits a few seconds each."
+        calibration = calibrated(name)
+        spent = sum(stage.presses_cpu for stage in calibration.stages)
+        costs.append(f"{name} {spent:.0f} s ({calibration.finger['resolution']} mesh)")
+    return f"Presses took, in CPU time: {', '.join(costs)}; the fits a few seconds each."
 
 
 def table() -> dict[str, Any]:
@@ -104,14 +104,14 @@ def table() -> dict[str, Any]:
 
 
 def _cells(name: str) -> list[str]:
-    found, split = calibrated(name), rows()[name]["split"]
-    values = found.residuals
+    calibration, split = calibrated(name), rows()[name]["split"]
+    values = calibration.residuals
     pair = "{:.3g} ({:.3g})"
     return [
         name,
-        found.finger["resolution"],
-        f"{found['modulus'].value:.1f} ± {found['modulus'].sd:.1f}",
-        f"{found['exponent'].value:.2f} ± {found['exponent'].sd:.2f}",
+        calibration.finger["resolution"],
+        f"{calibration['modulus'].value:.1f} ± {calibration['modulus'].sd:.1f}",
+        f"{calibration['exponent'].value:.2f} ± {calibration['exponent'].sd:.2f}",
         pair.format(values["m"], values["m, wanted"]),
         pair.format(values["b"], values["b, wanted"]),
         *(f"{split[part]:.2f}" for part in PARTS),

@@ -94,8 +94,10 @@ def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
 
 def _assumptions_caption() -> str:
     rows = levers()["finger"]
-    met = [row for row in rows if row["misfit"] < MISSES]
-    ends = [f"{min(r[k] for r in met):.2g} to {max(r[k] for r in met):.2g}" for k in OF_FORCE[1:]]
+    fitted = [row for row in rows if row["misfit"] < MISSES]
+    ends = [
+        f"{min(r[k] for r in fitted):.2g} to {max(r[k] for r in fitted):.2g}" for k in OF_FORCE[1:]
+    ]
     return (
         f"Effect of assumptions, subject {levers()['subject']}: fingers of the coarse mesh with "
         "modulus and exponent refitted to the force of Table 2.1, and the change relative to the "
@@ -147,14 +149,14 @@ def _rows(subject: str) -> list[list[str]]:
     printed = pad_radius.printed(subject)
     force = {each["lever"]: each for each in levers()["force"][subject]}
     at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
-    found = calibrated(subject).residuals
+    residuals = calibrated(subject).residuals
     rows = {
         "Table 3.2": (*(getattr(printed, name) for name in NAMES), None),
         "its half-space, read": _fitted(force["Table 3.2 itself, with noise"]),
         "force of Table 2.1": _fitted(at_zero),
         "touched 0.3 mm before": _fitted(early),
         "calibrated finger": (
-            *(found[f"array {name}"] for name in NAMES),
+            *(residuals[f"array {name}"] for name in NAMES),
             levers()["reading"][subject][0]["error"],
         ),
     }

@@ -1,4 +1,4 @@
-"""What moves R, m and c0 b that the thesis's fit finds in the frames of a slow press.
+"""Causes of differences in R, m and c0 b of the thesis's fit of the frames of a slow press.
 
 One lever at a time: in the finger (its modulus and exponent are fitted to the force again), in the
 array and its reading, and in the force that the fit is told to share with Table 2.1.
@@ -123,7 +123,7 @@ def _layers(finger: Finger, skin: float, pulp: float) -> Finger:
 
 
 def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
-    """Return what the thesis's fit finds in a finger whose tissue has the force of its subject.
+    """Apply the thesis's fit to a finger whose tissue has the force of its subject.
 
     Without a prior on the modulus. None where fewer than two of its presses are solved.
     """
@@ -136,18 +136,18 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     modulus = finger.subcutaneous.modulus
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
     free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
-    found = solve(forces.residual, free, forces.starts())
-    curve, factor = forces.curve(found.values)
-    prony = prony_of(found.values)
+    solution = solve(forces.residual, free, forces.starts())
+    curve, factor = forces.curve(solution.values)
+    prony = prony_of(solution.values)
     frames = pad.simulated(curve, factor, prony, heaviest=FORCE)
     fit, last = pad.thesis_fit(frames), frames.pressure[-1]
     m, b = _line(wanted, curve, factor, prony)
     return Fitted(
         name,
         *(fit.radius, fit.m, fit.c0_b, fit.error),
-        found.values["modulus"],
-        found.values["exponent"],
-        *(m, b, found.misfit),
+        solution.values["modulus"],
+        solution.values["exponent"],
+        *(m, b, solution.misfit),
         float(4e-3 * last.sum()),
         float(frames.depth.max()),
         float(np.sqrt(last @ frames.distance**2 / last.sum())),
@@ -158,11 +158,11 @@ def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
     """Yield exponents and presses that are solved to SOLVED at least."""
     for exponent in EXPONENTS:
         try:
-            found = press(law(finger, exponent), "solid")
+            pressed = press(law(finger, exponent), "solid")
         except ConvergenceError:
             continue
-        if found.depth[-1] > SOLVED * finger.thickness:
-            yield exponent, found
+        if pressed.depth[-1] > SOLVED * finger.thickness:
+            yield exponent, pressed
 
 
 def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[float, float]:
@@ -178,9 +178,9 @@ def of_fingers(subject: str) -> list[dict[str, float | str]]:
     return [asdict(each) for each in tried if each is not None]
 
 
-def of_reading(found: Calibration) -> list[Found]:
+def of_reading(calibration: Calibration) -> list[Found]:
     """Return the levers in the array and in how it is read, for a calibrated finger."""
-    sensor, curve, prony = ArraySensor(), found.curve, found.prony
+    sensor, curve, prony = ArraySensor(), calibration.curve, calibration.prony
     plain = pad.simulated(curve, 1.0, prony)
     inner = plain.distance < 6.0
     near = Frames(plain.depth[:, inner], plain.pressure[:, inner], plain.distance[inner])
@@ -201,9 +201,9 @@ def of_reading(found: Calibration) -> list[Found]:
     return [_fit(name, frames) for name, frames in made.items()]
 
 
-def of_force(found: Calibration) -> list[Found]:
-    """Return what the fit finds in contacts of Hertz's shape and the printed R, by their force."""
-    subject, curve, prony = found.target, found.curve, found.prony
+def of_force(calibration: Calibration) -> list[Found]:
+    """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
+    subject, curve, prony = calibration.target, calibration.curve, calibration.prony
     radius, bulk = pad.printed(subject).radius, library.pawluk_bulk()[subject]
     depth = pad.slow_press(curve, 1.0, prony)
     relaxed = bulk.prony.long_time * bulk.b / bulk.m
@@ -212,8 +212,8 @@ def of_force(found: Calibration) -> list[Found]:
     for early in (0.0, EARLY):
         deep = np.linspace(0.0, top + early, len(depth))
         force = relaxed * np.expm1(bulk.m * np.maximum(deep - early, 0.0))
-        said = f", touched {early:g} mm before its zero" if early else ""
-        made[f"relaxed force of Table 2.1{said}"] = deep, force
+        note = f", touched {early:g} mm before its zero" if early else ""
+        made[f"relaxed force of Table 2.1{note}"] = deep, force
     fits = [_fit(name, hertzian(radius, *each)) for name, each in made.items()]
     return [*fits, _fit("Table 3.2 itself, with noise", half_space(subject, 0))]
 
@@ -252,11 +252,11 @@ def _framed(depth: Array, radius: float, pressure: Callable[[Array], Array]) -> 
     """Return frames at depths (n,) mm of round pressures; `pressure` takes (k,), gives (n, k)."""
     distance = np.hypot(*ArraySensor().positions.T)
 
-    def felt(frame: int) -> Array:
+    def reading(frame: int) -> Array:
         reach = math.sqrt(radius * float(depth[frame]))
         return blurred(lambda r: pressure(r)[frame], reach, distance)
 
-    rows = [felt(frame) for frame in range(len(depth))]
+    rows = [reading(frame) for frame in range(len(depth))]
     return aligned(np.repeat(depth[:, None], len(distance), axis=1), np.array(rows), ArraySensor())
 
 

@@ -1,4 +1,4 @@
-"""What `reports/calibrated.json` and `calibration_levers.json` hold."""
+"""Read `reports/calibrated.json` and `calibration_levers.json`."""
 
 import json
 from functools import cache
@@ -15,8 +15,8 @@ LEVERS = "calibration_levers.json"
 @cache
 def rows() -> dict[str, Any]:
     """Return the rows of the report by subject."""
-    found: dict[str, Any] = json.loads(report(CALIBRATED))["rows"]
-    return found
+    records: dict[str, Any] = json.loads(report(CALIBRATED))["rows"]
+    return records
 
 
 @cache
@@ -27,6 +27,6 @@ def calibrated(subject: str) -> Calibration:
 
 @cache
 def levers() -> dict[str, Any]:
-    """Return what moves R, m and c0 b, as `evidence_levers` measured it."""
-    found: dict[str, Any] = json.loads(report(LEVERS))
-    return found
+    """Read the causes of differences in R, m and c0 b, as `evidence.levers` measured them."""
+    record: dict[str, Any] = json.loads(report(LEVERS))
+    return record

@@ -85,8 +85,8 @@ def calibrated(seed: int) -> Calibration:
 
 def recovered(name: str, seeds: int) -> int:
     """Return in how many of the seeds a parameter is within SPREAD deviations of the truth."""
-    truth, found = TRUTH[name], (calibrated(seed)[name] for seed in range(seeds))
-    return sum(abs(each.value - truth) <= SPREAD * each.sd for each in found)
+    truth, parameters = TRUTH[name], (calibrated(seed)[name] for seed in range(seeds))
+    return sum(abs(each.value - truth) <= SPREAD * each.sd for each in parameters)
 
 
 def weights(seeds: int) -> int:
@@ -96,5 +96,5 @@ def weights(seeds: int) -> int:
 
 def missed(name: str, seeds: int) -> float:
     """Return the mean over seeds of what a parameter is found to be, over the truth, less 1."""
-    found = [calibrated(seed)[name].value for seed in range(seeds)]
-    return float(np.mean(found)) / TRUTH[name] - 1
+    values = [calibrated(seed)[name].value for seed in range(seeds)]
+    return float(np.mean(values)) / TRUTH[name] - 1

@@ -1,4 +1,4 @@
-"""Where the stiffening of a calibrated finger comes from: contact, bone and shape, strain, tissue.
+"""Stiffening of a calibrated finger by cause: contact, bone and shape, strain, tissue.
 
 The measure is m of the line k = m P + b through stiffness against force (Pawluk 1997, Eq. 2.4),
 over the depths that the subject's ramp reaches. It does not change with the modulus, so every model
@@ -34,12 +34,12 @@ COUNT = 40
 """Forces at which the stiffness is taken, evenly."""
 
 
-def split(found: Calibration) -> dict[str, float]:
+def split(calibration: Calibration) -> dict[str, float]:
     """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
-    finger = Finger.subject(found.target, resolution="coarse")
-    wanted = targets.subject(found.target)
-    deep = float(found.curve.depth(wanted.prony.long_time * wanted.force[-1]))
-    deep = min(deep, found.deepest)
+    finger = Finger.subject(calibration.target, resolution="coarse")
+    wanted = targets.subject(calibration.target)
+    deep = float(calibration.curve.depth(wanted.prony.long_time * wanted.force[-1]))
+    deep = min(deep, calibration.deepest)
     linear, _ = curve(slow_press.small(finger))
     neo = replace(
         finger,
@@ -51,8 +51,8 @@ def split(found: Calibration) -> dict[str, float]:
         steepness(lambda x: x**1.5, deep),
         steepness(linear.force, deep),
         steepness(finite.force, deep),
-        steepness(found.curve.force, deep),
-        library.pawluk_bulk()[found.target].m,
+        steepness(calibration.curve.force, deep),
+        library.pawluk_bulk()[calibration.target].m,
     ]
     parts = np.diff(chain, prepend=0.0).tolist()
     return dict(zip(PARTS, parts, strict=True)) | {"depth": deep}
@@ -67,8 +67,8 @@ def steepness(force: Callable[[Array], Array], deepest: float) -> float:
     return line(even, np.interp(even, forces, k))[0]
 
 
-def table(found: Calibration) -> dict[str, Any]:
+def table(calibration: Calibration) -> dict[str, Any]:
     """Return the split and the share of every part in m of Table 2.1."""
-    parts = split(found)
-    whole = library.pawluk_bulk()[found.target].m
+    parts = split(calibration)
+    whole = library.pawluk_bulk()[calibration.target].m
     return parts | {"shares": {name: parts[name] / whole for name in PARTS}}

@@ -87,12 +87,12 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 
 
 def _force(subject: str) -> Iterator[Case]:
-    found, bulk = calibrated(subject), library.pawluk_bulk()[subject]
+    calibration, bulk = calibrated(subject), library.pawluk_bulk()[subject]
     sd, _ = line_sd(targets.subject(subject))
     yield Case(
         "calibration",
         f"{subject}: m of stiffness against force of the calibrated finger",
-        lambda: found.residuals["m"],
+        lambda: calibration.residuals["m"],
         bulk.m,
         3 * sd,
         "1/mm",
@@ -114,7 +114,7 @@ def _force(subject: str) -> Iterator[Case]:
 
 
 def _pressed_again(subject: str) -> Iterator[Case]:
-    row, found = pad.printed(subject), calibrated(subject)
+    row, calibration = pad.printed(subject), calibrated(subject)
     kept_curve = "the report, whose curves are between presses"
     yield Case(
         "calibration",
@@ -130,7 +130,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         "calibration",
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
-        found.residuals["b"],
+        calibration.residuals["b"],
         3 * line_sd(targets.subject(subject))[1],
         "N/mm",
         f"{kept_curve}; wanted is Table 2.1",
@@ -142,7 +142,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         "calibration",
         f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
         partial(radius_again, subject),
-        found.residuals["array radius"],
+        calibration.residuals["array radius"],
         0.06 * row.radius,
         "mm",
         f"{kept_curve}; wanted is Table 3.2",
@@ -150,14 +150,14 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         shortfall=FLATTER,
         reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
     )
-    kept = rows()[subject]["profiles"][MIDDLE]
+    profile = rows()[subject]["profiles"][MIDDLE]
     yield Case(
         "calibration",
-        f"{subject}: width of the pressure of a new press at {kept['force_N']:.2g} N over that of "
-        "Table 3.2",
-        partial(width_again, subject, kept),
-        width(*(np.array(kept[key]) for key in ("distance_mm", "finger_kPa")))
-        / width(*(np.array(kept[key]) for key in ("distance_mm", "thesis_kPa"))),
+        f"{subject}: width of the pressure of a new press at {profile['force_N']:.2g} N over that "
+        "of Table 3.2",
+        partial(width_again, subject, profile),
+        width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
+        / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
         0.05,
         "1",
         f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
@@ -172,12 +172,14 @@ def first_stiffness(subject: str) -> Told:
 
     Over the forces that the new press reaches.
     """
-    found, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
-    last = float(one.force(one.deepest)) / found.prony.long_time
+    calibration, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
+    last = float(one.force(one.deepest)) / calibration.prony.long_time
     force = wanted.force[wanted.force <= last]
-    new, old = (line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve))
-    said = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
-    return Told(found.residuals["b"] + new[1] - old[1], said)
+    new, old = (
+        line(force, stiffness(c, 1.0, calibration.prony, force)) for c in (one, calibration.curve)
+    )
+    note = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
+    return Told(calibration.residuals["b"] + new[1] - old[1], note)
 
 
 def radius_again(subject: str) -> Told:
@@ -185,12 +187,16 @@ def radius_again(subject: str) -> Told:
 
     Over the depth that both reach: the deeper the frames, the smaller R.
     """
-    found, one = calibrated(subject), fresh(subject)
-    deep = min(one.deepest, found.deepest)
-    frames = [pad.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
+    calibration, one = calibrated(subject), fresh(subject)
+    deep = min(one.deepest, calibration.deepest)
+    frames = [
+        pad.simulated(c.until(deep), 1.0, calibration.prony) for c in (one, calibration.curve)
+    ]
     new, old = (pad.thesis_fit(each).radius for each in frames)
-    said = f"Compared to {deep:.2f} mm, where the shorter press ends, of {found.deepest:.2f} mm."
-    return Told(found.residuals["array radius"] * new / old, said)
+    note = (
+        f"Compared to {deep:.2f} mm, where the shorter press ends, of {calibration.deepest:.2f} mm."
+    )
+    return Told(calibration.residuals["array radius"] * new / old, note)
 
 
 def line_sd(wanted: Bulk) -> tuple[float, float]:
@@ -202,14 +208,19 @@ def line_sd(wanted: Bulk) -> tuple[float, float]:
 
 def shipped(subject: str) -> float:
     """Return the largest relative difference of the shipped set and the report."""
-    found = calibrated(subject)
-    kept = library.tissue_set(library.calibrated_name(subject))
-    pairs = [(kept.pad_radius, found.finger["pad_radius"])]
-    for mine, theirs in ((kept.skin, found.skin), (kept.subcutaneous, found.subcutaneous)):
+    calibration = calibrated(subject)
+    tissue_set = library.tissue_set(library.calibrated_name(subject))
+    pairs = [(tissue_set.pad_radius, calibration.finger["pad_radius"])]
+    for mine, theirs in (
+        (tissue_set.skin, calibration.skin),
+        (tissue_set.subcutaneous, calibration.subcutaneous),
+    ):
         pairs += [(getattr(mine, name), theirs[name]) for name in ("modulus", "exponent")]
-    assert kept.prony is not None
+    assert tissue_set.prony is not None
     pairs += zip(
-        kept.prony.weights + kept.prony.v, found.prony.weights + found.prony.v, strict=True
+        tissue_set.prony.weights + tissue_set.prony.v,
+        calibration.prony.weights + calibration.prony.v,
+        strict=True,
     )
     return max(abs(mine / theirs - 1) for mine, theirs in pairs)
 
@@ -217,34 +228,34 @@ def shipped(subject: str) -> float:
 @cache
 def fresh(subject: str, resolution: str = "coarse") -> Curve:
     """Return the curve of a new press of the calibrated finger."""
-    found = calibrated(subject)
-    radius = found.finger["pad_radius"]
+    calibration = calibrated(subject)
+    radius = calibration.finger["pad_radius"]
     finger = Finger.subject(subject, resolution=resolution, pad_radius=radius)
     exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
-    own = replace(
+    relaxed = replace(
         finger,
         skin=layer(finger.skin, exponent),
         subcutaneous=layer(finger.subcutaneous, exponent),
     )
-    one, _ = curve(press(own, "solid"))
-    factor = found["modulus"].value / finger.subcutaneous.modulus
+    one, _ = curve(press(relaxed, "solid"))
+    factor = calibration["modulus"].value / finger.subcutaneous.modulus
     return replace(one, q=one.q + np.log(factor))
 
 
 def on_standard(subject: str) -> Told:
     """Return the largest relative distance of the force on the standard mesh from the report."""
     row = json.loads(report(STANDARD))["rows"][subject]
-    depth, force, known = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
-    off = np.abs(force / known - 1)[depth > depth[-1] / 3].max()
-    said = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
-    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(said)}.")
+    depth, force, reported = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
+    off = np.abs(force / reported - 1)[depth > depth[-1] / 3].max()
+    values = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
+    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
 
 
 def again(subject: str) -> float:
     """Return the largest relative distance of the force of a new press from the report."""
-    found, one = calibrated(subject), fresh(subject)
-    depth = np.linspace(0.3, 1.0, 20) * min(one.deepest, found.deepest)
-    return float(np.abs(one.force(depth) / found.curve.force(depth) - 1).max())
+    calibration, one = calibrated(subject), fresh(subject)
+    depth = np.linspace(0.3, 1.0, 20) * min(one.deepest, calibration.deepest)
+    return float(np.abs(one.force(depth) / calibration.curve.force(depth) - 1).max())
 
 
 def width(r: Array, pressure: Array) -> float:
@@ -252,16 +263,16 @@ def width(r: Array, pressure: Array) -> float:
     return float(np.sqrt(pressure @ r**2 / pressure.sum()))
 
 
-def width_again(subject: str, kept: dict[str, Any]) -> float:
+def width_again(subject: str, stored: dict[str, Any]) -> float:
     """Return the width of a profile in the report over that of the half-space, by a new press.
 
     At the force of the report, or where the new press ends.
     """
-    found = calibrated(subject)
-    new = pad.profile(fresh(subject), 1.0, found.prony, subject, kept["force_N"])
-    old = pad.profile(found.curve, 1.0, found.prony, subject, new.force)
+    calibration = calibrated(subject)
+    new = pad.profile(fresh(subject), 1.0, calibration.prony, subject, stored["force_N"])
+    old = pad.profile(calibration.curve, 1.0, calibration.prony, subject, new.force)
     finger, thesis = (
-        width(*(np.array(kept[key]) for key in ("distance_mm", name)))
+        width(*(np.array(stored[key]) for key in ("distance_mm", name)))
         for name in ("finger_kPa", "thesis_kPa")
     )
     return finger / thesis * width(new.distance, new.finger) / width(old.distance, old.finger)

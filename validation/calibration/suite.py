@@ -1,4 +1,4 @@
-"""Suite `calibration`: twins are recovered, what was not fitted is predicted, and what is shipped.
+"""Suite `calibration`: recovery of twins, prediction of data not fitted, and shipped tissue sets.
 
 The calibrated subjects are read from `reports/calibrated.json` (see `evidence_calibration`).
 """
@@ -74,10 +74,10 @@ def left_out(subject: str) -> float:
     missed = []
     for exponent in EXPONENTS[1:-1]:
         rest = family([each for each in EXPONENTS if each != exponent], radius, pressed)
-        own, _ = curve(pressed(exponent))
-        depth = np.linspace(0.2, 1.0, 50) * min(rest.deepest, own.deepest)
+        omitted, _ = curve(pressed(exponent))
+        depth = np.linspace(0.2, 1.0, 50) * min(rest.deepest, omitted.deepest)
         between = rest.at(exponent, radius).force(depth)
-        missed.append(np.abs(between / own.force(depth) - 1).max())
+        missed.append(np.abs(between / omitted.force(depth) - 1).max())
     return float(max(missed))
 
 

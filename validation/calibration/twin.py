@@ -68,22 +68,22 @@ def finger(mesh: str = COARSE) -> Finger:
 
 
 def start() -> Finger:
-    """Return what the calibration is told of it: its pad radius is a fourth too large."""
+    """Start of the calibration of the twin: a finger with a pad radius a fourth too large."""
     return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED)
 
 
 @cache
 def twin(mesh: str = COARSE) -> Twin:
     """Return the twin on a mesh, without noise."""
-    own = Condensed(finger(mesh), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
+    condensed = Condensed(finger(mesh), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
     end = (TOUCH + DEPTH) / SPEED
     rest = np.concatenate([np.arange(1, 2000) / RATE, np.geomspace(0.2, HOLD, 600)])
     steps = np.concatenate([np.arange(0.0, end, 1 / RATE), end + rest])
-    force = stepped(own, steps, np.minimum(SPEED * steps, SPEED * end) - TOUCH)
+    force = stepped(condensed, steps, np.minimum(SPEED * steps, SPEED * end) - TOUCH)
     time = np.arange(0.0, end + HOLD, 1 / RATE)
     position = np.minimum(SPEED * time, SPEED * end)
     scene = slow_press.pressed(finger(mesh))
-    response = own.run(Ramp(SLOW, PRESS, corner=0.0))
+    response = condensed.run(Ramp(SLOW, PRESS, corner=0.0))
     chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
     read = slow_press.array_pressure(scene, response)[chosen]
     return Twin(
@@ -96,12 +96,12 @@ def twin(mesh: str = COARSE) -> Twin:
     )
 
 
-def stepped(own: Condensed, time: Array, depth: Array) -> Array:
+def stepped(condensed: Condensed, time: Array, depth: Array) -> Array:
     """Return the force in N of a finger that is stepped through depths in mm."""
-    own.reset()
+    condensed.reset()
     lengths = np.diff(time, prepend=time[0])
     depths = np.maximum(depth, 0.0)
-    return np.array([own.step(d, dt).force for d, dt in zip(depths, lengths, strict=True)])
+    return np.array([condensed.step(d, dt).force for d, dt in zip(depths, lengths, strict=True)])
 
 
 @cache
@@ -130,8 +130,11 @@ def written(path: Path, head: str, *columns: Array) -> Path:
 
 def deviations(seed: int, mesh: str = COARSE) -> dict[str, float]:
     """Return by how many of its standard deviations each parameter misses the truth."""
-    found = calibrated(seed, mesh)
-    return {name: (found[name].value - true) / found[name].sd for name, true in TRUTH.items()}
+    calibration = calibrated(seed, mesh)
+    return {
+        name: (calibration[name].value - true) / calibration[name].sd
+        for name, true in TRUTH.items()
+    }
 
 
 def recovered(name: str, seeds: int, mesh: str = COARSE) -> int:
@@ -144,18 +147,18 @@ def recovered(name: str, seeds: int, mesh: str = COARSE) -> int:
 
 def missed(name: str, seeds: int, mesh: str) -> float:
     """Return the mean over seeds of what a parameter is found to be, over the truth, less 1."""
-    found = [calibrated(seed, mesh)[name].value for seed in range(seeds)]
-    return float(np.mean(found)) / TRUTH[name] - 1
+    values = [calibrated(seed, mesh)[name].value for seed in range(seeds)]
+    return float(np.mean(values)) / TRUTH[name] - 1
 
 
 def sinusoid(frequency: int) -> dict[str, float]:
     """Return the errors of the prediction of a sinusoid that was not fitted, first seed."""
     motion = RampSinusoid(20.0, 1.2, amplitude=0.3, frequency=frequency, cycles=5, corner=0.0)
     time = np.linspace(0.0, motion.duration, 2401)
-    own = Condensed(finger(), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
-    measured = stepped(own, time, motion.value(time))
-    found = calibrated(0)
-    model = found.predict(time, motion.value(time) + TOUCH - found["x0"].value)
+    condensed = Condensed(finger(), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
+    measured = stepped(condensed, time, motion.value(time))
+    calibration = calibrated(0)
+    model = calibration.predict(time, motion.value(time) + TOUCH - calibration["x0"].value)
     return errors(measured, model)
 
 

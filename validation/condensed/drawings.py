@@ -14,14 +14,14 @@ SIZE = (6.2, 3.6)  # inches; two stand side by side
 Array = NDArray[np.float64]
 
 
-def half_space(time: Array, depth: Array, found: Array, exact: Array) -> Any:
+def half_space(time: Array, depth: Array, computed: Array, exact: Array) -> Any:
     """Draw a press in and out, s and mm: the force in mN that was found, and the exact one."""
     with style():
         drawn = figure(*SIZE)
         left, right = drawn.subplots(1, 2, sharey=True)
         for axis, x, label in ((left, time, "time / s"), (right, 1e3 * depth, "depth / um")):
             axis.plot(x[::5], exact[::5], "o", ms=3, color=ORANGE, label="Hertz and Ting")
-            axis.plot(x, found, color=INK, lw=1.2, label="condensed")
+            axis.plot(x, computed, color=INK, lw=1.2, label="condensed")
             axis.set_xlabel(label)
         left.set_ylabel("force / mN")
         left.legend()

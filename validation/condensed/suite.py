@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.condensed import drawings
-from fefinger.validation.problems.half_space import Quarter
+from fefinger.validation.problems.half_space import HalfSpaceQuarter
 from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled
@@ -79,7 +79,7 @@ def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> C
 
 @cache
 def answers(resolution: str, name: str) -> tuple[Response, Response]:
-    """Return what `linear` and `condensed` answer on one mesh."""
+    """Responses of `linear` and `condensed` on one mesh."""
     indenter, motion = PRESSES[name]
     chosen = pressed_finger(resolution, name)
     scene = Scene(finger=chosen, indenter=indenter, motion=motion, ask=Ask(fields=False))
@@ -89,19 +89,19 @@ def answers(resolution: str, name: str) -> tuple[Response, Response]:
 
 def difference(resolution: str, name: str, quantity: str) -> float:
     """Return the largest difference in any step, over the largest value in that step."""
-    exact, found = (
+    exact, computed = (
         np.asarray(getattr(each, quantity)).reshape(len(each.time), -1)
         for each in answers(resolution, name)
     )
     scale = np.abs(exact).max(axis=1)
-    touched = scale > 1e-6 * scale.max()
-    return float((np.abs(found - exact).max(axis=1)[touched] / scale[touched]).max())
+    significant = scale > 1e-6 * scale.max()
+    return float((np.abs(computed - exact).max(axis=1)[significant] / scale[significant]).max())
 
 
 @cache
-def quarter(poisson: float, cells: int, thickness: float | None = None) -> Quarter:
+def quarter(poisson: float, cells: int, thickness: float | None = None) -> HalfSpaceQuarter:
     """Return the block of this suite."""
-    return Quarter(**BLOCK, poisson=poisson, cells=cells, thickness=thickness)
+    return HalfSpaceQuarter(**BLOCK, poisson=poisson, cells=cells, thickness=thickness)
 
 
 def figures() -> Iterator[tuple[str, Any]]:
@@ -143,8 +143,8 @@ def half_space(poisson: float, cells: int) -> tuple[Array, Array, Array, Array]:
 
 def hertz_error(poisson: float, cells: int, part: str) -> float:
     """Return the largest error of a press in and out of a half-space in %, over the peak."""
-    time, _, found, exact = half_space(poisson, cells)
-    error = 100 * np.abs(found - exact) / exact.max()
+    time, _, computed, exact = half_space(poisson, cells)
+    error = 100 * np.abs(computed - exact) / exact.max()
     chosen = time <= 0.5 if part == "loading" else time > 0.5
     return float(error[chosen].max())
 
@@ -234,7 +234,7 @@ def work(resolution: str, prony: Prony | None) -> float:
 
 @cache
 def chance(resolution: str) -> tuple[float, float, float]:
-    """Return how many random trajectories fail, and the mean and most rounds of exchange per step.
+    """Count failing random trajectories; also mean and largest rounds of exchange per step.
 
     Depths jump anywhere from off the finger to 1.2 mm, over 0.1 ms to 10 s.
     """
@@ -266,8 +266,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _agreement(resolution: str) -> Iterator[Case]:
     for name, (_, motion) in PRESSES.items():
         # A depth that is prescribed is the same in both; a force is what each found a depth for.
-        found = ("depth",) if motion.control == "force" else ()
-        for quantity in (*found, "force", "pressure", "strain"):
+        controlled = ("depth",) if motion.control == "force" else ()
+        for quantity in (*controlled, "force", "pressure", "strain"):
             title = f"{quantity} in every step, {name}"
             measure = partial(difference, resolution, name, quantity)
             yield Case("condensed", title, measure, 0.0, 1e-10, "1", "linear on the same mesh")

@@ -42,11 +42,11 @@ def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
 
 def answer(rows: Rows) -> str:
     """Return the finding in a few sentences."""
-    found = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
+    asymmetry = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
     force, area = (
         curve(rows, MAIN["1 mm"], "1 mm", name) for name in ("force_N", "contact_area_mm2")
     )
-    inside = {angle: value for angle, value in found.items() if THESIS[0] <= angle <= THESIS[1]}
+    inside = {angle: value for angle, value in asymmetry.items() if THESIS[0] <= angle <= THESIS[1]}
     high, low = max(inside, key=inside.__getitem__), min(inside, key=inside.__getitem__)
     stiff, soft = max(force, key=force.__getitem__), min(force, key=force.__getitem__)
     others = [curve(rows, case, "1 mm", "asymmetry")[low] for case in TISSUES]
@@ -72,13 +72,13 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
             if row["at"] == at and row["status"] == "done" and row["case"] in (MAIN[at], OTHER[at])
         ]
         how = {"1 mm": "a ramp at 60 mm/s", "1 N": "a ramp of the force at 40 N/s"}[at]
-        said = f"On the loading, at {at}: {how}. Coarse mesh, tissue of Maeno et al. (1998)."
+        text = f"On the loading, at {at}: {how}. Coarse mesh, tissue of Maeno et al. (1998)."
         picture = page.svg(figures.panels(chosen, ANGLE, ["case"], [skip]))
         yield part(
-            f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", said, picture=picture
+            f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", text, picture=picture
         )
     yield from _by_force(rows)
-    felt = [
+    with_array = [
         row
         for row in rows
         if row["case"] == MAIN["1 N"] and row["at"] == "1 N" and row.get(READINGS)
@@ -87,7 +87,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         "Simulated readings of the array of the thesis at 1 N",
         "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
         "Subject a.h., without noise.",
-        picture=page.svg(figures.isobars(felt, ANGLE, READINGS)),
+        picture=page.svg(figures.isobars(with_array, ANGLE, READINGS)),
     )
     yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
     yield from sure(rows)
@@ -97,14 +97,14 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
     columns = [ANGLE, *MEASURES, "reach_distal_mm", "reach_proximal_mm", "stiffness_N_per_mm"]
     columns += ["sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2", "hertz_ellipticity"]
     for at in MAIN:
-        own = [row for row in rows if row["case"] == MAIN[at] and row["at"] == at]
+        rows_at = [row for row in rows if row["case"] == MAIN[at] and row["at"] == at]
         yield part(
-            f"Rows of a.h. at {at}", "All are in contact-angle.csv.", table=table(own, columns)
+            f"Rows of a.h. at {at}", "All are in contact-angle.csv.", table=table(rows_at, columns)
         )
 
 
 def _predicted(rows: Rows) -> Iterator[str]:
-    """Give what the curves say, in sentences."""
+    """Yield the results as sentences."""
     asymmetry, shift, ellipticity = (
         curve(rows, MAIN["1 mm"], "1 mm", name)
         for name in ("asymmetry", "shift_distal_mm", "ellipticity")
@@ -149,11 +149,11 @@ def _predicted(rows: Rows) -> Iterator[str]:
 
 def _by_force(rows: Rows) -> Iterator[dict[str, Any]]:
     """Give the measures against the angle at several forces on the loading."""
-    kept = {**MEASURES, "stiffness_N_per_mm": "", **{f"spikes_{kind}": "" for kind in COLORS}}
+    measures = {**MEASURES, "stiffness_N_per_mm": "", **{f"spikes_{kind}": "" for kind in COLORS}}
 
     def loading(case: str) -> list[dict[str, Any]]:
         return [
-            {"case": row["at"], ANGLE: row[ANGLE]} | {k: row[k] for k in kept if row.get(k)}
+            {"case": row["at"], ANGLE: row[ANGLE]} | {k: row[k] for k in measures if row.get(k)}
             for at in FORCES
             for row in rows
             if row["case"] == case and row["at"] == at and row["status"] == "done"
@@ -201,19 +201,19 @@ def _thesis(rows: Rows) -> Iterator[str]:
         for side in ("distal", "proximal")
     }
     shift = curve(rows, MAIN["1 N"], "1 N", "sensor_shift_distal_mm")
-    told = {
+    reaches = {
         angle: (reach["distal"][angle] - shift[angle], reach["proximal"][angle] + shift[angle])
         for angle in reach["distal"]
         if THESIS[0] <= angle <= THESIS[1]
     }
     listed = ", ".join(
-        f"{angle:g} degrees {d:.1f} and {p:.1f} mm" for angle, (d, p) in told.items()
+        f"{angle:g} degrees {d:.1f} and {p:.1f} mm" for angle, (d, p) in reaches.items()
     )
-    shorter = sum(distal < proximal for distal, proximal in told.values())
+    shorter = sum(distal < proximal for distal, proximal in reaches.values())
     yield (
         "Read by the array at 1 N, the 4 kPa isobar of the model reaches from its centroid "
         f"distally and proximally by, at {listed}: shorter on the distal side at {shorter} of "
-        f"these {len(told)} angles, which is the direction that the thesis describes. The force "
+        f"these {len(reaches)} angles, which is the direction that the thesis describes. The force "
         "about first touch is another measure: it is the same on both sides at "
         f"{_crossing(rows):.0f} degrees, with more of it distal below and proximal above. So the "
         "asymmetry of Figure 3-3 says as much about the angle of that trial as about the finger."
@@ -222,9 +222,9 @@ def _thesis(rows: Rows) -> Iterator[str]:
 
 def _crossing(rows: Rows, at: str = "1 N") -> float:
     """Return the angle within those of the thesis at which the asymmetry at a force is none."""
-    found = curve(rows, MAIN["1 N"], at, "asymmetry")
-    angles = [angle for angle in sorted(found) if THESIS[0] <= angle <= THESIS[1]]
-    values = [found[angle] for angle in angles]
+    asymmetry = curve(rows, MAIN["1 N"], at, "asymmetry")
+    angles = [angle for angle in sorted(asymmetry) if THESIS[0] <= angle <= THESIS[1]]
+    values = [asymmetry[angle] for angle in angles]
     return float(np.interp(0.0, values[::-1], angles[::-1]))
 
 
@@ -248,7 +248,7 @@ def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
 
 
 def _limits(rows: Rows) -> Iterator[str]:
-    """Give what the numbers rest on, and which scenes have none."""
+    """Yield the basis of the numbers, and the scenes without numbers."""
     yield (
         "The shape is parametric: constant curvature along the pad, a turn to the tip between "
         "slopes of 34 and 48 degrees, a bone of published proportions. The three regimes follow "

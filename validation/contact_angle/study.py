@@ -1,4 +1,4 @@
-"""The contact angle: what the model says of 0 to 60 degrees, how sure it is, what to measure.
+"""Study of the contact angle from 0 to 60 degrees: results, uncertainty, proposed experiment.
 
 Run as `python -m fefinger.validation.contact_angle.study WORK reports`; it takes about ten minutes
 on two cores and goes on where it was stopped. It writes contact-angle.csv, contact-angle.html and
@@ -65,9 +65,9 @@ def collect(work: Path) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for name, (scene, changes, mechanics, angles) in STUDIES.items():
         over = {"indenter.angle": angles}
-        found = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
-        rows += [{"case": name, **_rounded(row)} for row in found.rows]
-        print(f"{name}: {found.scenes - len(found.failures)} of {found.scenes}", file=sys.stderr)
+        result = study(scene, over, changes=changes, mechanics=mechanics, folder=work, at=AT)
+        rows += [{"case": name, **_rounded(row)} for row in result.rows]
+        print(f"{name}: {result.scenes - len(result.failures)} of {result.scenes}", file=sys.stderr)
     return rows
 
 

@@ -1,4 +1,4 @@
-"""How sure the page on the contact angle is, and what an experiment should measure."""
+"""Uncertainty of the results on the contact angle, and a proposed experiment."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -46,23 +46,23 @@ def sure(rows: Rows) -> Iterator[dict[str, Any]]:
         base = curve(rows, MAIN["1 mm"], "1 mm", name)
         other = curve(rows, OTHER["1 mm"], "1 mm", name)
         relative = name in ("force_N", "contact_area_mm2")
-        told = []
+        rows_of_table = []
         for angle, value in base.items():
             scale = 100 / value if relative else 1.0
-            found = [curve(rows, case, "1 mm", name).get(angle) for case in changed.values()]
-            changes = [_told(None if v is None else scale * (v - value), "+.3g") for v in found]
-            told.append([f"{angle:g}", _told(value), *changes, _told(other.get(angle))])
+            values = [curve(rows, case, "1 mm", name).get(angle) for case in changed.values()]
+            changes = [_told(None if v is None else scale * (v - value), "+.3g") for v in values]
+            rows_of_table.append([f"{angle:g}", _told(value), *changes, _told(other.get(angle))])
         unit = " in %" if relative else ""
         yield part(
             f"Sensitivity: {MEASURES[name]} at 1 mm",
             f"Differences{unit} from the coarse mesh of a.h. with the tissue of Maeno et al. "
             "(1998) at small strain, one change at a time; the finger of p.w. is another one.",
-            table={"heading": ["angle", "a.h.", *changed, "p.w."], "rows": told},
+            table={"heading": ["angle", "a.h.", *changed, "p.w."], "rows": rows_of_table},
         )
 
 
 def _summed(rows: Rows) -> str:
-    """Return how far mesh and finite strain change the numbers at 1 mm, in two sentences."""
+    """Describe the effect of mesh and finite strain on the numbers at 1 mm, in two sentences."""
 
     def changes(case: str, name: str, *, relative: bool) -> dict[float, float]:
         base, other = (curve(rows, each, "1 mm", name) for each in (MAIN["1 mm"], case))
@@ -93,10 +93,10 @@ def _told(value: float | None, form: str = ".3g") -> str:
 
 
 def experiment(rows: Rows) -> Iterator[str]:
-    """Give what would tell the model right or wrong, and how exactly it has to be measured."""
-    found = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
-    angles = np.array(sorted(found))
-    slopes = np.diff([found[angle] for angle in angles]) / np.diff(angles)
+    """Yield the measurements that would test the model, and the accuracy that they need."""
+    asymmetry = curve(rows, MAIN["1 mm"], "1 mm", "asymmetry")
+    angles = np.array(sorted(asymmetry))
+    slopes = np.diff([asymmetry[angle] for angle in angles]) / np.diff(angles)
     steepest = int(np.argmax(np.abs(slopes)))
     yield (
         f"The asymmetry at angles that are held to about 1 degree: between {angles[steepest]:g} "
@@ -134,7 +134,7 @@ def experiment(rows: Rows) -> Iterator[str]:
         f"mesh). At 20 degrees the three agree within {100 * _spread(rows, 20.0):.0f} % of the "
         "force."
     )
-    shape = max(_spread(rows, angle, "ellipticity") for angle in found)
+    shape = max(_spread(rows, angle, "ellipticity") for angle in asymmetry)
     yield (
         f"The ellipticity, as a test of the shape: the three tissues differ in it by {shape:.2f} "
         "at most, at any angle, while it goes through 0 at 40 degrees."
@@ -152,8 +152,8 @@ def experiment(rows: Rows) -> Iterator[str]:
 
 def _blur(rows: Rows, name: str, low: float, high: float) -> float:
     """Return the largest difference that the array makes to a measure at 1 mm, at those angles."""
-    own, read = (curve(rows, MAIN["1 mm"], "1 mm", each) for each in (name, f"sensor_{name}"))
-    return max(abs(read[angle] - own[angle]) for angle in read if low <= angle <= high)
+    exact, read = (curve(rows, MAIN["1 mm"], "1 mm", each) for each in (name, f"sensor_{name}"))
+    return max(abs(read[angle] - exact[angle]) for angle in read if low <= angle <= high)
 
 
 def _spread(rows: Rows, angle: float, name: str = "asymmetry") -> float:

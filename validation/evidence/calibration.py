@@ -29,18 +29,19 @@ MESH = {"a.h.": "standard", "d.s.": "coarse", "d.p.": "coarse", "p.w.": "coarse"
 
 def row(subject: str) -> dict[str, Any]:
     """Return the calibration of a subject, its split and its profiles."""
-    found = calibrate(subject, resolution=MESH[subject])
+    calibration = calibrate(subject, resolution=MESH[subject])
     return {
-        "calibration": found.record(),
-        "split": split.table(found),
-        "profiles": profiles(found),
+        "calibration": calibration.record(),
+        "split": split.table(calibration),
+        "profiles": profiles(calibration),
     }
 
 
-def profiles(found: Calibration) -> list[dict[str, Any]]:
+def profiles(calibration: Calibration) -> list[dict[str, Any]]:
     """Return pressure against distance at FORCES, of the calibrated finger and of Table 3.2."""
     made = [
-        pad_radius.profile(found.curve, 1.0, found.prony, found.target, force) for force in FORCES
+        pad_radius.profile(calibration.curve, 1.0, calibration.prony, calibration.target, force)
+        for force in FORCES
     ]
     return [
         {
@@ -69,7 +70,7 @@ def report(rows: dict[str, Any]) -> dict[str, Any]:
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / CALIBRATED
     rows = {name: row(name) for name in sys.argv[2:] or SUBJECTS}
-    kept = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
+    stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
     target.write_text(
-        json.dumps(report(kept | rows), indent=1, allow_nan=False) + "\n", encoding="utf-8"
+        json.dumps(report(stored | rows), indent=1, allow_nan=False) + "\n", encoding="utf-8"
     )

@@ -1,4 +1,4 @@
-"""Measure what `solid` costs, by mesh and depth, and write the report that the planner reads.
+"""Measure the cost of `solid` by mesh and depth, and write the report that the planner reads.
 
 Run as `python -m fefinger.validation.evidence.cost reports` on a machine that does nothing else; it
 takes some ten minutes of one core.

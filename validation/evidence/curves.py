@@ -1,4 +1,4 @@
-"""Measure by what the force of a press is off by the mesh, and over what depth that goes by.
+"""Measure the mesh error of the force of a press, and its correlation length in depth.
 
 Run as `python -m fefinger.validation.evidence.curves reports`; it builds each mesh anew, in a
 process and a cache of its own, and takes some five minutes of two cores. `calibrate` counts with
@@ -40,8 +40,8 @@ def drawn(mesh: str) -> list[float]:
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder
         finger = twin.finger(mesh)
-        found = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
-    return [float(x) for x in np.interp(DEPTHS, found.depth, found.force)]
+        response = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
+    return [float(x) for x in np.interp(DEPTHS, response.depth, response.force)]
 
 
 def likeliest(errors: Array) -> tuple[float, float]:
@@ -55,14 +55,14 @@ def likeliest(errors: Array) -> tuple[float, float]:
         return float(len(errors) * np.linalg.slogdet(covariance)[1] + squares)
 
     start = np.log([errors.std(), 0.3])
-    found = minimize(unlikely, start, method="Nelder-Mead")
-    assert found.success, found.message
-    sd, length = np.exp(found.x)
+    optimum = minimize(unlikely, start, method="Nelder-Mead")
+    assert optimum.success, optimum.message
+    sd, length = np.exp(optimum.x)
     return float(sd), float(length)
 
 
 def row(errors: Array) -> dict[str, Any]:
-    """Return what is told of relative errors (n, k)."""
+    """Statistics of relative errors (n, k), as plain values."""
     sd, length = likeliest(errors)
     return {
         "draws": len(errors),
@@ -77,9 +77,11 @@ def main(folder: Path) -> None:
     """Measure, and write the report."""
     fresh = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
-        found = {mesh: np.array(list(pool.map(drawn, [mesh] * n))) for mesh, n in DRAWS.items()}
-    true = found["standard"].mean(axis=0)
-    errors = {mesh: forces / true - 1 for mesh, forces in found.items()}
+        forces_by_mesh = {
+            mesh: np.array(list(pool.map(drawn, [mesh] * n))) for mesh, n in DRAWS.items()
+        }
+    true = forces_by_mesh["standard"].mean(axis=0)
+    errors = {mesh: forces / true - 1 for mesh, forces in forces_by_mesh.items()}
     errors["standard"] *= np.sqrt(DRAWS["standard"] / (DRAWS["standard"] - 1))  # of their own mean
     report = provenance("python -m fefinger.validation.evidence.curves reports") | {
         "depths_mm": [float(f"{x:.4g}") for x in DEPTHS],

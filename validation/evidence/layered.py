@@ -54,8 +54,8 @@ def row(press: str) -> dict[str, Any]:
     """Return depth, both forces and their relative difference under one object, by subject."""
     subjects = {}
     for subject in SUBJECTS:
-        asked = scene(press, subject)
-        mine, theirs = (forces(kind.respond(asked), press) for kind in (layered, linear))
+        pressed = scene(press, subject)
+        mine, theirs = (forces(kind.respond(pressed), press) for kind in (layered, linear))
         subjects[subject] = {
             "layered_N": mine,
             "linear_N": theirs,
@@ -76,11 +76,11 @@ def seconds() -> dict[str, float]:
     """
     # Another tissue first: it loads what is loaded once and leaves no contact of this one behind.
     layered.respond(builtin.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
-    asked = builtin.load("flat-press", {"ask.fields": False})
+    flat_press = builtin.load("flat-press", {"ask.fields": False})
     taken = []
     for _ in range(2):
         started = time.perf_counter()
-        response = layered.respond(asked)
+        response = layered.respond(flat_press)
         taken.append(time.perf_counter() - started - response.seconds["contact"])
     return {
         "setup_seconds": round(taken[0], 3),
@@ -90,7 +90,7 @@ def seconds() -> dict[str, float]:
 
 
 def tissue() -> dict[str, Any]:
-    """Return what the error depends on of the tissues: ratios of modulus, thickness, Poisson."""
+    """Ratios of the tissues' moduli, thicknesses and Poisson ratios, on which the error depends."""
     finger = builtin.load("flat-press").finger
     skin, rest = finger.skin, finger.subcutaneous
     shares = [layered.skin_share(Finger.subject(subject)) for subject in SUBJECTS]

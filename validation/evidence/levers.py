@@ -1,4 +1,4 @@
-"""Measure what moves R, m and c0 b, and write the report that suite `calibration` reads.
+"""Measure causes of differences in R, m and c0 b; write the report of suite `calibration`.
 
 Run as `python -m fefinger.validation.evidence.levers reports [finger]`, after
 `evidence_calibration`. Levers in the finger itself are tried where "finger" is said, some 10
@@ -22,14 +22,16 @@ SUBJECT = "a.h."
 
 def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the report, with the levers in the finger."""
-    found = {name: calibrated(name) for name in rows()}
+    calibrations = {name: calibrated(name) for name in rows()}
     reading, force = levers.of_reading, levers.of_force
     return {
         **provenance("python -m fefinger.validation.evidence.levers reports"),
         "subject": SUBJECT,
         "finger": finger,
-        "reading": {name: [asdict(row) for row in reading(one)] for name, one in found.items()},
-        "force": {name: [asdict(row) for row in force(one)] for name, one in found.items()},
+        "reading": {
+            name: [asdict(row) for row in reading(one)] for name, one in calibrations.items()
+        },
+        "force": {name: [asdict(row) for row in force(one)] for name, one in calibrations.items()},
     }
 
 

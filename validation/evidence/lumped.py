@@ -81,17 +81,17 @@ def rows() -> Iterator[dict[str, Any]]:
 
 
 def misfit(subject: str) -> dict[str, list[float]]:
-    """Return how far Table 2.1 is from the finger that was fitted to it, by depth in mm.
+    """Relative difference of Table 2.1 from the finger that was fitted to it, by depth in mm.
 
     The largest difference of forces down to each depth over the force there, of the relaxed or
     of the instantaneous finger, whichever is larger.
     """
-    found, printed = calibrated(subject), library.pawluk_bulk()[subject]
-    depth = np.linspace(0, found.curve.deepest, DEPTHS + 1)[1:]
-    relaxed = found.curve.force(depth)
+    calibration, printed = calibrated(subject), library.pawluk_bulk()[subject]
+    depth = np.linspace(0, calibration.curve.deepest, DEPTHS + 1)[1:]
+    relaxed = calibration.curve.force(depth)
     table = law((printed.b, printed.m), depth)
     pairs = (
-        (table, relaxed / found.prony.long_time),
+        (table, relaxed / calibration.prony.long_time),
         (table * printed.prony.long_time, relaxed),
     )
     errors = [np.maximum.accumulate(np.abs(one - other)) / other for one, other in pairs]
@@ -113,12 +113,14 @@ def relaxing(subject: str) -> float:
     for prony in (Prony((1.0,), ()), finger.prony):
         pressed = replace(finger, prony=prony)
         scene = Scene(finger=pressed, indenter=Flat(ANGLE), motion=motion, ask=ask)
-        found, printed = solid.respond(scene), library.pawluk_bulk()[subject]
+        response, printed = solid.respond(scene), library.pawluk_bulk()[subject]
         spring = Spring(printed.b, printed.m)
-        own = printed.prony if prony.v else prony
+        prony_of_spring = printed.prony if prony.v else prony
         scale = 1.0 if prony.v else printed.prony.long_time
-        told = scale * contact_force(spring, own, found.time, found.depth)
-        apart = np.interp(depth, found.depth, told) / np.interp(depth, found.depth, found.force)
+        forces = scale * contact_force(spring, prony_of_spring, response.time, response.depth)
+        apart = np.interp(depth, response.depth, forces) / np.interp(
+            depth, response.depth, response.force
+        )
         errors.append(np.abs(apart - 1))
     return float(f"{max((errors[1] - errors[0]).max(), 0.0):.3g}")
 

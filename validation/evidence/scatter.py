@@ -1,4 +1,4 @@
-"""Measure by what answers differ on meshes of one finger: the mesher draws at random.
+"""Measure the scatter of responses over meshes of one finger: the mesher is random.
 
 Run as `python -m fefinger.validation.evidence.scatter reports`; it builds each mesh anew, in a
 process and a cache of its own, and takes some twenty minutes of two cores.
@@ -34,25 +34,25 @@ BESIDE = 1e-3
 
 
 def drawn(run: Run) -> dict[str, list[float]]:
-    """Return what is stated of a press at its depths in mm, on a mesh that is built for it."""
+    """Quantities of a press at its depths in mm, on a newly built mesh."""
     from fefinger.mechanics import linear
 
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder
         finger = replace(run.scene.finger, width=run.scene.finger.width + BESIDE)
-        found = linear.respond(replace(run.scene, finger=finger))
-    assert found.pad is not None
-    assert found.pressure is not None
-    assert found.contact_area is not None
-    assert found.strain is not None
-    wanted = found.depth.max() * np.arange(1, runs.DEPTHS + 1) / runs.DEPTHS
-    at = np.searchsorted(found.depth, wanted * (1 - 1e-9))
+        response = linear.respond(replace(run.scene, finger=finger))
+    assert response.pad is not None
+    assert response.pressure is not None
+    assert response.contact_area is not None
+    assert response.strain is not None
+    wanted = response.depth.max() * np.arange(1, runs.DEPTHS + 1) / runs.DEPTHS
+    at = np.searchsorted(response.depth, wanted * (1 - 1e-9))
     values = {
         "depth_mm": wanted,
-        "force": found.force[at],
-        "pressure": pressure.peaks(found.pad, found.pressure)[at],
-        "area": found.contact_area[at],
-        "strain": np.sqrt((found.strain[at] ** 2).sum(axis=(1, 2, 3))),
+        "force": response.force[at],
+        "pressure": pressure.peaks(response.pad, response.pressure)[at],
+        "area": response.contact_area[at],
+        "strain": np.sqrt((response.strain[at] ** 2).sum(axis=(1, 2, 3))),
     }
     return {name: [float(x) for x in each] for name, each in values.items()}
 
@@ -60,14 +60,14 @@ def drawn(run: Run) -> dict[str, list[float]]:
 def row(name: str, mesh: str, pool: ProcessPoolExecutor) -> dict[str, Any]:
     """Return the standard deviation over the mean of every quantity, by depth over thickness."""
     run = Run("press", name, "linear", mesh)
-    found = list(pool.map(drawn, [run] * DRAWS))
-    part = np.array(found[0]["depth_mm"]) / run.scene.finger.thickness
-    told = {"part": [float(f"{x:.4g}") for x in part]}
+    draws = list(pool.map(drawn, [run] * DRAWS))
+    part = np.array(draws[0]["depth_mm"]) / run.scene.finger.thickness
+    record = {"part": [float(f"{x:.4g}") for x in part]}
     for quantity in STATED:
-        values = np.array([each[quantity] for each in found])
+        values = np.array([each[quantity] for each in draws])
         spread = values.std(axis=0, ddof=1) / values.mean(axis=0)
-        told[quantity] = [float(f"{x:.3g}") for x in spread]
-    return told
+        record[quantity] = [float(f"{x:.3g}") for x in spread]
+    return record
 
 
 def main(folder: Path) -> None:

@@ -161,5 +161,5 @@ if __name__ == "__main__":
     solid.respond(scene(SOLID_SUBJECT, "sphere-5", "coarse"))  # compiles
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.
-    kept = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(json.dumps(report(kept | rows), indent=1) + "\n", encoding="utf-8")
+    stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
+    target.write_text(json.dumps(report(stored | rows), indent=1) + "\n", encoding="utf-8")

@@ -25,34 +25,39 @@ DEPTHS = 12
 
 
 def row(subject: str) -> dict[str, Any]:
-    """Return what the standard mesh makes of a calibrated finger, beside its report.
+    """Compare a calibrated finger on the standard mesh with its report.
 
     depth_mm, force_N and report_N: of relaxed tissue, down to where the press ends; m in 1/mm and b
     in N/mm of stiffness against force, and R in mm of the thesis's own fit of frames, of both over
     the forces and depths that both reach.
     """
     started = time.process_time()
-    found, one = calibrated(subject), fresh(subject, "standard")
+    calibration, one = calibrated(subject), fresh(subject, "standard")
     spent = time.process_time() - started
-    deep = min(one.deepest, found.deepest)
+    deep = min(one.deepest, calibration.deepest)
     depth = deep * np.arange(1, DEPTHS + 1) / DEPTHS
     wanted = targets.subject(subject)
-    last = float(one.force(one.deepest)) / found.prony.long_time
+    last = float(one.force(one.deepest)) / calibration.prony.long_time
     force = wanted.force[wanted.force <= last]
-    lines = [line(force, stiffness(c, 1.0, found.prony, force)) for c in (one, found.curve)]
-    frames = [pad_radius.simulated(c.until(deep), 1.0, found.prony) for c in (one, found.curve)]
+    lines = [
+        line(force, stiffness(c, 1.0, calibration.prony, force)) for c in (one, calibration.curve)
+    ]
+    frames = [
+        pad_radius.simulated(c.until(deep), 1.0, calibration.prony)
+        for c in (one, calibration.curve)
+    ]
     fits = [pad_radius.thesis_fit(each).radius for each in frames]
-    told = {"m": [each[0] for each in lines], "b": [each[1] for each in lines], "R": fits}
+    columns = {"m": [each[0] for each in lines], "b": [each[1] for each in lines], "R": fits}
     return {
-        "fitted on": found.finger["resolution"],
+        "fitted on": calibration.finger["resolution"],
         "deepest_mm": float(one.deepest),
-        "report_deepest_mm": float(found.deepest),
+        "report_deepest_mm": float(calibration.deepest),
         "depth_mm": _listed(depth),
         "force_N": _listed(one.force(depth)),
-        "report_N": _listed(found.curve.force(depth)),
+        "report_N": _listed(calibration.curve.force(depth)),
         **{
             name: dict(zip(("standard", "report"), _listed(x), strict=True))
-            for name, x in told.items()
+            for name, x in columns.items()
         },
         "cpu_s": round(spent, 1),
     }

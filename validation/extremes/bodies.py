@@ -143,44 +143,44 @@ def _point(law: Law, size: float) -> Findings:
         return np.asarray(body.stress(values)[0][0, 0])
 
     gradient = size * shape
-    own = stress(gradient)
+    computed = stress(gradient)
     turned = stress(turn @ (np.eye(3) + gradient) - np.eye(3))
     rows, columns = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
     hooke = (law.shear * (gradient + gradient.T))[rows, columns]
     strain = logarithmic(gradient[None])[0][rows, columns]
-    found = {
+    findings = {
         # A turn by rounding strains by rounding.
-        "turned": (float(np.abs(own - turned).max()) / law.shear, 1e-14 + 1e-12 * size),
-        "Hooke": off(own, hooke, max(20 * size, 1e-13)) if size < 1e-3 else (0.0, 1.0),
-        "finite": (float(np.sum(~np.isfinite([*own, *strain]))), 0.0),
+        "turned": (float(np.abs(computed - turned).max()) / law.shear, 1e-14 + 1e-12 * size),
+        "Hooke": off(computed, hooke, max(20 * size, 1e-13)) if size < 1e-3 else (0.0, 1.0),
+        "finite": (float(np.sum(~np.isfinite([*computed, *strain]))), 0.0),
     }
     if size < 1e-3:
         small = ((gradient + gradient.T) / 2)[rows, columns]
-        found["logarithmic strain"] = off(strain, small, max(20 * size, 1e-6))
-    return found
+        findings["logarithmic strain"] = off(strain, small, max(20 * size, 1e-6))
+    return findings
 
 
 def _cubes() -> Iterator[Row]:
     """Cubes at finite strain, squeezed by 1e-9 to 0.7."""
     for poisson in (0.0, 0.5):
         for name, law in _laws(poisson).items():
-            for squeeze in (1e-9, 0.5) if name != "demiray" else (1e-9, 0.3, 0.7):
-                case = f"{name}, nu = {poisson:g}, squeezed by {squeeze:g}"
-                yield "finite strain", case, partial(_cube, law, squeeze), None
+            for compression in (1e-9, 0.5) if name != "demiray" else (1e-9, 0.3, 0.7):
+                case = f"{name}, nu = {poisson:g}, squeezed by {compression:g}"
+                yield "finite strain", case, partial(_cube, law, compression), None
 
 
-def _cube(law: Law, squeeze: float) -> Findings:
+def _cube(law: Law, compression: float) -> Findings:
     """Return the pressure of a cube under a plate against its closed form."""
     made = cube.cube(law, cells=1)
     rest = made.body.at_rest
     memory = HistoryStress(rest.gains, rest.past)
     places = len(made.equilibrium.contact)
     state = State(np.zeros(made.body.space.n_unknowns), np.zeros(places), 0.0)
-    for part in np.linspace(0, 1, 9)[1:] if squeeze > 0.1 else (1.0,):
-        state = made.equilibrium.find(state, Target("depth", float(part * squeeze), memory))
+    for part in np.linspace(0, 1, 9)[1:] if compression > 0.1 else (1.0,):
+        state = made.equilibrium.find(state, Target("depth", float(part * compression), memory))
     force = float(made.equilibrium.contact.travel @ state.pressure)
     small = 3 * law.shear if law.compressibility == 0 else 2 * law.shear  # nu 0.5 and 0
-    exact = small * squeeze if squeeze < 1e-6 else cube.nominal(law, 1 - squeeze)
+    exact = small * compression if compression < 1e-6 else cube.nominal(law, 1 - compression)
     return {
         "pressure": off(force, exact, 1e-5),
         "no pull": (max(0.0, -float(state.pressure.min())), 0.0),
@@ -211,14 +211,14 @@ def _complementarity(spread: float, tie: bool) -> Findings:
     one = Complementarity(flexibility).solve(gap)
     state = lcp_compiled.lcp_state(flexibility)
     check(lcp_compiled.solve(state, gap, 1e-10))
-    found = {}
+    findings = {}
     for name, x in (("Cholesky", one), ("bordering", state.x)):
         w = (flexibility @ x + gap) / np.abs(gap).max()
-        found[f"no pull ({name})"] = (max(0.0, -float(x.min())), 0.0)
-        found[f"no penetration ({name})"] = (max(0.0, -float(w.min())), 1e-9)
+        findings[f"no pull ({name})"] = (max(0.0, -float(x.min())), 0.0)
+        findings[f"no penetration ({name})"] = (max(0.0, -float(w.min())), 1e-9)
         product = float(np.abs(x * w).max()) / max(float(x.max()), 1e-300)
-        found[f"either, or ({name})"] = (product, 1e-9)
-    return found
+        findings[f"either, or ({name})"] = (product, 1e-9)
+    return findings
 
 
 def _grown(force: float) -> Findings:
@@ -256,13 +256,13 @@ def _touching(weights: tuple[float, ...], radius: float) -> Findings:
     chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]
     x, y, _ = (np.array(weights) @ chosen).tolist()
     forces = []
-    found: dict[str, tuple[float, float]] = {}
+    findings: dict[str, tuple[float, float]] = {}
     for aside in (0.0, 1e-9):
         settings = {"indenter": Sphere(radius, (x + aside, y)), "motion": Ramp(60, 0.4)}
         scene, response = answered("condensed", settings)
-        found |= invariants(scene, response)
+        findings |= invariants(scene, response)
         forces.append(response.force)
-    return found | {"a nudge of 1e-9 mm": off(forces[1], forces[0], 1e-5)}
+    return findings | {"a nudge of 1e-9 mm": off(forces[1], forces[0], 1e-5)}
 
 
 def _border(y: float) -> Findings:

@@ -28,20 +28,23 @@ class Ended:
     def of(cls, case: Mapping[str, Any]) -> "Ended":
         """Read the record of a case, named "group, edge: name"."""
         group, _, rest = case["name"].partition(", ")
-        said = case["told"]
-        refused = REFUSED if said.startswith(REFUSED) else ANSWERED
+        text = case["told"]
+        refused = REFUSED if text.startswith(REFUSED) else ANSWERED
         kind = FAILED if case["verdict"] == "fail" else refused
-        limit = said.rpartition("nearest to its limit: ")[2] if kind == ANSWERED else ""
+        limit = text.rpartition("nearest to its limit: ")[2] if kind == ANSWERED else ""
         return cls(group, rest.partition(": ")[0], kind, case["value"] or 0.0, limit)
 
 
 def finding(cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the outcomes of the trials: a sentence, and a table by component."""
+    """Summarize the outcomes of the trials: a sentence, and a table by mechanics."""
     done = [Ended.of(case) for case in cases]
     rows = []
     for group in dict.fromkeys(each.group for each in done):
-        own = [each for each in done if each.group == group]
-        kinds, worst = Counter(each.kind for each in own), max(own, key=lambda each: each.worst)
+        members = [each for each in done if each.group == group]
+        kinds, worst = (
+            Counter(each.kind for each in members),
+            max(members, key=lambda each: each.worst),
+        )
         closest = f"{100 * worst.worst:.0f} % ({worst.limit}; {worst.edge})" if worst.limit else ""
         rows.append([group, *(str(kinds[kind]) for kind in COLORS), closest])
     return {

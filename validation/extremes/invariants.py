@@ -1,4 +1,4 @@
-"""What every answer to a scene has to fulfil, whatever the scene: the invariants of a contact."""
+"""Invariants of a contact, which the response to every scene must fulfill."""
 
 from dataclasses import fields as fields_of
 
@@ -47,15 +47,15 @@ compared."""
 
 
 def not_finite(*arrays: ArrayLike) -> tuple[float, float]:
-    """Return how many numbers are not finite; none may be."""
+    """Count the numbers that are not finite; none may be."""
     return float(sum(np.sum(~np.isfinite(np.asarray(a, float))) for a in arrays)), 0.0
 
 
-def off(found: ArrayLike, expected: ArrayLike, limit: float) -> tuple[float, float]:
+def off(computed: ArrayLike, expected: ArrayLike, limit: float) -> tuple[float, float]:
     """Return the largest difference over the largest expected value."""
-    found, expected = np.asarray(found, float), np.asarray(expected, float)
+    computed, expected = np.asarray(computed, float), np.asarray(expected, float)
     scale = float(np.abs(expected).max()) or 1.0
-    worst = float(np.abs(found - expected).max()) / scale
+    worst = float(np.abs(computed - expected).max()) / scale
     return (worst if np.isfinite(worst) else np.inf), limit
 
 
@@ -67,21 +67,21 @@ def falling(values: ArrayLike, limit: float = ROUNDING) -> tuple[float, float]:
 
 
 def invariants(scene: Scene, response: Response) -> Findings:
-    """Return what was found of every invariant that can be seen in a response."""
-    found = {
+    """Evaluate every invariant that a response allows."""
+    findings = {
         "finite": _finite(response),
         "no pull": _pull(response),
         "asked": _asked(scene, response),
     }
     if response.pressure is not None:
-        found["balance"] = _balance(scene, response)
-        found["area"] = _area(response)
+        findings["balance"] = _balance(scene, response)
+        findings["area"] = _area(response)
     if response.pressure is not None and response.gap is not None and not response.finite:
-        found["area of pressure"] = _spread(response)
+        findings["area of pressure"] = _spread(response)
     if response.gap is not None:
-        found["no penetration"] = _sunk(scene, response)
-    found |= _of_motion(scene, response)
-    return found
+        findings["no penetration"] = _sunk(scene, response)
+    findings |= _of_motion(scene, response)
+    return findings
 
 
 def _finite(response: Response) -> tuple[float, float]:
@@ -113,7 +113,7 @@ def _asked(scene: Scene, response: Response) -> tuple[float, float]:
 
 
 def _balance(scene: Scene, response: Response) -> tuple[float, float]:
-    """Return how far the pressure is from carrying the force, neither more nor less.
+    """Relative difference of the integral of the pressure from the force.
 
     Half-spaces and finite strain give the pressure across the travel, and a plate lies across it.
     In small strain the pressure on a round object acts along its normal, of which a part is along.
@@ -131,7 +131,7 @@ def _balance(scene: Scene, response: Response) -> tuple[float, float]:
 
 
 def _across(indenter: Indenter, response: Response) -> Array:
-    """Return what of the areas (n_pad,) mm² of the pad's points lies across a round object's way.
+    """Project the areas (n_pad,) mm² of the pad's points on the direction of a round object.
 
     The hats of the points that are pressed are integrated over their facets, times the cosine
     between the object's normal there and its travel.
@@ -178,7 +178,7 @@ def _spread(response: Response) -> tuple[float, float]:
 
 
 def _sunk(scene: Scene, response: Response) -> tuple[float, float]:
-    """Return how far the pad is in the obstacle, in mm."""
+    """Largest penetration of the pad into the obstacle, in mm."""
     assert response.gap is not None
     around = min(scene.indenter.least_radius, 0.5 * scene.finger.thickness)
     limit = SUNK * float(response.depth.max()) + FACET**2 / (4 * around)
@@ -186,18 +186,18 @@ def _sunk(scene: Scene, response: Response) -> tuple[float, float]:
 
 
 def _of_motion(scene: Scene, response: Response) -> dict[str, tuple[float, float]]:
-    """Return what theory says of some motions: rising, relaxing, work that is not negative."""
+    """Evaluate the invariants of some motions: rising, relaxing, work that is not negative."""
     depth, force, kind = response.depth, response.force, scene.motion.kind
-    found = {}
+    findings = {}
     if kind == "ramp":
-        found["rising"] = falling(force)
+        findings["rising"] = falling(force)
     if kind in ("ramp", "force-ramp", "force-ramp-hold"):
-        found["deeper"] = falling(depth, 1e-7)
+        findings["deeper"] = falling(depth, 1e-7)
     if kind == "ramp-hold":
         held = response.time >= max(scene.motion.breaks[:-1])
-        found["relaxing"] = falling(-force[held])
+        findings["relaxing"] = falling(-force[held])
     if abs(depth[-1] - depth[0]) <= ROUNDING * depth.max() and depth.max() > 0:
         work = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(depth)))
         scale = float(force.max() * depth.max()) or 1.0
-        found["work"] = max(0.0, -work / scale), QUADRATURE
-    return found
+        findings["work"] = max(0.0, -work / scale), QUADRATURE
+    return findings

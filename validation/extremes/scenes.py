@@ -1,4 +1,4 @@
-"""Named scenes at the edges, for every mechanics that has something to answer there."""
+"""Named scenes at the edges of the parameters, for every mechanics that can respond to them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -69,13 +69,13 @@ def scene(
 ) -> Scene:
     """Return a scene that asks for all that a mechanics has, on the coarse mesh."""
     more = mechanics != "lumped"
-    asked = Ask(fields=False, pressure=more, strain=more)
+    ask_of_scene = Ask(fields=False, pressure=more, strain=more)
     return Scene(
         name=f"{mechanics} at an edge",
         finger=Finger.subject(SUBJECT, **({"resolution": "coarse"} | finger)),
         indenter=indenter or Flat(30),
         motion=motion,
-        ask=replace(asked, **(ask or {})),
+        ask=replace(ask_of_scene, **(ask or {})),
     )
 
 
@@ -189,8 +189,8 @@ def _warned(speed: float) -> Findings:
     """Return whether the result warns of waves of a fast ramp, and of no slow one."""
     made = scene("hertz", motion=ramp(speed, 0.6))
     result = run(made, mechanics="hertz")
-    told = any("not quasi-static" in note for note in result.notes)
-    return {"warned": (float(told != (speed > 1e3)), 0.0)}
+    warned = any("not quasi-static" in note for note in result.notes)
+    return {"warned": (float(warned != (speed > 1e3)), 0.0)}
 
 
 def _tissues() -> Iterator[Trial]:
@@ -210,8 +210,8 @@ def _tissues() -> Iterator[Trial]:
         both = {"skin": Tissue(1.7 * modulus, 0.48, 1.0), "subcutaneous": Tissue(modulus, 0.48)}
         yield from _each(ALL[1:], "modulus", f"{modulus:g} kPa", **both)
     for thickness in (1e-3, 0.3, 3.0, 4.69, 4.99):
-        own = {"skin": Tissue(136, 0.48, thickness)}
-        yield from _each(("hertz", "layered"), "skin", f"{thickness:g} mm thick", None, **own)
+        layers = {"skin": Tissue(136, 0.48, thickness)}
+        yield from _each(("hertz", "layered"), "skin", f"{thickness:g} mm thick", None, **layers)
     for size in (1.0, 1e3):
         whole = _sized(size)
         for strain in (True, False):
@@ -357,7 +357,7 @@ def _mirrored(name: str) -> Findings:
 
 
 def _condensed(settings: dict[str, Any]) -> Findings:
-    made, own = answered("condensed", settings)
+    made, response = answered("condensed", settings)
     _, exact = answered("linear", settings)
-    found = dict(invariants(made, own))
-    return found | {"as linear": off(own.force, exact.force, 1e-6)}
+    findings = dict(invariants(made, response))
+    return findings | {"as linear": off(response.force, exact.force, 1e-6)}

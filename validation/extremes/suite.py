@@ -80,5 +80,5 @@ def figures_of(cases: Sequence[dict[str, Any]]) -> Iterator[tuple[str, Any]]:
 
 
 def finding_of(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return how the trials ended, from the records of their cases."""
+    """Summarize the outcomes of the trials from the records of their cases."""
     return drawings.finding(cases)

@@ -76,9 +76,9 @@ def _spring(m: float) -> Findings:
         float(stiff * (((big * each).exp() - 1) / big if m > 1e-40 else each))
         for each in map(Decimal.from_float, x.tolist())
     ]
-    found = lumped.Spring(0.2, m).force(x)
-    relative = float(np.abs(found / exact - 1).max())
-    return {"60 digits": (relative, EXACT * max(1.0, m)), "rising": falling(found)}
+    forces = lumped.Spring(0.2, m).force(x)
+    relative = float(np.abs(forces / exact - 1).max())
+    return {"60 digits": (relative, EXACT * max(1.0, m)), "rising": falling(forces)}
 
 
 def _inverse(m: float) -> Findings:
@@ -92,14 +92,14 @@ def _relaxing(m: float) -> Findings:
     """Compare with constant velocity in closed form; and out again the work is not negative."""
     spring = lumped.Spring(0.2, m)
     time = np.linspace(0, 0.02, 400)
-    found = lumped.force(spring, PLAIN, time, 50 * time)
+    forces = lumped.force(spring, PLAIN, time, 50 * time)
     closed = lumped.constant_velocity(spring, PLAIN, 50 * time, 50.0)
     cycle = np.append(50 * time, 50 * time[::-1][1:])
     at = np.append(time, 0.02 + time[1:])
     force = lumped.contact_force(spring, PLAIN, at, cycle)
     work = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(cycle)))
     return {
-        "closed form": off(found, closed, 1e-9),
+        "closed form": off(forces, closed, 1e-9),
         "no pull": (max(0.0, -float(force.min())), 0.0),
         "work": (max(0.0, -work / float(force.max())), ROUNDING),
     }
@@ -130,7 +130,7 @@ TIMES = np.concatenate([[0.0], np.logspace(-6, 3, 181)])
 
 
 def _step(prony: Prony) -> Findings:
-    """Return how a step relaxes and a ramp rises, against G and its integral."""
+    """Compare the relaxation of a step and the rise of a ramp with G and its integral."""
     step = hereditary_integral(prony, TIMES, np.ones(len(TIMES)))
     line = hereditary_integral(prony, TIMES, TIMES)
     shares, rates = np.array(prony.weights), np.array(prony.v)
@@ -236,11 +236,11 @@ def _sphere(part: float) -> Findings:
 
 def _ellipse(ratio: float) -> Findings:
     body = Elliptic(2.0 * ratio, 2.0, 1e-3, 80.0, 0.3)
-    found = {"finite": not_finite(body.force, *body.semi_axes)}
+    findings = {"finite": not_finite(body.force, *body.semi_axes)}
     if ratio - 1 < 1e-6:
-        found["circle"] = off(body.force, Hertz(2.0, 1e-3, 80.0, 0.3).force, 1e-7)
+        findings["circle"] = off(body.force, Hertz(2.0, 1e-3, 80.0, 0.3).force, 1e-7)
     again = Elliptic(2e6 * ratio, 2e6, 1e3, 80.0, 0.3)
-    return found | {"scale": off(again.force / 1e12, body.force, 1e-9)}
+    return findings | {"scale": off(again.force / 1e12, body.force, 1e-9)}
 
 
 def _impedance(frequency: float) -> Findings:
@@ -295,11 +295,11 @@ def _wide(wide: float) -> Findings:
     contact = paraboloid(body, 1e4, contact_radius=wide)
     large = Stack((Layer(1e3, 80.0, 0.3),))
     again = paraboloid(large, 1e7, contact_radius=1e3 * wide)
-    found = {"balance": off(_carried(contact), contact.force, 1e-6)}
+    findings = {"balance": off(_carried(contact), contact.force, 1e-6)}
     if wide < 1e-2:
         hertz = Hertz(1e4, contact.depth, 80.0, 0.3).force
-        found["half-space"] = off(contact.force, hertz, 2 * wide)
-    return found | {"scale": off(again.force / 1e6, contact.force, 1e-9)}
+        findings["half-space"] = off(contact.force, hertz, 2 * wide)
+    return findings | {"scale": off(again.force / 1e6, contact.force, 1e-9)}
 
 
 def _many() -> Iterator[Row]:

@@ -67,14 +67,14 @@ _ENDED: dict[Trial, Ending] = {}
 
 
 def ending(trial: Trial) -> Ending:
-    """Return how a trial ends; it runs once."""
+    """Run a trial once; return its outcome."""
     if trial not in _ENDED:
         _ENDED[trial] = _run(trial)
     return _ENDED[trial]
 
 
 def _run(trial: Trial) -> Ending:
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             with limited(SECONDS):
@@ -87,8 +87,8 @@ def _run(trial: Trial) -> Ending:
             end = Ending(REFUSED, 0.0, str(refusal)) if spoken else _crash(refusal)
         except Exception as crash:
             end = _crash(crash)
-    if said:
-        first = said[0]
+    if caught:
+        first = caught[0]
         return Ending(FAILED, WORST, f"warned of {first.category.__name__}: {first.message}")
     if trial.wants not in (None, end.kind) and end.kind != FAILED:
         return Ending(FAILED, WORST, f"not {trial.wants}, but {end.kind}: {end.text}")
@@ -98,10 +98,10 @@ def _run(trial: Trial) -> Ending:
 def _judged(findings: Findings) -> Ending:
     if not findings:
         return Ending(FAILED, WORST, "answered, but nothing was checked of it")
-    ratios = {name: _ratio(*found) for name, found in findings.items()}
+    ratios = {name: _ratio(*finding) for name, finding in findings.items()}
     worst = max(ratios, key=ratios.__getitem__)
     kind: Kind = ANSWERED if ratios[worst] <= 1 else FAILED
-    checked = ", ".join(f"{name} {_said(*found)}" for name, found in findings.items())
+    checked = ", ".join(f"{name} {_said(*finding)}" for name, finding in findings.items())
     text = f"off by {checked}; nearest to its limit: {worst}"
     if kind == FAILED:
         value, limit = findings[worst]

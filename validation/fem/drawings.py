@@ -154,17 +154,20 @@ def _profiles() -> Any:
     drawn = figure(WIDE, 4.0)
     axes = drawn.subplots(2, len(DRAWN) // 2, sharey=True, sharex=True)
     for axis, name in zip(axes.flat, DRAWN, strict=True):
-        found = fem_exact.solved(name)
-        distance = np.hypot(*found.places.T)
+        solution = fem_exact.solved(name)
+        distance = np.hypot(*solution.places.T)
         if name == "ellipse":
-            distance = np.hypot(*(found.places / fem_exact.ellipse().exact.axes).T)
-        finite = np.isfinite(found.exact)
+            distance = np.hypot(*(solution.places / fem_exact.ellipse().exact.axes).T)
+        finite = np.isfinite(solution.exact)
         order = np.argsort(distance[finite])
-        scale = found.exact[finite].max()
+        scale = solution.exact[finite].max()
         axis.plot(
-            distance[finite][order], found.exact[finite][order] / scale, color=STEEL, label="exact"
+            distance[finite][order],
+            solution.exact[finite][order] / scale,
+            color=STEEL,
+            label="exact",
         )
-        axis.plot(distance, found.pressure / scale, "o", ms=2, color=COLORS[0])
+        axis.plot(distance, solution.pressure / scale, "o", ms=2, color=COLORS[0])
         axis.set_title(name)
     for axis in axes[-1]:
         axis.set_xlabel("r / a")
@@ -178,9 +181,9 @@ def _histories() -> Any:
     drawn = figure(WIDE, 2.8)
     axes = drawn.subplots(1, len(names), sharey=True)
     for axis, name in zip(axes, names, strict=True):
-        time, found, exact = history.cycle(name, history.STEPS)
+        time, computed, exact = history.cycle(name, history.STEPS)
         axis.plot(time[::25], exact[::25], "o", ms=3, color=COLORS[0], label="Ting")
-        axis.plot(time, found, color=INK, lw=1.2, label="finite elements")
+        axis.plot(time, computed, color=INK, lw=1.2, label="finite elements")
         axis.set_title(name)
         axis.set_xlabel("time / s")
     axes[0].set_ylabel("force / mN")
@@ -193,9 +196,11 @@ def _finite_strain() -> Any:
     drawn = solid.drawn()
     drawing = figure(WIDE, 2.8)
     left, right = drawing.subplots(1, 2)
-    for color, (name, (depth, found, exact)) in zip(COLORS, drawn["cubes"].items(), strict=False):
+    for color, (name, (depth, computed, exact)) in zip(
+        COLORS, drawn["cubes"].items(), strict=False
+    ):
         left.plot(100 * depth, exact, color=color, label=name)
-        left.plot(100 * depth, found, "o", color=color, markersize=3)
+        left.plot(100 * depth, computed, "o", color=color, markersize=3)
     left.set(xlabel="compression / %", ylabel="nominal pressure / kPa")
     left.legend()
     right.semilogx(np.maximum(drawn["time"], 1e-3), drawn["force"], color=INK)

@@ -1,4 +1,4 @@
-"""Other tetrahedra on the same meshes, for comparison only: what each costs and how wrong it is.
+"""Cost and error of other tetrahedral elements on the same meshes, for comparison only.
 
 `fefinger.fem` has one element, Taylor-Hood with a pressure per tissue; here it is one of seven. Run
 as `python -m fefinger.validation.fem.element_kinds reports [PART ...]`; all of PARTS take about six
@@ -151,7 +151,7 @@ def _derivatives(kind: Kind) -> Array:
 
 
 def _stabilizing(kind: Kind, slopes: Array, volume: Array, shear: Array) -> Array | float:
-    """Return what is added to the compressibility of the pressures (n_cells, 4, 4).
+    """Stabilization of the pressure block (n_cells, 4, 4), added to the compressibility.
 
     The bubble, eliminated from its cell (Arnold, Brezzi and Fortin, Calcolo 21:337, 1984), or the
     departure of the pressure from its mean (Bochev and Dohrmann, SIAM J. Numer. Anal. 44:82, 2006).
@@ -162,9 +162,9 @@ def _stabilizing(kind: Kind, slopes: Array, volume: Array, shear: Array) -> Arra
     if kind.stable == "bubble":
         product = np.einsum("kl,eka,elb->eab", BUBBLE_SLOPES, slopes, slopes)
         whole = np.einsum("eaa->e", product)[:, None, None] * np.eye(3)
-        own = (shear * volume)[:, None, None] * (whole + product / 3)
+        bubble_stiffness = (shear * volume)[:, None, None] * (whole + product / 3)
         pull = BUBBLE * volume[:, None, None] * slopes
-        return np.asarray(pull @ np.linalg.solve(own, pull.transpose(0, 2, 1)))
+        return np.asarray(pull @ np.linalg.solve(bubble_stiffness, pull.transpose(0, 2, 1)))
     return 0.0
 
 
@@ -236,7 +236,7 @@ def hertz_row(kind: Kind, poisson: float, level: int) -> dict[str, Any]:
 
 def stack_row(kind: Kind, level: int) -> dict[str, Any]:
     """Return the same for skin on softer tissue, with the strain on both sides of the interface."""
-    found = fem_exact.stack(LEVELS_OF_STACK[level])
+    solution = fem_exact.stack(LEVELS_OF_STACK[level])
     truth = fem_exact.stack_contact()
     a = truth.contact_radius
     r, z = (axis.ravel() for axis in np.meshgrid(a * np.array([0, 0.5, 1.0]), INTERFACE_DEPTHS))
@@ -244,15 +244,15 @@ def stack_row(kind: Kind, level: int) -> dict[str, Any]:
     assert isinstance(truth.body, Stack)
     strain = turned(subsurface_field(truth.body, [truth], r, z=z).strain[0], turn)
     points = np.column_stack([np.multiply.outer(r, turn), z])
-    return _row(kind, found.body, found.exact, points, strain)
+    return _row(kind, solution.body, solution.exact, points, strain)
 
 
 def _row(kind: Kind, body: Quarter, exact: Exact, points: Array, strain: Array) -> dict[str, Any]:
     pressed, displacement, seconds, unknowns = solved(kind, body, exact.depth)
     full = np.zeros(body.space.n_unknowns)
     full[: len(displacement)] = displacement
-    found = tensors((strain_at(body.space, points) @ full).reshape(-1, 6))
-    departure = np.linalg.norm(found - strain, axis=(1, 2))
+    computed = tensors((strain_at(body.space, points) @ full).reshape(-1, 6))
+    departure = np.linalg.norm(computed - strain, axis=(1, 2))
     size = np.linalg.norm(strain, axis=(1, 2)).max()
     peak = float(exact.pressure(np.array(0.0), np.array(0.0)))
     return {
@@ -285,7 +285,7 @@ def rows_of(part: str) -> list[dict[str, Any]]:
 
 
 def part_of(row: dict[str, Any]) -> str:
-    """Return which of PARTS a row belongs to."""
+    """Part, of PARTS, that a row belongs to."""
     return "stack" if row["case"] == "stack" else f"Hertz/{row['poisson']:g}"
 
 

@@ -63,8 +63,8 @@ def patch_error(poisson: float) -> float:
     prescribed = (places @ GRADIENT.T).ravel()[fixed]
     answer = system.solve(np.zeros(space.n_unknowns), prescribed)
     points = np.random.default_rng(0).uniform(0.05, 0.95, (20, 3))
-    found = tensors((strain_at(space, points) @ answer).reshape(-1, 6))
-    return float(np.abs(found - (GRADIENT + GRADIENT.T) / 2).max())
+    computed = tensors((strain_at(space, points) @ answer).reshape(-1, 6))
+    return float(np.abs(computed - (GRADIENT + GRADIENT.T) / 2).max())
 
 
 @dataclass(frozen=True)
@@ -82,14 +82,14 @@ class Manufactured:
     def gradient(self, points: Array) -> Array:
         """Return du_i / dx_j (n, 3, 3)."""
         s, c = np.sin(np.pi * points), np.cos(np.pi * points)
-        found = np.empty((len(points), 3, 3))
+        gradients = np.empty((len(points), 3, 3))
         for i in range(3):
             for j in range(3):
                 other = 3 - i - j
-                found[:, i, j] = (
+                gradients[:, i, j] = (
                     c.prod(axis=1) if i == j else -s[:, i] * s[:, j] * c[:, other]
                 ) * np.pi
-        return found * (np.array([1, 1, -2]) + self._soft / np.pi)[:, None]
+        return gradients * (np.array([1, 1, -2]) + self._soft / np.pi)[:, None]
 
     def mean_stress(self, points: Array) -> Array:
         """Return the mean stress (n,), K div u."""
@@ -155,8 +155,8 @@ def errors(poisson: float, cells: int) -> dict[str, float]:
 
 def order(name: str, poisson: float) -> float:
     """Return the fitted order of an error over CELLS."""
-    found = [errors(poisson, cells)[name] for cells in CELLS]
-    return float(-np.polyfit(np.log(CELLS), np.log(found), 1)[0])
+    values = [errors(poisson, cells)[name] for cells in CELLS]
+    return float(-np.polyfit(np.log(CELLS), np.log(values), 1)[0])
 
 
 @cache
@@ -265,8 +265,8 @@ def _symmetric(gradient: Array) -> Array:
     return (gradient + gradient.transpose(0, 2, 1)) / 2
 
 
-def _relative(found: Array, exact: Array, weight: Array) -> float:
+def _relative(computed: Array, exact: Array, weight: Array) -> float:
     """Return the L2 norm of the difference over that of `exact`."""
-    axes = tuple(range(1, found.ndim))
-    square = np.sum((found - exact) ** 2, axis=axes), np.sum(exact**2, axis=axes)
+    axes = tuple(range(1, computed.ndim))
+    square = np.sum((computed - exact) ** 2, axis=axes), np.sum(exact**2, axis=axes)
     return float(np.sqrt(weight @ square[0] / (weight @ square[1])))

@@ -175,9 +175,9 @@ class Solved:
 @cache
 def solved(name: str) -> Solved:
     """Return the contact of one of BODIES beside the exact one."""
-    found = BODIES[name]()
-    pressed, truth = found.body.pressed(found.exact.depth), found.exact
-    space, vertices = found.body.space, found.body.patch.vertices
+    problem = BODIES[name]()
+    pressed, truth = problem.body.pressed(problem.exact.depth), problem.exact
+    space, vertices = problem.body.space, problem.body.patch.vertices
     measured = {
         "nodes": float(space.n_nodes),
         "force": 100 * float(pressed.force / truth.force - 1),

@@ -136,7 +136,7 @@ def body_on(space: Space, poisson: float) -> Quarter:
 
 @cache
 def errors(poisson: float, level: int) -> dict[str, float]:
-    """Return what `measured` does on one of LEVELS."""
+    """Errors of `measured` on one of LEVELS."""
     truth = hertz(poisson)
     return measured(body(poisson, level).pressed(truth.depth), truth)
 
@@ -165,17 +165,17 @@ def strain_errors(strain: Callable[[Array], Array], truth: Hertz) -> Array:
     a = truth.contact_radius
     r, z = (a * axis.ravel() for axis in np.meshgrid(OFFSETS, DEPTHS))
     turn = np.array([np.cos(AZIMUTH), np.sin(AZIMUTH)])
-    found = strain(np.column_stack([np.multiply.outer(r, turn), z]))
+    computed = strain(np.column_stack([np.multiply.outer(r, turn), z]))
     expected = turned(truth.strain(r, z), turn)
     size = np.linalg.norm(expected, axis=(1, 2)).max()
-    return np.asarray(np.linalg.norm(found - expected, axis=(1, 2)) / size)
+    return np.asarray(np.linalg.norm(computed - expected, axis=(1, 2)) / size)
 
 
 def order(name: str, poisson: float) -> float:
     """Return the fitted order of an error in the cell length, nodes^(-1/3)."""
-    found = [errors(poisson, level) for level in range(len(LEVELS))]
-    length = [-np.log(one["nodes"]) / 3 for one in found]
-    return float(np.polyfit(length, [np.log(abs(one[name])) for one in found], 1)[0])
+    values = [errors(poisson, level) for level in range(len(LEVELS))]
+    length = [-np.log(one["nodes"]) / 3 for one in values]
+    return float(np.polyfit(length, [np.log(abs(one[name])) for one in values], 1)[0])
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

@@ -64,8 +64,8 @@ def pressed(relaxing: Prony, control: str, time: Array, value: Array) -> History
     patch = layer.patch
     memory = Relaxation(np.array(relaxing.weights), np.array(relaxing.v), len(patch.vertices))
     share = 1.0 if control == "depth" else 0.25  # of the whole body's force
-    asked = Prescribed(control, time, share * value)
-    return march(layer.flexibility, patch.gap, patch.travel, memory, asked)
+    prescribed = Prescribed(control, time, share * value)
+    return march(layer.flexibility, patch.gap, patch.travel, memory, prescribed)
 
 
 def force(history: History) -> Array:
@@ -78,8 +78,8 @@ def layer_contacts() -> tuple[Array, Array, Array]:
     """Return depth mm, force mN and radius mm (n,) of exact contacts of the relaxed layer."""
     sheet = Sheet(THICKNESS, MODULUS, NU)
     radii = np.linspace(0, 1.1 * WIDEST, NODES + 1)[1:]
-    found = [indentation.paraboloid(sheet, RADIUS, contact_radius=float(a)) for a in radii]
-    values = np.array([[one.depth, one.force, one.contact_radius] for one in found])
+    contacts = [indentation.paraboloid(sheet, RADIUS, contact_radius=float(a)) for a in radii]
+    values = np.array([[one.depth, one.force, one.contact_radius] for one in contacts])
     return tuple(np.vstack([np.zeros(3), values]).T)
 
 
@@ -127,20 +127,20 @@ def motion(name: str, steps: int, period: float = 0.0) -> tuple[Array, Array]:
 def cycle(name: str, steps: int) -> tuple[Array, Array, Array]:
     """Return time, the finite elements' force and the exact force (n_t,) of one of MOTIONS."""
     time, depth = motion(name, steps)
-    found = force(pressed(prony(), "depth", time, depth))
-    return time, found, theory_force(theory("depth", time, depth))
+    computed = force(pressed(prony(), "depth", time, depth))
+    return time, computed, theory_force(theory("depth", time, depth))
 
 
 def force_error(name: str, steps: int = STEPS) -> float:
     """Return the largest error of the force over its peak in %."""
-    _, found, exact = cycle(name, steps)
-    return 100 * float(np.abs(found - exact).max() / exact.max())
+    _, computed, exact = cycle(name, steps)
+    return 100 * float(np.abs(computed - exact).max() / exact.max())
 
 
 def detachment_error(name: str, steps: int = STEPS) -> float:
     """Return the largest error of the moments of detachment and re-contact in % of the cycle."""
-    time, found, exact = cycle(name, steps)
-    ours, theirs = (_changes(time, one) for one in (found, exact))
+    time, computed, exact = cycle(name, steps)
+    ours, theirs = (_changes(time, one) for one in (computed, exact))
     if len(ours) != len(theirs):
         return float("inf")
     return 100 * float(np.abs(ours - theirs).max() / time[-1])
@@ -161,16 +161,16 @@ def identity_error(steps: int) -> float:
     time, depth = motion("ramp and hold", steps)
     elastic = force(pressed(ELASTIC, "depth", time, depth))
     expected = hereditary_integral(prony(), time, elastic) / prony().long_time
-    found = force(pressed(prony(), "depth", time, depth))
-    return float(np.abs(found - expected).max() / expected.max())
+    computed = force(pressed(prony(), "depth", time, depth))
+    return float(np.abs(computed - expected).max() / expected.max())
 
 
 @cache
 def step_error() -> float:
     """Return the largest error of the force after a step of depth against G(t), over G(0)."""
     time = np.concatenate([[0.0], np.geomspace(1e-6, 1e3, 80)])
-    found = force(pressed(prony(), "depth", time, np.full_like(time, deepest() / 2)))
-    return float(np.abs(found / found[0] - prony().relaxation(time)).max())
+    computed = force(pressed(prony(), "depth", time, np.full_like(time, deepest() / 2)))
+    return float(np.abs(computed / computed[0] - prony().relaxation(time)).max())
 
 
 @cache
@@ -178,15 +178,15 @@ def creep_error() -> float:
     """Return the largest error in % of the depth after a step of force."""
     time = np.concatenate([[0.0], np.geomspace(1e-4, 30.0, 200)])
     load = np.full_like(time, 0.8 * float(np.interp(deepest(), *layer_contacts()[:2])))
-    found, exact = pressed(prony(), "force", time, load), theory("force", time, load)
-    return 100 * float(np.abs(found.depth / exact.depth - 1).max())
+    computed, exact = pressed(prony(), "force", time, load), theory("force", time, load)
+    return 100 * float(np.abs(computed.depth / exact.depth - 1).max())
 
 
 @cache
 def pull(name: str) -> float:
     """Return the lowest pressure over the highest of a motion in %."""
-    found = pressed(prony(), "depth", *motion(name, STEPS)).pressure
-    return 100 * float(found.min() / found.max())
+    pressure = pressed(prony(), "depth", *motion(name, STEPS)).pressure
+    return 100 * float(pressure.min() / pressure.max())
 
 
 @cache

@@ -58,12 +58,12 @@ def squeezed(name: str, poisson: float) -> tuple[Array, Array]:
     pressed = cube(LAWS[name](Elastic(MODULUS, poisson)))
     solver = pressed.equilibrium
     state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
-    found = []
+    results = []
     for depth in SQUEEZES:
         state = solver.find(state, Target("depth", float(depth), pressed.body.at_rest))
         force = float(solver.contact.travel @ state.pressure)
-        found.append((force, stretches(state.values, pressed.body)[0]))
-    forces, wide = np.array(found).T
+        results.append((force, stretches(state.values, pressed.body)[0]))
+    forces, wide = np.array(results).T
     return forces, wide
 
 
@@ -109,8 +109,8 @@ def relaxation_error(steps: int) -> float:
     elastic = np.array([nominal(law, s) for s in stretch]) / stretch
     stress = hereditary_integral(PRONY, fine, elastic) / PRONY.long_time
     exact = (stretch * stress)[np.searchsorted(fine, times)]
-    found = _through(cube(law, 1), times, depth)
-    return float(100 * np.abs(found - exact).max() / exact.max())
+    computed = _through(cube(law, 1), times, depth)
+    return float(100 * np.abs(computed - exact).max() / exact.max())
 
 
 def order_in_time() -> float:
@@ -245,7 +245,7 @@ def _force_at(step: int) -> float:
 
 
 def drawn() -> dict[str, Any]:
-    """Return what the figures show: the squeezed cubes, and the hemisphere through time."""
+    """Collect the data of the figures: the compressed cubes, and the hemisphere through time."""
     curves = {}
     for name in LAWS:
         law = LAWS[name](Elastic(MODULUS, 0.49))

@@ -30,24 +30,24 @@ SIGNS = {
 def stale(model: str, subject: str, press: str) -> float:
     """Return the largest relative change of a curve of the report when it is computed again."""
     _, again, _ = reaching(model, scene(subject, press))
-    kept = force(subject, press, model)
-    return float(np.nanmax(np.abs(again / kept - 1)))
+    stored = force(subject, press, model)
+    return float(np.nanmax(np.abs(again / stored - 1)))
 
 
 def stale_coarse(model: str, subject: str) -> float:
     """Return the same on the coarse mesh, under the plate."""
-    found = row(subject, "flat-30")["coarse"]
+    stored = row(subject, "flat-30")["coarse"]
     _, again, _ = reaching(model, scene(subject, "flat-30", "coarse"))
-    return float(np.abs(again / np.array(found[model]) - 1).max())
+    return float(np.abs(again / np.array(stored[model]) - 1).max())
 
 
 def against(cause: str, sign: int) -> int:
     """Return for how many subjects a cause under the plate does not go the way of `sign`."""
-    found = [
+    ratios = [
         together(subject) if cause == "shape" else factors(subject, "flat-30")[cause]
         for subject in SUBJECTS
     ]
-    return int(sum(not sign * np.log(value) > 0 for value in found))
+    return int(sum(not sign * np.log(value) > 0 for value in ratios))
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

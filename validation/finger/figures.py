@@ -1,4 +1,4 @@
-"""What suite `finger` shows: what Hertz leaves out, subject by subject and cause by cause."""
+"""Figures of suite `finger`: effects that Hertz neglects, by subject and by cause."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -110,7 +110,7 @@ def _split() -> str:
 
 
 def _meshes() -> str:
-    """Return which rows are on which mesh."""
+    """Sentence on the mesh of each row."""
     coarse = [
         f"{subject} under the {NAMES[press]}"
         for press in PRESSES
@@ -128,9 +128,9 @@ def _factors() -> Any:
     for axis, press in zip(axes, presses, strict=True):
         causes = models(press)[1:]
         for number, subject in enumerate(SUBJECTS):
-            found = factors(subject, press)
+            by_cause = factors(subject, press)
             place = np.arange(len(causes)) + 0.2 * (number - 1.5)
-            height = np.array([found[cause] for cause in causes])
+            height = np.array([by_cause[cause] for cause in causes])
             axis.bar(place, height - 1, 0.18, bottom=1, color=SUBJECT_COLORS[number], label=subject)
         names = [_label(press, cause).removeprefix("+ ") for cause in causes]
         axis.set_xticks(range(len(causes)), names, rotation=30, ha="right")

@@ -41,7 +41,7 @@ PRESSURE = Ask(force=True, pressure=True, strain=False, spikes=(), fields=False)
 
 
 @dataclass(frozen=True)
-class Pressed:
+class PressedFinger:
     """The relaxed coarse finger, its candidates for contact within REACH, and the plate."""
 
     finger: Body
@@ -62,13 +62,13 @@ class Pressed:
 
 
 @cache
-def plate() -> Pressed:
+def plate() -> PressedFinger:
     """Return the finger of flat-press under its plate."""
     finger = scene("a.h.", "flat-30", "coarse").finger
     rigid = body(ready(finger, half=True), tissues(finger), held(finger))
     touch = placement.obstacle(Flat(30), rigid)
     contact = contact_surface(rigid.space, rigid.pad, rigid.normals, touch, REACH)
-    return Pressed(rigid, continuum(rigid.space, laws(finger)), touch, contact)
+    return PressedFinger(rigid, continuum(rigid.space, laws(finger)), touch, contact)
 
 
 @cache
@@ -94,18 +94,18 @@ def approach() -> float:
     """
     on, depths = plate(), SHALLOW * np.array([1.0, 2.0])
     expected = np.array([_small(on, depth) for depth in depths])
-    found = np.array([on.contact.travel @ state.pressure for state in on.at(depths)])
-    apart = np.abs(found / expected - 1)
+    forces = np.array([on.contact.travel @ state.pressure for state in on.at(depths)])
+    apart = np.abs(forces / expected - 1)
     return float(np.log(apart[1] / apart[0]) / np.log(expected[1] / expected[0]))
 
 
-def _small(on: Pressed, depth: float) -> float:
+def _small(on: PressedFinger, depth: float) -> float:
     """Return the force in mN at small strain under the weighted gaps of the finger at rest."""
     rest = np.zeros(on.finger.space.n_unknowns)
-    facing = on.contact.at(State(rest, np.zeros(len(on.contact)), depth))
-    loads = facing.loads.toarray()
+    gap = on.contact.at(State(rest, np.zeros(len(on.contact)), depth))
+    loads = gap.loads.toarray()
     flexibility = loads.T @ on.finger.system.solve(loads)
-    return float(on.contact.travel @ Complementarity(flexibility).solve(facing.gaps))
+    return float(on.contact.travel @ Complementarity(flexibility).solve(gap.gaps))
 
 
 def tilted(tilt: float) -> Response:
@@ -129,14 +129,14 @@ def pull() -> float:
 
 
 def finer(motion: Motion) -> float:
-    """Return how far the force through time is from that with FINER times the steps, over its peak.
+    """Difference of the force through time from that with FINER times the steps, over its peak.
 
     On the coarse mesh; the times of both are the same.
     """
     ask = replace(PRESSURE, pressure=False)
-    asked = replace(scene("a.h.", "flat-30", "coarse"), motion=motion, ask=ask)
+    finer_scene = replace(scene("a.h.", "flat-30", "coarse"), motion=motion, ask=ask)
     few, many = (
-        finite_strain.respond(asked, mechanics="solid", notes=(), refine=refine).force
+        finite_strain.respond(finer_scene, mechanics="solid", notes=(), refine=refine).force
         for refine in (1, FINER)
     )
     return float(np.abs(few - many).max() / many.max())

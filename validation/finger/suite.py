@@ -72,10 +72,10 @@ def pressed(
 
 def balance(resolution: str, bone: str | Hard = RIGID) -> tuple[float, float]:
     """Return the relative differences of contact force and reactions, along and across the axis."""
-    found = pressed(resolution, DEPTH, bone)
-    across = np.cross([0.0, 1.0, 0.0], found.axis)
-    along = float(-found.reactions @ found.axis / found.force - 1)
-    return along, float(found.reactions @ across / found.force)
+    solution = pressed(resolution, DEPTH, bone)
+    across = np.cross([0.0, 1.0, 0.0], solution.axis)
+    along = float(-solution.reactions @ solution.axis / solution.force - 1)
+    return along, float(solution.reactions @ across / solution.force)
 
 
 def yielding(resolution: str, bone: str | Hard = BONE_TISSUE, nail: Hard | None = None) -> float:
@@ -98,9 +98,11 @@ def peak(resolution: str) -> float:
 def ramp(resolution: str, angle: float = 30.0, tilt: float = 0.0) -> Response:
     """Return the response to a slow ramp of DEPTH."""
     scene = builtin.load("flat-press")
-    asked = replace(scene.ask, spikes=(), fields=False)
+    ask_of_scene = replace(scene.ask, spikes=(), fields=False)
     finger = replace(scene.finger, resolution=resolution)
-    press = Scene(finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=asked)
+    press = Scene(
+        finger=finger, indenter=Flat(angle, tilt), motion=Ramp(60, DEPTH), ask=ask_of_scene
+    )
     return linear.respond(press)
 
 
@@ -222,7 +224,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def finding() -> dict[str, Any]:
-    """Return what Hertz leaves out on a finger: sentences and a table."""
+    """Summarize the effects on a finger that Hertz neglects: sentences and a table."""
     return finger_figures.finding()
 
 

@@ -141,10 +141,12 @@ def _trace() -> Any:
 
     at = np.linspace(1000.0, 2000.0, 8001)
     start = HodgkinHuxley(1.0).rest()
-    found = solve_ivp(rise, (0.0, 2000.0), start, "DOP853", at, rtol=1e-8, atol=1e-8, max_step=1.0)
+    solution = solve_ivp(
+        rise, (0.0, 2000.0), start, "DOP853", at, rtol=1e-8, atol=1e-8, max_step=1.0
+    )
     phases = np.concatenate(swing(MODELS["spring, 6.3 C"].organ, STANDARD, 2.0, 100.0).phases)
     drawn, (top, bottom) = _axes(2, sharex=True, height_ratios=[3, 1])
-    top.plot(1e-3 * at, found.y[0], color=INK, lw=0.8)
+    top.plot(1e-3 * at, solution.y[0], color=INK, lw=0.8)
     top.axhline(40.0, color=STEEL, lw=0.8, ls="--")
     for k in (0, 1):
         for phase in (phases.min(), phases.max()):
@@ -180,8 +182,8 @@ def _sensitivity() -> Any:
     }
     for (name, organ), color in zip(organs.items(), SHADES, strict=False):
         amplitude = 50.0 / abs(organ.frequency_response(4.0) - organ.frequency_response(0.0))
-        found = [swing(organ, SLOWED, tone, amplitude).impulses[0] for tone in SLOW]
-        top.plot(SLOW, found, "o-", ms=3, color=color, label=f"zero, pole {name} Hz")
+        impulses = [swing(organ, SLOWED, tone, amplitude).impulses[0] for tone in SLOW]
+        top.plot(SLOW, impulses, "o-", ms=3, color=color, label=f"zero, pole {name} Hz")
         lead = np.degrees(np.angle(organ.frequency_response(np.array(SLOW))))
         bottom.plot(SLOW, lead, "o-", ms=3, color=color)
     top.set(yscale="log", ylabel="impulses / cycle")
@@ -193,17 +195,17 @@ def _sensitivity() -> Any:
 
 
 def _course(name: str) -> Any:
-    found = ramps.course(name, 8.0)
+    course_ = ramps.course(name, 8.0)
     color = COLORS.get(name, INK)
     drawn, (top, middle, bottom) = _axes(3, sharex=True, height_ratios=[1.2, 0.5, 1.6])
-    top.plot(found.time, found.depth, color=STEEL)
+    top.plot(course_.time, course_.depth, color=STEEL)
     top.set(ylabel="position\n/ mm")
-    middle.eventplot(found.spikes, colors=color, linewidths=0.9)
+    middle.eventplot(course_.spikes, colors=color, linewidths=0.9)
     middle.set(yticks=[], ylim=(0.4, 1.6))
     middle.grid(visible=False)
-    if len(found.spikes) > 1:
-        bottom.stairs(1.0 / np.diff(found.spikes), found.spikes, color=color, baseline=None)
-    bottom.set(xlabel="time / s", ylabel="rate / Hz", ylim=(0, 32), xlim=(0, found.time[-1]))
+    if len(course_.spikes) > 1:
+        bottom.stairs(1.0 / np.diff(course_.spikes), course_.spikes, color=color, baseline=None)
+    bottom.set(xlabel="time / s", ylabel="rate / Hz", ylim=(0, 32), xlim=(0, course_.time[-1]))
     return drawn
 
 
@@ -254,9 +256,9 @@ def _gains() -> Any:
 def _population() -> Any:
     drawn, (top, bottom) = _axes(2, sharex=True)
     for curvature, color in zip((skin.FLAT, *skin.CURVATURES), SHADES, strict=False):
-        found = skin.profile("layered", curvature, skin.FORCES[1])
-        top.plot(found.place, found.drive, color=color, label=f"{curvature:g} 1/m")
-        bottom.plot(found.place, found.rate, "o-", ms=3, lw=1.0, color=color)
+        profile = skin.profile("layered", curvature, skin.FORCES[1])
+        top.plot(profile.place, profile.drive, color=color, label=f"{curvature:g} 1/m")
+        bottom.plot(profile.place, profile.rate, "o-", ms=3, lw=1.0, color=color)
     top.set(ylabel="input / mm")
     bottom.set(xlabel="y (radial) / mm", ylabel="rate / Hz")
     top.legend()

@@ -124,10 +124,10 @@ def same_rate(frequency: float, amplitude: float) -> float:
     Spring model, rates / 6; zero where there is no response.
     """
     steps = np.arange(-80, 81) * 0.25
-    found = swing(SPRING, SLOWED, frequency, amplitude * 10.0 ** (steps / 20.0)).impulses
-    if found[80] == 0.0:
+    impulses = swing(SPRING, SLOWED, frequency, amplitude * 10.0 ** (steps / 20.0)).impulses
+    if impulses[80] == 0.0:
         return 0.0
-    other = np.flatnonzero(found != found[80])
+    other = np.flatnonzero(impulses != impulses[80])
     below, above = other[other < 80], other[other > 80]
     low = below.max() if len(below) else 0
     high = above.min() if len(above) else len(steps) - 1
@@ -160,7 +160,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _sensitivity() -> Iterator[Case]:
-    said = f"{THESIS}4.3.4: moving the zero and the pole "
+    source = f"{THESIS}4.3.4: moving the zero and the pole "
     for name, organ, other in (
         ("zero 0.1 to 0.5 Hz, pole 1 to 5 Hz", END_ORGANS["SAI"], END_ORGANS["SAII"]),
         ("pole 1 to 2 Hz", END_ORGANS["SAI"], PoleZero((0.1,), (2.0,))),
@@ -171,7 +171,7 @@ def _sensitivity() -> Iterator[Case]:
             partial(magnitude_change, organ, other),
             (0.0, 0.15),
             "1",
-            f"{said}hardly changes the magnitude",
+            f"{source}hardly changes the magnitude",
             "fifteen percent",
         )
         yield claim(
@@ -179,7 +179,7 @@ def _sensitivity() -> Iterator[Case]:
             partial(phase_change, organ, other),
             (9.0, 60.0),
             "degrees",
-            f"{said}changes the phase noticeably",
+            f"{source}changes the phase noticeably",
             "a fortieth of the cycle or more",
         )
     higher = PoleZero((0.0, 0.0), (10.0, 100.0))

@@ -59,7 +59,7 @@ FALLING = (
 
 @cache
 def held(kind: str, depth: float, generator: str = "saturating") -> tuple[Firing, float]:
-    """Return what a ramp at RAMP_SPEED and a hold of 2 s do, and the end in s."""
+    """Responses to a ramp at RAMP_SPEED and a hold of 2 s, and the end in s."""
     end = depth / RAMP_SPEED
     at = np.linspace(0.0, end + 2.0, int((end + 2.0) / 2e-4) + 2)
     bent = [0.0, end, end + 2.0], [0.0, depth, depth]

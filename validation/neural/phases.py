@@ -36,9 +36,9 @@ TRACE = {"impulses per cycle": 12.0, "phi1": 34.988, "phi2": 97.991}
 
 def trace(what: str) -> float:
     """Return impulses per cycle, or the phase in degrees of the first or last of a cycle."""
-    found = swing(SPRING, STANDARD, 2.0, 100.0)
-    phases = found.phases[0]
-    values = found.impulses[0], phases.min(), phases.max()
+    response = swing(SPRING, STANDARD, 2.0, 100.0)
+    phases = response.phases[0]
+    values = response.impulses[0], phases.min(), phases.max()
     return float(dict(zip(TRACE, values, strict=True))[what])
 
 

@@ -92,8 +92,8 @@ def course(
 
 def in_ramp(name: str, speed: float) -> float:
     """Return the highest rate in Hz up to the hold: one over the interval; 0 for one impulse."""
-    found = course(name, speed)
-    return fastest(found.between(0.0, found.reached + 0.02))
+    response = course(name, speed)
+    return fastest(response.between(0.0, response.reached + 0.02))
 
 
 def fastest(spikes: Array) -> float:
@@ -103,27 +103,27 @@ def fastest(spikes: Array) -> float:
 
 def in_hold(name: str, speed: float, divisor: float = 6.0) -> float:
     """Return the mean rate in Hz in the last 0.6 s of the hold."""
-    found = course(name, speed, divisor=divisor)
-    late = found.between(found.retract - 0.6, found.retract)
+    response = course(name, speed, divisor=divisor)
+    late = response.between(response.retract - 0.6, response.retract)
     return float(1.0 / np.diff(late).mean()) if len(late) > 1 else 0.0
 
 
 def retracting(name: str, speed: float, **options: Any) -> float:
     """Return the impulses from the start of the retraction until the probe is almost out."""
-    found = course(name, speed, **options)
-    return float(len(found.between(found.retract + CORNER, found.back)))
+    response = course(name, speed, **options)
+    return float(len(response.between(response.retract + CORNER, response.back)))
 
 
 def holding(name: str, speed: float) -> float:
     """Return the impulses in the hold, from 50 ms after its start on."""
-    found = course(name, speed)
-    return float(len(found.between(found.reached + 0.05, found.retract)))
+    response = course(name, speed)
+    return float(len(response.between(response.reached + 0.05, response.retract)))
 
 
 def returning(name: str, speed: float) -> float:
     """Return the impulses from the last corner on, when the probe comes back to zero."""
-    found = course(name, speed)
-    return float(len(found.between(found.back, found.end + AFTER)))
+    response = course(name, speed)
+    return float(len(response.between(response.back, response.end + AFTER)))
 
 
 def rise(measure: Callable[[str, float], float], name: str, speeds: tuple[float, ...]) -> float:
@@ -290,14 +290,14 @@ def _fast() -> Iterator[Case]:
 
 
 def _faster() -> Iterator[Case]:
-    said = f"{THESIS}: recorded rates are higher, so the rates were divided by too much"
+    note = f"{THESIS}: recorded rates are higher, so the rates were divided by too much"
     for divisor, least in ((4.0, 1.2), (3.0, 1.5)):
         yield claim(
             f"4.3.5: SAI, 8 mm/s: rate in the hold with rates / {divisor:g}, over that with / 6",
             lambda divisor=divisor: in_hold("SAI", 8.0, divisor) / in_hold("SAI", 8.0),
             (least, 6.0 / divisor),
             "1",
-            said,
+            note,
             "less than in proportion: the membrane equation is not slowed",
         )
         yield claim(

@@ -50,16 +50,16 @@ def fall(name: str) -> float:
 
 def shift(name: str) -> float:
     """Return the octaves by which the peak moves up from the largest to the smallest amplitude."""
-    found = peaks(name)
-    return float(found[-1] - found[0])
+    frequencies = peaks(name)
+    return float(frequencies[-1] - frequencies[0])
 
 
 def steadiness(name: str) -> float:
     """Return the rank correlation of the peak's frequency with the attenuation."""
     from scipy.stats import spearmanr
 
-    found = peaks(name)
-    return float(spearmanr(np.arange(len(found)), found).statistic)
+    frequencies = peaks(name)
+    return float(spearmanr(np.arange(len(frequencies)), frequencies).statistic)
 
 
 def smallest(name: str, frequency: float) -> float:
@@ -93,18 +93,18 @@ def few(membrane: HodgkinHuxley) -> float:
     """Return the dB of amplitude at 0.5 Hz that give 1 to 20 impulses per cycle (4.3.2)."""
     steps = np.arange(0.0, 20.0, 0.25)
     amplitudes, samples = 50.0 / 10.0 ** (steps / 20.0), cornered(membrane, 0.5)
-    found = swing(SPRING, membrane, 0.5, amplitudes, samples).impulses
-    return 0.25 * float(np.sum((found > 0) & (found <= 20)))
+    impulses = swing(SPRING, membrane, 0.5, amplitudes, samples).impulses
+    return 0.25 * float(np.sum((impulses > 0) & (impulses <= 20)))
 
 
 def logarithmic(organ: Organ, membrane: HodgkinHuxley, frequency: float) -> float:
     """Return R² of impulses per cycle over log amplitude, less R² over amplitude."""
     amplitudes = IN_RANGE / tallest(organ, frequency)
-    found = swing(organ, membrane, frequency, amplitudes, cornered(membrane, frequency)).impulses
-    fires = found > 0
+    impulses = swing(organ, membrane, frequency, amplitudes, cornered(membrane, frequency)).impulses
+    fires = impulses > 0
 
     def explained(x: np.ndarray) -> float:
-        return float(np.corrcoef(x[fires], found[fires])[0, 1] ** 2)
+        return float(np.corrcoef(x[fires], impulses[fires])[0, 1] ** 2)
 
     return explained(np.log(amplitudes)) - explained(amplitudes)
 
@@ -131,7 +131,7 @@ def closed(pole: float) -> float:
 
 
 def relief(pole: float) -> float:
-    """Return how many times smaller the largest current is with a pole, at 512 Hz."""
+    """Ratio of the largest current without a pole to that with a pole, at 512 Hz."""
     return tallest(DAMPER, 512.0) / tallest(derivative(pole), 512.0)
 
 

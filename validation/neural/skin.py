@@ -110,8 +110,8 @@ def _answer(
 
 def steps(mechanics: str, what: str, force: float) -> float:
     """Return the smallest relative change of a number from one curvature to the next larger."""
-    found = [getattr(profile(mechanics, c, force), what) for c in (FLAT, *CURVATURES)]
-    return float(np.min(np.diff(found) / found[:-1]))
+    values = [getattr(profile(mechanics, c, force), what) for c in (FLAT, *CURVATURES)]
+    return float(np.min(np.diff(values) / values[:-1]))
 
 
 def narrowing(mechanics: str, force: float) -> float:
@@ -140,14 +140,14 @@ def compliance(mechanics: str, what: str) -> float:
 
 def symmetry(mechanics: str) -> float:
     """Return the largest difference of input between mirrored places, over the largest input."""
-    found = pressed(mechanics, 1.0, "SAI").drive
-    return float(np.abs(found - found[::-1]).max() / found.max())
+    drive = pressed(mechanics, 1.0, "SAI").drive
+    return float(np.abs(drive - drive[::-1]).max() / drive.max())
 
 
 def plateau(mechanics: str) -> float:
     """Return the span of SAI rates under the middle 3 mm of a plate, over their mean."""
-    found = pressed(mechanics, 1.0, "SAI")
-    middle = found.rate[np.abs(found.place) <= 1.5]
+    profile_ = pressed(mechanics, 1.0, "SAI")
+    middle = profile_.rate[np.abs(profile_.place) <= 1.5]
     return float(np.ptp(middle) / middle.mean())
 
 

@@ -104,7 +104,7 @@ def current(organ: Organ, frequency: float, turn: ArrayLike) -> Array:
 
 
 def cornered(membrane: HodgkinHuxley, frequency: float) -> int:
-    """Return how many samples of a cycle make corners near the resonance of a membrane at rest.
+    """Count the samples per cycle that put corners near the resonance of a membrane at rest.
 
     Under a smooth current that rises slowly, a membrane stays at its unstable rest until what
     disturbs it has grown, and that is rounding, which differs between processors. Corners 10 ms
@@ -120,7 +120,7 @@ def swing(
     amplitudes: ArrayLike,
     samples: int | None = None,
 ) -> Swing:
-    """Return what A (1 - cos) of these amplitudes (uA/cm² at a gain of 1) does to a membrane.
+    """Response of a membrane to A (1 - cos) of these amplitudes (uA/cm² at a gain of 1).
 
     samples: of a cycle, between which the current goes straight; None for a smooth one.
     """
@@ -174,8 +174,8 @@ def retracting(organ: Organ, membrane: Membrane, frequency: float, currents: Arr
 
     The mean over amplitudes that give these largest currents in uA/cm², where they fire.
     """
-    found = swing(organ, membrane, frequency, np.asarray(currents) / tallest(organ, frequency))
-    shares = [np.mean(phases > 180.0) for phases in found.phases if len(phases)]
+    response = swing(organ, membrane, frequency, np.asarray(currents) / tallest(organ, frequency))
+    shares = [np.mean(phases > 180.0) for phases in response.phases if len(phases)]
     return float(np.mean(shares))
 
 

@@ -32,7 +32,7 @@ WIDTH = 5.0  # thicknesses of a layer to its outer faces
 
 
 @dataclass(frozen=True)
-class Quarter:
+class HalfSpaceQuarter:
     """A quarter of a block under a paraboloid of `radius` mm, with `cells` along `contact` mm.
 
     thickness: None for a half-space, else that of a layer in mm, bonded below and free aside.
@@ -115,9 +115,9 @@ class Quarter:
         """Return the force (n_t,) in mN of the whole block, stepped as a condensed finger is."""
         count = len(self.patch.vertices)
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
-        asked = Prescribed("depth", time, depth)
+        prescribed = Prescribed("depth", time, depth)
         history = step_compiled.march(
-            self.flexibility, self.patch.gap, self.patch.travel, memory, asked
+            self.flexibility, self.patch.gap, self.patch.travel, memory, prescribed
         )
         if (history.pressure[:, self.patch.edge] > 0).any():
             message = "block: contact reached the rim of its candidates"

@@ -1,4 +1,4 @@
-"""What other programs do in the same Hertz contact, measured on two cores with one thread.
+"""Results of other programs for the same Hertz contact, measured on two cores with one thread.
 
 a / R = 0.0015, the half-space's displacement prescribed around a mesh of tetrahedra, a rigid
 frictionless plate. Pressure is nodal reaction over tributary area, RMS over the true disk.

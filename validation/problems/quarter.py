@@ -99,8 +99,8 @@ class Quarter:
     @cached_property
     def flexibility(self) -> Array:
         """F (n_vertices, n_vertices) of the quarter."""
-        found = np.asarray(self.patch.loads.T @ self.unit)
-        return (found + found.T) / 2
+        matrix = np.asarray(self.patch.loads.T @ self.unit)
+        return (matrix + matrix.T) / 2
 
     def pressed(self, depth: float) -> "Pressed":
         """Return the contact at a depth in mm."""
@@ -177,7 +177,7 @@ def top(space: Space) -> NDArray[np.int64]:
 
 
 def outer(space: Space) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which nodes (n_nodes,) lie on the bottom, and which on the outer side."""
+    """Flag the nodes (n_nodes,) on the bottom, and of those on the outer side."""
     points = space.node_points
     facets = np.asarray(space.scalar.mesh.facets[:, space.scalar.mesh.boundary_facets()].T)
     corners = space.points[facets]

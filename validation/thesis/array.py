@@ -1,4 +1,4 @@
-"""Chapter 3 of Pawluk (1997): what the pressure array reads of the mean finger."""
+"""Chapter 3 of Pawluk (1997): readings of the pressure array on the mean finger."""
 
 from collections.abc import Iterator
 from functools import cache, partial
@@ -61,7 +61,7 @@ def quasi_static(newtons: float) -> tuple[Fingerpad, float]:
     return means, float(means.depth_at(1e3 * newtons, relaxed=True))
 
 
-def felt(newtons: float, r: float) -> float:
+def array_pressure(newtons: float, r: float) -> float:
     """Return the relaxed pressure in kPa that an element r mm off the center feels."""
     means, depth = quasi_static(newtons)
     rows = blurred_nodes(means, np.array([depth]), np.array([r]))
@@ -143,7 +143,7 @@ def slow_press() -> tuple[Array, Array, Array]:
 
 
 @cache
-def found(offset: float) -> dict[str, float]:
+def fitted(offset: float) -> dict[str, float]:
     """Return the thesis's fit of a slow press of a.h. whose touch is found `offset` mm early."""
     depth, pressure, r = slow_press()
     return fit_fingerpad(depth + offset, pressure, r).parameters
@@ -173,7 +173,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             "thesis",
             f"Figure 3-4: filtered peak pressure at {newtons:g} N quasi-static, means",
-            partial(felt, newtons, 0.0),
+            partial(array_pressure, newtons, 0.0),
             felt_at_center(newtons),
             1e-6,
             "kPa",
@@ -194,7 +194,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             "thesis",
             f"Figure 3-2: felt {r:g} mm off the center at 2.3 N quasi-static, means",
-            partial(felt, 2.3, r),
+            partial(array_pressure, 2.3, r),
             felt_on_plane(2.3, r),
             5e-3,
             "kPa",
@@ -235,7 +235,7 @@ def _fit() -> Iterator[Case]:
         yield Case(
             "thesis",
             f"Table 3.2: {name.replace('_', ' ')} of a.h. that its own slow press gives back",
-            lambda n=name: found(0.0)[n],
+            lambda n=name: fitted(0.0)[n],
             expected,
             2e-3 * expected,
             unit,
@@ -246,7 +246,7 @@ def _fit() -> Iterator[Case]:
         yield Case(
             "thesis",
             f"Section 3.4.2: c0 b when touch is found 80 um {name}, over that found right, a.h.",
-            lambda o=offset: found(o)["c0_b"] / found(0.0)["c0_b"],
+            lambda o=offset: fitted(o)["c0_b"] / fitted(0.0)["c0_b"],
             found_without_blur(offset) / found_without_blur(0.0),
             0.01,
             "1",

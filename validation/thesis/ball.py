@@ -47,8 +47,8 @@ def press(cover: str) -> tuple[Array, Array, Array]:
     rows = []
     for each in depth.tolist():
         if cover == "bonded":
-            found = bonded("nominal", each)
-            rows.append(blurred(found.pressure, found.contact_radius, r))
+            contact = bonded("nominal", each)
+            rows.append(blurred(contact.pressure, contact.contact_radius, r))
         else:
             plane, radius = ball("nominal")[0], NOMINAL["radius"]
             hertz = Hertz(radius, each, 0.75 * plane, 0.5)
@@ -59,12 +59,12 @@ def press(cover: str) -> tuple[Array, Array, Array]:
 
 @cache
 def fitted(cover: str) -> dict[str, float]:
-    """Return what the thesis's fit makes of the press of the nominal ball."""
+    """Apply the thesis's fit to the press of the nominal ball."""
     return fit_ball(*press(cover)).parameters
 
 
 def direct(name: str) -> float:
-    """Return what least squares finds in the pressures on the bonded cover, without blur."""
+    """Fit the pressures on the bonded cover by least squares, without blur."""
     from scipy.optimize import curve_fit
 
     depth, _, r = press("bonded")

@@ -8,7 +8,7 @@ from fefinger.validation.thesis.array import ELEMENTS, LEVEL, blurred_nodes, fel
 from fefinger.validation.thesis.ball import bonded
 from fefinger.validation.thesis.figures import COLORS, canvas
 from fefinger.validation.thesis.pressure import PROFILES, ball, pad
-from fefinger.validation.thesis.sensor import ball_pressure, felt
+from fefinger.validation.thesis.sensor import array_pressure, ball_pressure
 from numpy.typing import NDArray
 
 from fefinger.theory.array.sensor import ArraySensor
@@ -158,7 +158,7 @@ def _ball() -> Any:
     drawn = figure(5.6, 3.0)
     left, right = drawn.subplots(1, 2)
     r = np.linspace(0.0, 9.0, 200)
-    left.plot(r, felt(r), color=INK)
+    left.plot(r, array_pressure(r), color=INK)
     left.plot(r, ball_pressure().pressure(r), "--", color=STEEL)
     left.set(xlabel="distance / mm", ylabel="pressure / kPa")
     depth = np.linspace(0.0, 0.7, 100)

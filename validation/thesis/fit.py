@@ -1,4 +1,4 @@
-"""Section 2.4 of Pawluk (1997): what its identification makes of a finger that is known."""
+"""Section 2.4 of Pawluk (1997): bias of its identification for a finger of known parameters."""
 
 from collections.abc import Iterator
 from functools import cache, partial
@@ -37,8 +37,8 @@ def error(subject: str, name: str) -> float:
 
 def deviations(subject: str) -> float:
     """Return the error in b of the joint fit over the uncertainty that it reports."""
-    found = identified(subject, unbiased=True)
-    return (found.spring.b - finger(subject)[0].b) / found.uncertainty["b"]
+    identification = identified(subject, unbiased=True)
+    return (identification.spring.b - finger(subject)[0].b) / identification.uncertainty["b"]
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

@@ -68,7 +68,7 @@ def decay() -> float:
 
 
 def spring_chain() -> float:
-    """Return what reaches the nerve of a slow chain of springs 2, 0.3 and 0.7 per displacement."""
+    """Nerve input per displacement of a slow chain of springs 2, 0.3 and 0.7."""
     chain = slow_chain(2.0, SpringDamper(0.3, 0.05), 0.7)
     return float(np.abs(chain.displacement_filter().frequency_response([1e-6]))[0])
 

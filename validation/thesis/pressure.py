@@ -90,8 +90,8 @@ def ball(name: str) -> tuple[float, HertzContact]:
 
 def ball_quantity(name: str, index: int) -> float:
     """Return E* kPa, P N, p0 kPa or a mm of `ball`."""
-    plane, found = ball(name)
-    values = (plane, found.force / 1e3, found.peak_pressure, found.radius)
+    plane, contact = ball(name)
+    values = (plane, contact.force / 1e3, contact.peak_pressure, contact.radius)
     return float(values[index])
 
 

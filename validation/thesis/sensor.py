@@ -27,26 +27,26 @@ def ball_pressure() -> Hertz:
     return Hertz(BALLS["fitted"][0], BALL_DEPTH, 0.75 * plane, 0.5)
 
 
-def felt(r: Array) -> Array:
-    """Return what the array feels of the fitted ball at distances in mm, in kPa."""
+def array_pressure(r: Array) -> Array:
+    """Simulate the readings of the array on the fitted ball at distances in mm, in kPa."""
     hertz = ball_pressure()
     return blurred(hertz.pressure, hertz.contact_radius, r)
 
 
 def felt_at(r: float) -> float:
     """Return `felt` at one distance."""
-    return float(felt(np.array([r]))[0])
+    return float(array_pressure(np.array([r]))[0])
 
 
 def felt_force() -> float:
     """Return the integral of `felt` in N."""
     r = np.linspace(0.0, 12.0, 2401)
-    return float(np.trapezoid(2 * np.pi * r * felt(r), r)) / 1e3
+    return float(np.trapezoid(2 * np.pi * r * array_pressure(r), r)) / 1e3
 
 
 @cache
 def coupling() -> Array:
-    """Return what the elements feel of a load as large as one element, in its part of the total.
+    """Share of a load as large as one element that the elements read.
 
     The load is a pressure at the center of one element; the response of each is the Gaussian at
     its distance from there.

@@ -67,13 +67,13 @@ def columns(table: str) -> dict[str, tuple[float, ...]]:
     """Return the columns of a table, one value per subject, without the row of means."""
     bulk = [row for name, row in pawluk_bulk().items() if name != "means"]
     if table == "2.1":
-        found = {
+        values = {
             "w": tuple(row.width for row in bulk),
             "t": tuple(row.thickness for row in bulk),
             "m": tuple(row.m for row in bulk),
             "b": tuple(row.b for row in bulk),
         }
-        return found | _prony_columns([row.prony for row in bulk])
+        return values | _prony_columns([row.prony for row in bulk])
     if table == "3.1":
         rows = [prony for name, prony in pawluk_relaxation().items() if name != "means"]
         return _prony_columns(rows)
@@ -86,16 +86,16 @@ def columns(table: str) -> dict[str, tuple[float, ...]]:
 
 
 def _prony_columns(rows: list[Prony]) -> dict[str, tuple[float, ...]]:
-    found = {f"c{i}": tuple(row.c[i] for row in rows) for i in range(4)}
-    return found | {f"v{i + 1}": tuple(row.v[i] for row in rows) for i in range(3)}
+    weights = {f"c{i}": tuple(row.c[i] for row in rows) for i in range(4)}
+    return weights | {f"v{i + 1}": tuple(row.v[i] for row in rows) for i in range(3)}
 
 
 def correlation(first: str, second: str) -> tuple[float, float]:
     """Return Pearson's r of two columns of Table 2.1 and its two-sided p."""
     from scipy.stats import pearsonr
 
-    found = pearsonr(columns("2.1")[first], columns("2.1")[second])
-    return float(found.statistic), float(found.pvalue)
+    result = pearsonr(columns("2.1")[first], columns("2.1")[second])
+    return float(result.statistic), float(result.pvalue)
 
 
 def prony(source: str) -> Prony:

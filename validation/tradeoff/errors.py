@@ -1,4 +1,4 @@
-"""What is wrong with a press by one mechanics, against a converged press of the same finger.
+"""Errors of a press by one mechanics, against a converged press of the same finger.
 
 A press is known at DEPTHS evenly spaced depths; every error is one number for each of them.
 """
@@ -151,11 +151,11 @@ def mesh_errors(pressed: Press | None, limit_: Converged) -> dict[str, Array]:
     rest = {key: bar for key, bar in limit_.bars.items() if key != "force"}
     if pressed is None:
         return rest
-    found = errors(pressed, limit_.press)
-    return found | {key: found[key] + bar for key, bar in rest.items()}
+    numerical = errors(pressed, limit_.press)
+    return numerical | {key: numerical[key] + bar for key, bar in rest.items()}
 
 
-def errors(found: Press, true: Press) -> dict[str, Array]:
+def errors(pressed: Press, true: Press) -> dict[str, Array]:
     """Return the relative errors (n,) of each of QUANTITIES in presses to each depth.
 
     Of those that are stated, the largest difference on the way to a depth, of the value there:
@@ -164,17 +164,17 @@ def errors(found: Press, true: Press) -> dict[str, Array]:
     distance, of the radius of a circle of that area.
     """
     at = true.at
-    stated = {name: _largest(getattr(found, name), getattr(true, name), at) for name in STATED}
-    shift = (found.centroid - true.centroid)[at]
+    stated = {name: _largest(getattr(pressed, name), getattr(true, name), at) for name in STATED}
+    shift = (pressed.centroid - true.centroid)[at]
     return stated | {
-        "taxels": norm(found.taxels - true.taxels) / norm(true.taxels),
+        "taxels": norm(pressed.taxels - true.taxels) / norm(true.taxels),
         "centroid": np.linalg.norm(shift, axis=1) / np.sqrt(true.area[at] / np.pi),
     }
 
 
-def _largest(found: Array, true: Array, at: NDArray[np.int64]) -> Array:
+def _largest(values: Array, true: Array, at: NDArray[np.int64]) -> Array:
     """Return the largest difference so far of values (n, ...), of the value there, (m,) at some."""
-    return np.asarray(np.maximum.accumulate(norm(found - true))[at] / norm(true[at]))
+    return np.asarray(np.maximum.accumulate(norm(values - true))[at] / norm(true[at]))
 
 
 def norm(values: Array) -> Array:
@@ -227,8 +227,8 @@ def spring(depth: Array, force: Array) -> tuple[float, float]:
         b, m = np.exp(logs)
         return law((b, m), depth) - force
 
-    found = least_squares(apart, np.zeros(2), x_scale=1.0)
-    b, m = np.exp(found.x)
+    optimum = least_squares(apart, np.zeros(2), x_scale=1.0)
+    b, m = np.exp(optimum.x)
     return float(b), float(m)
 
 
@@ -237,9 +237,9 @@ def _slope(x: Array, y: Array) -> float:
     return float(x @ y / (x @ x))
 
 
-def law(found: tuple[float, float], depth: Array) -> Array:
+def law(parameters: tuple[float, float], depth: Array) -> Array:
     """Return the force (n,) in N of the spring of Eq. 2.1 with b in N/mm and m in 1/mm."""
-    b, m = found
+    b, m = parameters
     return np.asarray(b / m * np.expm1(m * depth))
 
 

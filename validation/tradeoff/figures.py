@@ -81,10 +81,10 @@ def _legend(drawn: Any) -> None:
             color=INK,
             marker=MARKERS[how],
             linestyle="none",
-            label=said,
+            label=text,
             markerfacecolor="none" if how == "coarse" else INK,
         )
-        for how, said in names.items()
+        for how, text in names.items()
     ]
     drawn.legend(handles=lines, loc="outside upper center", ncols=5)
 
@@ -140,7 +140,7 @@ def _others(data: dict[str, Any]) -> Any:
     for line, name in zip(grid, ("flat-30", "sphere-10"), strict=True):
         rows = data["presses"][name]
         bars = data["rules"]["presses"][name]["bars"]
-        for axis, (key, said) in zip(line, QUANTITIES.items(), strict=True):
+        for axis, (key, title) in zip(line, QUANTITIES.items(), strict=True):
             points = {
                 candidate: (row["expected_s"], row["total"][key])
                 for candidate, row in rows.items()
@@ -148,7 +148,7 @@ def _others(data: dict[str, Any]) -> Any:
             }
             _scatter(axis, points)
             axis.axhline(max(bars[key][-1], LEAST), color=INK, linewidth=0.8, linestyle="--")
-            axis.set_title(f"{name}: {said}", fontsize=8)
+            axis.set_title(f"{name}: {title}", fontsize=8)
         line[0].set_ylabel("error")
     for axis in grid[1]:
         axis.set_xlabel("expected time / s")
@@ -210,15 +210,15 @@ def _split(data: dict[str, Any]) -> Any:
 
 
 def _held_caption(data: dict[str, Any]) -> str:
-    found = data["summary"]
-    kept = ", ".join(
+    summary = data["summary"]
+    shares = ", ".join(
         f"{_NAMES[name]} {100 * share:.0f} %"
-        for name, share in found["stated_kept_by_all_candidates"].items()
+        for name, share in summary["stated_kept_by_all_candidates"].items()
     )
     return (
-        f"{found['scenes']} scenes that took no part in deriving the rules: stated and actual "
+        f"{summary['scenes']} scenes that took no part in deriving the rules: stated and actual "
         "errors of every candidate. Below the line the stated error is an upper bound; share of "
-        f"such cases: {kept}."
+        f"such cases: {shares}."
     )
 
 
@@ -233,7 +233,7 @@ _NAMES = {
 def _held(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 5.2)
     grid = drawn.subplots(2, 2, sharex=True, sharey=True)
-    for axis, (quantity, said) in zip(grid.ravel(), _NAMES.items(), strict=True):
+    for axis, (quantity, title) in zip(grid.ravel(), _NAMES.items(), strict=True):
         for each in data["held_out"].values():
             for name, row in each["candidates"].items():
                 stated = row["stated"].get(quantity)
@@ -252,7 +252,7 @@ def _held(data: dict[str, Any]) -> Any:
                 )
         axis.plot([LEAST, 3], [LEAST, 3], color=STEEL, linewidth=1)
         axis.set(
-            xscale="log", yscale="log", title=f"{said}: candidates (small), choices (outlined)"
+            xscale="log", yscale="log", title=f"{title}: candidates (small), choices (outlined)"
         )
     for axis in grid[1]:
         axis.set_xlabel("stated error")
@@ -263,29 +263,29 @@ def _held(data: dict[str, Any]) -> Any:
 
 
 def _cost_caption(data: dict[str, Any]) -> str:
-    found = data["summary"]
+    summary = data["summary"]
     return (
         "Left: expected time of the choice over that of the cheapest candidate that meets the "
-        f"tolerance; {100 * found['within_1.2']:.0f} % of the ratios are at most {ENOUGH:g}, the "
-        f"largest is {found['worst_ratio']:.2g}; the ratio of the sums is "
-        f"{found['total_seconds_over_least']:.2g}. Right: the same share for a planner that knows "
-        "all actual errors and states them too large by one factor; the cross is the actual "
+        f"tolerance; {100 * summary['within_1.2']:.0f} % of the ratios are at most {ENOUGH:g}, the "
+        f"largest is {summary['worst_ratio']:.2g}; the ratio of the sums is "
+        f"{summary['total_seconds_over_least']:.2g}. Right: the same share for a planner that "
+        "knows all actual errors and states them too large by one factor; the cross is the actual "
         "planner, at the median ratio of stated to actual error of the cheapest sufficient "
         "candidate."
     )
 
 
 def _cost(data: dict[str, Any]) -> Any:
-    found = data["summary"]
+    summary = data["summary"]
     drawn = figure(WIDE, 3.2)
     left, right = drawn.subplots(1, 2)
     ratios = np.sort([e["ratio"] for e in data["held_out"].values() if e["ratio"] is not None])
     left.step(ratios, np.arange(1, len(ratios) + 1) / len(ratios), where="post", color=INK)
     left.axvline(ENOUGH, color=STEEL, linewidth=1)
     left.set(xscale="log", xlabel="time of the choice / least time", ylabel="share of the scenes")
-    curve = {float(key): share for key, share in found["oracle_within_1.2"].items()}
+    curve = {float(key): share for key, share in summary["oracle_within_1.2"].items()}
     right.plot(curve.keys(), curve.values(), color=STEEL, marker="o", markersize=4)
-    right.plot(found["stated_over_actual_of_the_cheapest"], found["within_1.2"], "x", color=INK)
+    right.plot(summary["stated_over_actual_of_the_cheapest"], summary["within_1.2"], "x", color=INK)
     right.set(xlabel="stated / actual error", ylabel=f"share within {ENOUGH:g} times the least")
     for axis in (left, right):
         axis.set_ylim(0, 1.02)

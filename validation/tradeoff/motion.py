@@ -32,7 +32,7 @@ COST = 1e3
 
 
 @dataclass(frozen=True)
-class Passage:
+class MotionHistory:
     """An answer through time.
 
     time (n_t,) s, force (n_t,) N, pressure (n_t,) kPa, the highest over 1 mm², area (n_t,) mm²,
@@ -46,7 +46,7 @@ class Passage:
     strain: Array
 
 
-def passage(pressed: Press, scene: Scene, *, fast: bool = False) -> Passage:
+def motion_history(pressed: Press, scene: Scene, *, fast: bool = False) -> MotionHistory:
     """Return the motion of a scene, by depth, on the finger of a press of relaxed tissue.
 
     The highest pressure is taken to stay where it is on the pad, as that of a ball does.
@@ -59,42 +59,42 @@ def passage(pressed: Press, scene: Scene, *, fast: bool = False) -> Passage:
     area = _curve(pressed.depth, pressed.area, history.edge, AREA)
     strain = history.strain(_curve(pressed.depth, pressed.strain, nodes, STRAIN))
     highest = history.stress(_curve(pressed.depth, pressed.pressure, nodes, PRESSURE))
-    return Passage(time, force, highest / prony.long_time, area, strain)
+    return MotionHistory(time, force, highest / prony.long_time, area, strain)
 
 
-def direct(name: str, mechanics: str, resolution: str, refine: int = 1) -> Passage | None:
+def direct(name: str, mechanics: str, resolution: str, refine: int = 1) -> MotionHistory | None:
     """Return a base scene that a mechanics was run on; None where it refused."""
     arrays = runs.load(Run("base", name, mechanics, resolution, refine))
     if arrays is None:
         return None
-    kept = ("time", "force", "highest", "area", "strain")
-    return Passage(*(arrays[key] for key in kept))
+    names = ("time", "force", "highest", "area", "strain")
+    return MotionHistory(*(arrays[key] for key in names))
 
 
-def errors(found: Passage, true: Passage) -> dict[str, float]:
+def errors(history: MotionHistory, true: MotionHistory) -> dict[str, float]:
     """Return the errors of what is stated.
 
     Of the force the largest through time, of its peak; of the rest that when the force is largest.
     """
     at = int(np.argmax(true.force))
-    force = np.interp(true.time, found.time, found.force)
+    force = np.interp(true.time, history.time, history.force)
     apart = {
-        name: norm(_at(found, name, true.time[at]) - value) / norm(value)
+        name: norm(_at(history, name, true.time[at]) - value) / norm(value)
         for name, value in ((name, getattr(true, name)[at : at + 1]) for name in STATED[1:])
     }
     largest = float(np.abs(force - true.force).max() / true.force.max())
     return {"force": largest, **{name: float(value[0]) for name, value in apart.items()}}
 
 
-def _at(found: Passage, name: str, time: float) -> Array:
+def _at(history: MotionHistory, name: str, time: float) -> Array:
     """Return the value (1, ...) of a passage at a time."""
-    values = getattr(found, name)
-    rows = [np.interp(time, found.time, row) for row in values.reshape(len(values), -1).T]
+    values = getattr(history, name)
+    rows = [np.interp(time, history.time, row) for row in values.reshape(len(values), -1).T]
     return np.reshape(rows, (1, *values.shape[1:]))
 
 
 def spikes(
-    found: Passage, reference: Run, dt: float | None = None, tolerance: float | None = None
+    history: MotionHistory, reference: Run, dt: float | None = None, tolerance: float | None = None
 ) -> SpikeTrains:
     """Return the spikes of the four central units; `reference` ran the press that sets lengths."""
     from fefinger.validation.tradeoff.scenes import TYPES
@@ -112,8 +112,8 @@ def spikes(
         arrays["reference"],
     )
     return from_strain(
-        found.time,
-        found.strain,
+        history.time,
+        history.strain,
         arrays["normals"],
         TYPES,
         reference_press,
@@ -123,8 +123,8 @@ def spikes(
     )
 
 
-def spike_errors(found: SpikeTrains, true: SpikeTrains) -> dict[str, float]:
-    """Return how spikes differ: of all four units, counts, first spikes and distance.
+def spike_errors(trains: SpikeTrains, true: SpikeTrains) -> dict[str, float]:
+    """Errors of the spikes of all four units: counts, first spikes and distance.
 
     count: missing or extra spikes over all; first_ms: the largest difference of first spikes, nan
     where one has none; distance: of Victor and Purpura at 1 ms, per spike.
@@ -132,7 +132,7 @@ def spike_errors(found: SpikeTrains, true: SpikeTrains) -> dict[str, float]:
     from fefinger.neural.statistics import victor_purpura
 
     total = max(sum(len(times) for times in true.times), 1)
-    pairs = list(zip(found.times, true.times, strict=True))
+    pairs = list(zip(trains.times, true.times, strict=True))
     first = [1e3 * abs(a[0] - b[0]) for a, b in pairs if len(a) and len(b)]
     return {
         "count": sum(abs(len(a) - len(b)) for a, b in pairs) / total,

@@ -183,9 +183,9 @@ def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
     assert response.pressure is not None
     if pressed:
         wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
-        kept = np.searchsorted(response.depth, wanted * (1 - 1e-9))
+        steps = np.searchsorted(response.depth, wanted * (1 - 1e-9))
     else:
-        kept = np.array([np.argmax(response.force)])
+        steps = np.array([np.argmax(response.force)])
     stages = {f"stage_{name}": np.array(value) for name, value in response.seconds.items()}
     return {
         "time": response.time,
@@ -198,8 +198,8 @@ def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
         "reference": response.reference.strain,
         "reference_normals": response.reference.normals,
         "reference_depth": np.array(response.reference.depth),
-        "kept": kept,
-        "taxels": np.array([taxels(response, int(step)) for step in kept]),
+        "kept": steps,
+        "taxels": np.array([taxels(response, int(step)) for step in steps]),
         "highest": pressures.peaks(response.pad, response.pressure),
         **stages,
     }

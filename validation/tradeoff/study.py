@@ -35,11 +35,11 @@ TOLERANCES = (1e-3, 1e-4, 1e-5)
 
 def found(name: str) -> dict[str, Press]:
     """Return the press by every candidate, the identified ones as well."""
-    fitted, known = identified(), answers(name)
-    known["hertz identified"] = hertzian(name, fitted)
-    if "layered" in known:
-        known["layered identified"] = known["layered"].scaled(fitted.stiffness)
-    return known
+    fitted, presses_by_name = identified(), answers(name)
+    presses_by_name["hertz identified"] = hertzian(name, fitted)
+    if "layered" in presses_by_name:
+        presses_by_name["layered identified"] = presses_by_name["layered"].scaled(fitted.stiffness)
+    return presses_by_name
 
 
 def spent(candidate: str, name: str) -> dict[str, float]:
@@ -71,20 +71,20 @@ def _run_of(label: str) -> tuple[str, str]:
 def split(name: str) -> dict[str, dict[str, Any]]:
     """Return numerical, model and total errors at the full depth of a press, and what it cost."""
     true, rows = converged(name).press, {}
-    for candidate, own in found(name).items():
+    for candidate, pressed in found(name).items():
         mechanics = Candidate.of(candidate).mechanics
-        all_, zero = errors(own, true), dict.fromkeys(presses.QUANTITIES, 0.0)
+        all_, zero = errors(pressed, true), dict.fromkeys(presses.QUANTITIES, 0.0)
         numerical, model = zero, _last(all_)
         if mechanics in ("condensed", "linear"):
             limit = converged(name, LIMIT.get(mechanics, mechanics))
-            numerical, model = _last(mesh_errors(own, limit)), _last(errors(limit.press, true))
+            numerical, model = _last(mesh_errors(pressed, limit)), _last(errors(limit.press, true))
         elif mechanics == "solid":
-            numerical, model = _last(mesh_errors(own, converged(name))), zero
-        kept = ("force",) if mechanics == "lumped" else presses.QUANTITIES
+            numerical, model = _last(mesh_errors(pressed, converged(name))), zero
+        quantities = ("force",) if mechanics == "lumped" else presses.QUANTITIES
         rows[candidate] = {
-            "numerical": {key: numerical[key] for key in kept},
-            "model": {key: model[key] for key in kept},
-            "total": {key: value for key, value in _last(all_).items() if key in kept},
+            "numerical": {key: numerical[key] for key in quantities},
+            "model": {key: model[key] for key in quantities},
+            "total": {key: value for key, value in _last(all_).items() if key in quantities},
             **spent(candidate, name),
         }
     return rows
@@ -98,12 +98,12 @@ def base(name: str) -> dict[str, Any]:
     """Return the errors of a base scene by candidate, those of its spikes, and separability."""
     pressed, _ = scenes.MOTIONS[name]
     scene, true = scenes.base(name), converged(pressed)
-    reference = motion.passage(true.press, scene, fast=True)
+    reference = motion.motion_history(true.press, scene, fast=True)
     heard = Run("press", pressed, "solid", "standard")
     trains = motion.spikes(reference, heard)
     rows: dict[str, Any] = {}
-    for candidate, own in found(pressed).items():
-        passed = motion.passage(own, scene, fast=True)
+    for candidate, press_of_candidate in found(pressed).items():
+        passed = motion.motion_history(press_of_candidate, scene, fast=True)
         row: dict[str, Any] = motion.errors(passed, reference)
         if candidate == "lumped":
             row = {"force": row["force"]}
@@ -126,11 +126,13 @@ def base(name: str) -> dict[str, Any]:
     }
 
 
-def _direct(pressed: str, scene: Scene, run: motion.Passage) -> dict[str, float] | None:
+def _direct(pressed: str, scene: Scene, run: motion.MotionHistory) -> dict[str, float] | None:
     """Return the model error of `linear` against `solid` run through the scene, both coarse."""
-    own = press(pressed, "linear", "coarse")
+    coarse = press(pressed, "linear", "coarse")
     return (
-        None if own is None else _rounded(motion.errors(motion.passage(own, scene, fast=True), run))
+        None
+        if coarse is None
+        else _rounded(motion.errors(motion.motion_history(coarse, scene, fast=True), run))
     )
 
 
@@ -144,24 +146,26 @@ def _rounded(row: dict[str, Any]) -> dict[str, Any]:
 def separable(name: str) -> dict[str, float] | None:
     """Return the error of carrying a coarse press of `solid` to a motion, against a direct run."""
     pressed, _ = scenes.MOTIONS[name]
-    own, run = press(pressed, "solid", "coarse"), motion.direct(name, "solid", "coarse")
-    if own is None or run is None:
+    pressed_solid, run = press(pressed, "solid", "coarse"), motion.direct(name, "solid", "coarse")
+    if pressed_solid is None or run is None:
         return None
-    return _rounded(motion.errors(motion.passage(own, scenes.base(name), fast=True), run))
+    return _rounded(
+        motion.errors(motion.motion_history(pressed_solid, scenes.base(name), fast=True), run)
+    )
 
 
 def strain_measures() -> dict[str, dict[str, float]]:
-    """Return how the logarithmic strain of the deepest presses differs from other measures.
+    """Compare the logarithmic strain of the deepest presses with other strain measures.
 
     Green and Lagrange's strain of the same deformation, and the small strain of `linear` on the
     standard mesh: Frobenius norms over the end organs, relative.
     """
     rows = {}
     for name in scenes.BASE:
-        own, small = press(name, "solid", "standard"), press(name, "linear", "standard")
-        assert own is not None
+        pressed, small = press(name, "solid", "standard"), press(name, "linear", "standard")
+        assert pressed is not None
         assert small is not None
-        log = own.strain[-1]
+        log = pressed.strain[-1]
         green = green_lagrange(log)
         size = float(np.linalg.norm(log))
         rows[name] = {
@@ -180,7 +184,7 @@ def integrators() -> dict[str, dict[str, dict[str, float]]]:
     found_ = {}
     for name in ("flat-30 fast, deep", "sphere-10 slow, shallow"):
         pressed, _ = scenes.MOTIONS[name]
-        passed = motion.passage(converged(pressed).press, scenes.base(name), fast=True)
+        passed = motion.motion_history(converged(pressed).press, scenes.base(name), fast=True)
         heard = Run("press", pressed, "solid", "standard")
         exact = motion.spikes(passed, heard, dt=EXACT)
         settings: dict[str, dict[str, float]] = {
@@ -212,9 +216,9 @@ def _worst(trains: Any, exact: Any) -> float:
 def front(points: dict[str, tuple[float, float]]) -> list[str]:
     """Return the names of the points (cost, error) that no other beats in both, cheapest first."""
     order = sorted(points, key=lambda name: points[name])
-    best, kept = np.inf, []
+    best, names = np.inf, []
     for name in order:
         if points[name][1] < best:
             best = points[name][1]
-            kept.append(name)
-    return kept
+            names.append(name)
+    return names

@@ -38,35 +38,35 @@ def finding(data: dict[str, Any]) -> dict[str, Any]:
     return {"texts": sentences, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
-def texts(found: dict[str, Any]) -> list[str]:
+def texts(summary: dict[str, Any]) -> list[str]:
     """Return the verdict on the held-out scenes in a few sentences."""
-    picks, every = found["stated_kept"], found["stated_kept_by_all_candidates"]
-    over = found["stated_over_actual"]
+    picks, every = summary["stated_kept"], summary["stated_kept_by_all_candidates"]
+    over = summary["stated_over_actual"]
     oracle = "; ".join(
         f"{100 * (float(factor) - 1):.0f} % too large: {100 * share:.0f} %"
-        for factor, share in found["oracle_within_1.2"].items()
+        for factor, share in summary["oracle_within_1.2"].items()
         if factor != "1"
     )
     less = "; ".join(
         f"{100 * (1 - float(factor)):.0f} % smaller: {100 * share['within_1.2']:.0f} %, "
         f"{100 * share['kept']:.0f} %, {100 * share['tolerance_met']:.0f} %"
-        for factor, share in found["stated_smaller"].items()
+        for factor, share in summary["stated_smaller"].items()
     )
     within = f"within {ENOUGH:g} times the cost of the cheapest sufficient one"
     return [
-        f"{found['scenes']} scenes took no part in deriving the rules. The planner answers "
-        f"{found['answered']} of them on the meshes that are compared, and "
-        f"{found['on_a_mesh_that_is_not_judged']} on the fine mesh, which is not compared. It "
-        f"refuses {found['refused_although_possible']} that a candidate could have answered; no "
+        f"{summary['scenes']} scenes took no part in deriving the rules. The planner answers "
+        f"{summary['answered']} of them on the meshes that are compared, and "
+        f"{summary['on_a_mesh_that_is_not_judged']} on the fine mesh, which is not compared. It "
+        f"refuses {summary['refused_although_possible']} that a candidate could have answered; no "
         "candidate can answer the rest. "
-        f"{100 * found['tolerance_met']:.0f} % of its choices meet the tolerance.",
+        f"{100 * summary['tolerance_met']:.0f} % of its choices meet the tolerance.",
         "The stated error is an upper bound of the actual error in this share of its choices (of "
         f"all candidates): {_shares(picks, every)}.",
         "Median ratio of stated to actual error over all candidates: "
         + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
         + ".",
-        f"All choices together cost {found['total_seconds_over_least']:.1f} times the least "
-        f"possible. {100 * found['within_1.2']:.0f} % of them are {within}; the target is 95 %. "
+        f"All choices together cost {summary['total_seconds_over_least']:.1f} times the least "
+        f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is 95 %. "
         "Reaching it would require stated errors that are almost exact: for a planner that knows "
         "all actual errors and states them too large by one factor, the share is as follows: "
         f"{oracle}. The candidates differ widely in cost, so that a margin that excludes one of "
@@ -77,15 +77,15 @@ def texts(found: dict[str, Any]) -> list[str]:
     ]
 
 
-def again(found: dict[str, Any]) -> str:
+def again(summary: dict[str, Any]) -> str:
     """Return the verdict on scenes that were drawn after the last change of the rules."""
     return (
         "The rules were changed after an inspection of these scenes (rules_read in the data). For "
         "as many new scenes on the same presses, not inspected before, "
-        f"{100 * found['tolerance_met']:.0f} % of the choices meet the tolerance, the stated error "
-        "is an upper bound (of all candidates) for "
-        f"{_shares(found['stated_kept'], found['stated_kept_by_all_candidates'])}, and "
-        f"{100 * found['within_1.2']:.0f} % of the choices are within {ENOUGH:g} times the least "
+        f"{100 * summary['tolerance_met']:.0f} % of the choices meet the tolerance, the stated "
+        "error is an upper bound (of all candidates) for "
+        f"{_shares(summary['stated_kept'], summary['stated_kept_by_all_candidates'])}, and "
+        f"{100 * summary['within_1.2']:.0f} % of the choices are within {ENOUGH:g} times the least "
         "cost."
     )
 
@@ -104,8 +104,10 @@ def _stated() -> dict[str, Any]:
         finger = Finger.subject("a.h.", resolution=mesh)
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
-        found = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
-        rows.append([candidate, *("-" if each is None else percent(each.error) for each in found)])
+        estimates = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
+        rows.append(
+            [candidate, *("-" if each is None else percent(each.error) for each in estimates)]
+        )
     caption = (
         f"Stated errors, with margins, of a press by a plate at 30 degrees to {DEPTH:g} mm. Of "
         "the force: the largest error over time, relative to the peak; otherwise the error at the "
@@ -114,17 +116,17 @@ def _stated() -> dict[str, Any]:
     return {"caption": caption, "heading": ["candidate", *SAID.values()], "rows": rows}
 
 
-def _spikes(found: dict[str, Any]) -> dict[str, Any]:
-    """Return the table of spike errors of each mechanics in the base scenes."""
+def _spikes(scenes: dict[str, Any]) -> dict[str, Any]:
+    """Return the table of what the mechanics do to the spikes of the base scenes."""
     rows = []
     for candidate in CANDIDATES[1:]:
-        every = [row["candidates"].get(candidate, {}).get("spikes") for row in found.values()]
-        known = [each for each in every if each]
-        firsts = [each["first_ms"] for each in known if each["first_ms"] is not None]
-        count = sorted(each["count"] for each in known)
+        every = [row["candidates"].get(candidate, {}).get("spikes") for row in scenes.values()]
+        spikes = [each for each in every if each]
+        firsts = [each["first_ms"] for each in spikes if each["first_ms"] is not None]
+        count = sorted(each["count"] for each in spikes)
         middle = count[len(count) // 2]
         first = f"{max(firsts):.2g} ms" if firsts else "-"
-        rows.append([candidate, str(len(known)), percent(middle), percent(count[-1]), first])
+        rows.append([candidate, str(len(spikes)), percent(middle), percent(count[-1]), first])
     heading = ["candidate", "scenes", "count, median", "count, worst", "first spike, worst"]
     caption = (
         "Spikes of the four central afferents in the base scenes, compared with those of the "
