@@ -134,10 +134,10 @@ def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(speed, wa
 def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeypatch):
     from fefinger.results.records import Refusal
 
-    refusal = Refusal("linear", "ability", "never")
-    monkeypatch.setattr(mechanics, "names", lambda: ("linear", "other"))
+    refusal = Refusal("hertz", "ability", "never")
+    monkeypatch.setattr(mechanics, "names", lambda: ("hertz", "linear"))
     unable = type("Unable", (), {"refuse": staticmethod(lambda scene: (refusal,))})
-    monkeypatch.setattr(mechanics, "get", {"linear": unable, "other": linear}.__getitem__)
+    monkeypatch.setattr(mechanics, "get", {"hertz": unable, "linear": linear}.__getitem__)
     assert main(["explain", "flat-press", "--json", "--set", "ask.rel_error=0.5"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["rungs"][0]["seconds"], record["rungs"][0]["error"]) == (None, None)
