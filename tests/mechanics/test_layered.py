@@ -179,7 +179,7 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
     """A second answer on the same finger, at another speed and depth, solves nothing again."""
     layered.respond(scene())
     with monkeypatch.context() as patch:
-        patch.setattr("fefinger.theory.contact.contact_table.below", None)
+        patch.setattr("fefinger.theory.contact.contact_table.subsurface_field", None)
         patch.setattr("fefinger.theory.contact.contact_table.Table", None)
         again = layered.respond(scene(motion=ff.RampHold(40, 0.49, hold=0.5)))
     want = elastic(again, again.depth)

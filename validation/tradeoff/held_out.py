@@ -35,14 +35,14 @@ SMALLER = (0.9, 0.8, 0.7, 0.6, 0.5)
 
 def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
     """Return the pick, the best possible and the stated and actual errors of a scene."""
-    reference = motion.passage(true, scene)
+    reference = motion.motion_history(true, scene)
     rows: dict[str, dict[str, Any]] = {}
     ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label
         if name not in found or any(r.about == "ability" for r in rung.refusals):
             continue
-        actual = off(name, motion.passage(found[name], scene), reference)
+        actual = off(name, motion.motion_history(found[name], scene), reference)
         paced = read(TRADEOFF)["rules"]["steps"][rung.mechanics]
         known = {"force": rung.error, **rung.errors}
         rows[name] = {

@@ -328,8 +328,8 @@ def motions() -> dict[str, Any]:
     found = {}
     for name, (pressed, moved) in scenes.MOTIONS.items():
         scene, true = scenes.base(name), converged(pressed).press
-        reference = motion.passage(true, scene)
-        passed = {key: motion.passage(own, scene) for key, own in answers(pressed).items()}
+        reference = motion.motion_history(true, scene)
+        passed = {key: motion.motion_history(own, scene) for key, own in answers(pressed).items()}
         run, direct = motion.direct(name, "solid", "coarse"), {}
         if run is not None:
             alike = [key for key in passed if key.split()[-1] in ("coarse", *NO_MESH)]
@@ -344,7 +344,9 @@ def motions() -> dict[str, Any]:
     return found
 
 
-def off(candidate: str, found: motion.Passage, true: motion.Passage) -> dict[str, float]:
+def off(
+    candidate: str, found: motion.MotionHistory, true: motion.MotionHistory
+) -> dict[str, float]:
     """Return the errors of what a candidate gives."""
     apart = _rounded(motion.errors(found, true))
     return {quantity: apart[quantity] for quantity in _of(candidate)}
