@@ -1,9 +1,12 @@
 """The way of a scene: plan, mechanics, spikes, result.
 
-plan.choose         which mechanics answers, and on which mesh
-mechanics/NAME.py   respond: the scene as a Press, the Press solved, its history as a Response
-afferents.fire      the spikes of the strain at the end organs
-result.Result       what is saved, shown and reported
+plan.choose           which mechanics answers, and on which mesh
+mechanics/            respond: force, pressure and strain; condensed, linear and solid go on to
+mechanics/press/      problem.Press (mesh, body, obstacle, end organs), solved by small_strain or
+                      finite_strain, its history read by response
+mesh/store.py         the mesh: shipped, kept, or built (`mesh/build.py`)
+afferents.fire        the spikes of the strain at the end organs, by `neural/units.py`
+result.Result         what is saved, shown and reported (`pages/report.py`)
 """
 
 from typing import TYPE_CHECKING

@@ -5,6 +5,7 @@ checking counts as well: for the direction, and for cycles. `reports` and `meshe
 """
 
 import ast
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -188,6 +189,19 @@ def test_a_seeded_violation_is_found_and_named(module, source, message):
     if module == "fefinger.scene.motion":
         seeded["fefinger.scene.scene"] = "from fefinger.scene.motion import Ramp"
     assert any(message in found for found in violations(seeded))
+
+
+def test_files_that_comments_and_docstrings_name_exist():
+    """As `fem/body.py`: from the package, from the repository, or beside the file."""
+    missing = []
+    for folder in PACKAGES.values():
+        for file in folder.rglob("*.py"):
+            for name in re.findall(r"(?<![\w/])[\w/]+\.py\b", file.read_text(encoding="utf-8")):
+                places = (ROOT, ROOT / "fefinger", file.parent, folder)
+                named = [place / name for place in places]
+                if not any(path.is_file() for path in named) and "/" in name:
+                    missing.append(f"{file.relative_to(ROOT)}: {name}")
+    assert missing == []
 
 
 def sources() -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 The file has the columns time (s), position (mm, growing into the finger) and force (N, positive in
 compression), named in its first line; others are ignored. Both identifications of
-`theory/identify.py` are made, with their uncertainties.
+`theory/lumped/identify.py` are made, with their uncertainties.
 """
 
 import csv

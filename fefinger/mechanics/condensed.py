@@ -1,9 +1,9 @@
 """The answer of `linear`, from a finger that was reduced once to its pad and its end organs.
 
-The operator (`fem/condense.py`) is built once per finger and kept; contact then runs in compiled
-steps (`fem/loop.py`). Same contact, same relaxation: on the same mesh it differs from `linear` by
-rounding. One operator serves every indenter, so its mesh is that of the 30 degree plate, where the
-mesh of `linear` follows the touch.
+The operator (`fem/condensation.py`) is built once per finger and kept; contact then runs in
+compiled steps (`fem/contact/step_compiled.py`). Same contact, same relaxation: on the same mesh it
+differs from `linear` by rounding. One operator serves every indenter, so its mesh is that of the 30
+degree plate, where the mesh of `linear` follows the touch.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """Hertz contact of a relaxing half-space, as an answer to a scene: milliseconds.
 
-`theory/hertz.py` is the formula, `validation/fem/hertz.py` the proof of the elements.
-`theory/ting.py` makes it right on unloading, loss of contact and touching again.
+`theory/contact/hertz.py` is the formula, `validation/fem/hertz.py` the proof of the elements.
+`theory/contact/ting.py` makes it right on unloading, loss of contact and touching again.
 """
 
 from dataclasses import dataclass

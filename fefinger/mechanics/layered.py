@@ -1,8 +1,9 @@
 """Contact of relaxing skin and subcutaneous tissue over rigid bone, flat and exact.
 
-`theory/stack.py` and `theory/indentation.py` are the equations, `theory/table.py` the contacts
-solved once per stack, `theory/ting.py` makes them right on unloading and touching again. The first
-press of a stack takes a quarter of a second, another one some 30 ms (`reports/layered-force.json`).
+In `theory/contact/`, `stack.py` and `indentation.py` are the equations, `contact_table.py` the
+contacts solved once per stack, and `ting.py` makes them right on unloading and touching again. The
+first press of a stack takes a quarter of a second, another one some 30 ms
+(`reports/layered-force.json`).
 """
 
 from typing import TYPE_CHECKING

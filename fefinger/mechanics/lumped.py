@@ -1,7 +1,7 @@
 """The lumped finger of Pawluk (1997), chapter 2, for a Scene: force and depth, and no mesh.
 
-The formula is in `theory/lumped.py`, its proof in the tests of it; whose b and m are taken, in
-`evidence/lumped_law.py`.
+The formula is in `theory/lumped/spring.py`, its proof in the tests of it; whose b and m are taken,
+in `evidence/lumped_law.py`.
 """
 
 from fefinger.mechanics.evidence.lumped_law import Law, law

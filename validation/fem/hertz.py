@@ -1,6 +1,7 @@
 """Part of the suite `fem`: Hertz contact where Hertz holds, at every Poisson ratio.
 
-`theory/hertz.py` is the formula and `mechanics/hertz.py` answers scenes with it; this is the proof.
+`theory/contact/hertz.py` is the formula and `mechanics/hertz.py` answers scenes with it; this is
+the proof.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,7 +1,8 @@
 """Part of the suite `fem`: viscoelastic contact on a bonded layer, loading, unloading and again.
 
 The layer's far field does not depend on history, so the exact elastic contact of the layer and
-`theory/ting.py`, which shares no code with the march, say what force and detachment should be.
+`theory/contact/ting.py`, which shares no code with the march, say what force and detachment should
+be.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,7 +1,7 @@
 """Taylor-Hood spaces on tetrahedra, with one continuous pressure per tissue.
 
-Displacements are continuous quadratics, the pressure p = lambda div u is a continuous linear
-inside each tissue and free to jump from one tissue to the next, as the exact one does. The pair is
+Displacements are continuous quadratics, the mean stress p = K div u is a continuous linear inside
+each tissue and free to jump from one tissue to the next, as the exact one does. The pair is
 inf-sup stable, so nu = 0.5 is an ordinary case (Boffi, Brezzi and Fortin, Mixed Finite Element
 Methods, 2013, section 8.8).
 """

@@ -1,7 +1,4 @@
-"""Logarithmic strain of a displacement gradient H: F = I + H, C = F'F.
-
-`fefinger/strains.py` has what follows from it.
-"""
+"""Logarithmic strain of a displacement gradient H: F = I + H, C = F'F."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""From an axisymmetric elastic contact and a scene to a response, through `theory/ting.py`.
+"""From an axisymmetric elastic contact and a scene to a response, through `theory/contact/ting.py`.
 
 The finger is a body with one G whose pad is a sphere; its contact grows in circles.
 """

@@ -1,9 +1,9 @@
 """A plate that rolls over a finger: the angle changes while the tissue remembers its traction.
 
 As the normal turns, so does the traction that the tissue remembers, so the history is one of
-vectors in the medial plane (`fem/turning.py`). The operator is that of `mechanics/condensed`. A
-step that turns costs a few times one of `realtime.Condensed`, where the indenter keeps its
-direction.
+vectors in the medial plane (`fem/contact/rolling_step.py`). The operator is that of
+`mechanics/condensed.py`. A step that turns costs a few times one of `Condensed`, where the indenter
+keeps its direction.
 """
 
 from collections.abc import Sequence
