@@ -157,7 +157,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
 
 
 def _relaxing(rungs: tuple[Rung, ...]) -> str:
-    """Return which error or time would have to be allowed, and what would answer then."""
+    """Suggest the smallest error or time to allow, and name the mechanics that then answers."""
     sentences = ""
     for quantity, field in (("error", ERROR), ("seconds", SECONDS)):
         close = [
@@ -176,7 +176,7 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
 
 
 def _unchecked(case: Situation) -> str:
-    """Return what the coarsest mesh would answer, which the check of spike counts leaves out."""
+    """Suggest the coarsest mesh, which the check of spike counts leaves out."""
     if not case.ask.spikes or case.finger.resolution != AUTO:
         return ""
     coarse = case.on(RESOLUTIONS[0])
@@ -205,7 +205,7 @@ def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
 
 
 def _settings(case: Situation, chosen: Rung) -> Settings:
-    """Return what of the scene the chosen mechanics builds."""
+    """Return the settings of the chosen mechanics: mesh, half or whole, times, outputs."""
     ask = case.ask
     return Settings(
         resolution=chosen.resolution,

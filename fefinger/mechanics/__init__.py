@@ -37,7 +37,7 @@ class Mechanics(Protocol):
         """Return the expected wall time in s."""
 
     def once(self, case: Situation) -> float:
-        """Return what of that, in s, goes into what is built once and kept."""
+        """Return the part of that time, in s, that builds what is kept for the next run."""
 
     def error(self, case: Situation) -> tuple[float, str]:
         """Return the expected relative error and the report that measured it."""

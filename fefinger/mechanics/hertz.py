@@ -152,7 +152,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def lacking(case: Situation) -> list[Doubt]:
-    """Return what of a scene no contact of one sphere with one flat body has a place for."""
+    """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [*yielding(case.finger), *apart(case.finger), *case.too_long]
     if case.ask.fields:
         reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"

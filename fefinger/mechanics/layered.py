@@ -175,7 +175,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
 
 def _doubts(case: Situation) -> list[Doubt]:
-    """Return what lies beyond the presses at which it was measured, with the numbers.
+    """Return the quantities outside of the range of the measured presses, with the numbers.
 
     Under force control the depth is that of the half-space, which is softer: no less deep.
     """

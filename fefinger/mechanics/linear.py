@@ -80,7 +80,7 @@ def _deep(case: Situation) -> tuple[Doubt, ...]:
 
 
 def _unlawful(finger: Finger) -> list[Doubt]:
-    """Return which tissue has another law than the one small strain was measured for."""
+    """Return the tissues whose law is not the one that small strain was compared with."""
     doubts = []
     for layer in ("skin", "subcutaneous"):
         law, field = getattr(finger, layer).law, f"finger.{layer}.law"
@@ -101,7 +101,7 @@ def unmeshable(case: Situation) -> tuple[Doubt, ...]:
 
 
 def unmeasured(finger: Finger) -> list[Doubt]:
-    """Return which tissue is far from those whose mesh errors were measured."""
+    """Return the tissues outside of the range in which mesh errors were measured."""
     layers = (finger.skin, finger.subcutaneous)
     contrast = layers[0].modulus / layers[1].modulus
     doubts = []
@@ -134,7 +134,7 @@ def too_small(case: Situation) -> tuple[Doubt, ...]:
 
 
 def too_soft(finger: Finger) -> list[Doubt]:
-    """Return what hard parts are so soft that it matters that they relax with the tissue here."""
+    """Return the hard parts that are so soft that their relaxation, wrong here, matters."""
     doubts = []
     for part, least in HARD.items():
         material, field = getattr(finger, part), f"finger.{part}.modulus"

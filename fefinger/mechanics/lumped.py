@@ -131,7 +131,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
 
 def _beyond(ask: Ask) -> list[Doubt]:
-    """Return what is asked beyond force."""
+    """Return the requested outputs other than force."""
     return [
         Doubt(f"ask.{each}", f"ask.{each}: asked, but it gives force and depth alone")
         for each in ("pressure", "strain", "fields", "spikes")

@@ -39,7 +39,7 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
 
 
 def trust(rung: "Rung", ask: "Ask") -> str:
-    """Return how far from the truth each thing that is asked may be, in a sentence or two.
+    """State the expected error of each requested output, in a sentence or two.
 
     Where the force is prescribed, its error is that at the depth that is found, all others are at
     that force.

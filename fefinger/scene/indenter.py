@@ -534,7 +534,7 @@ def direction(plate: Inclined) -> profiles.Array:
 
 
 def _turned(roll: float) -> str:
-    """Return how an object that is longer one way lies on the finger."""
+    """Describe the direction of an elongated object on the finger."""
     return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"
 
 

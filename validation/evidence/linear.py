@@ -94,7 +94,7 @@ def report(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
 
 
 def spent(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, dict[str, Any]]:
-    """Return what flat-press costs and answers, by resolution."""
+    """Return the costs and answers of flat-press by resolution."""
     measure("coarse", "flat-30")  # compiles
     rows = {}
     for resolution in resolutions:
@@ -118,7 +118,7 @@ def _row(response: Response, seconds: float) -> dict[str, Any]:
 
 
 def costs(response: Response, seconds: float) -> dict[str, Any]:
-    """Return what a response to flat-press that took `seconds` s in all spent on what.
+    """Split the `seconds` of a response to flat-press by stage.
 
     A step has its contact solved; where contact changed, its area is read.
     """

@@ -59,7 +59,7 @@ def apart(name: str) -> Told:
 
 
 def cases() -> Iterator[Case]:
-    """Yield how far strain at the end organs depends on the mesh."""
+    """Yield the cases on mesh dependence of the strain at the end organs."""
     for name, limit in zip(INDENTERS, (1.5, 3.0), strict=True):
         yield Case(
             "finger",

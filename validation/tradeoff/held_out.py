@@ -70,7 +70,7 @@ def judge(scene: Scene, found: dict[str, Press], true: Press) -> dict[str, Any]:
 
 
 def _unjudged(ladder: Sequence[Rung]) -> str | None:
-    """Return what the planner takes where none of the judged answers: a fine mesh, if anything."""
+    """Return the planner's choice where no judged candidate answers: a fine mesh, or none."""
     willing = [rung for rung in ladder if not rung.refusals and np.isfinite(rung.error)]
     return min(willing, key=lambda rung: rung.seconds).candidate.label if willing else None
 
@@ -96,7 +96,7 @@ def all_scenes(seed: int = scenes.SEED) -> dict[str, dict[str, Any]]:
 
 
 def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return how good the picks are: costs against the best, tolerances met, stated errors kept."""
+    """Judge the picks: costs against the best, tolerances met, stated errors kept."""
     picked = [each for each in judged.values() if each["pick"]]
     picks = [(each, each["candidates"][each["pick"]]) for each in picked]
     ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
@@ -132,7 +132,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 
 def oracle(judged: dict[str, dict[str, Any]], factor: float) -> float:
-    """Return which share of picks is within ENOUGH where every error is stated so much too large.
+    """Return the share of picks within ENOUGH if every error were stated too large by a factor.
 
     That is what a planner could do which knew all actual errors, but for that factor.
     """
@@ -146,7 +146,7 @@ def oracle(judged: dict[str, dict[str, Any]], factor: float) -> float:
 
 
 def smaller(judged: dict[str, dict[str, Any]], factor: float) -> dict[str, float]:
-    """Return what the picks would be like if every stated error of the force were so much smaller.
+    """Judge the picks if every stated error of the force were smaller by a factor.
 
     Shares of those within ENOUGH, of those whose error of the force is as stated, or as asked.
     """

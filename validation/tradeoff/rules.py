@@ -135,7 +135,7 @@ def _short(values: Array) -> list[float]:
 
 
 def row(name: str) -> dict[str, Any]:
-    """Return what the rules hold of one press."""
+    """Return the entry of one press in the rules."""
     true, made = converged(name), scenes.PRESSES[name]
     flat = made.indenter.flat
     return {
@@ -154,7 +154,7 @@ def row(name: str) -> dict[str, Any]:
 
 
 def margins(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return what is added to the error of each quantity that the neighbors of a scene tell.
+    """Return the margin added to the interpolated error of each quantity.
 
     between: half of the 95th percentile of what the neighbors of a press tell too little of it,
     where it has one on either side; half, because leaving a press out doubles the gap. motion: the
@@ -204,7 +204,7 @@ def _margins(
 
 
 def _of(candidate: str) -> tuple[str, ...]:
-    """Return what is stated of a candidate."""
+    """Return the stated errors of a candidate."""
     return STATED[:1] if candidate == "lumped" else STATED
 
 
@@ -271,7 +271,7 @@ def _margin(missed: float) -> float:
 
 
 def steps() -> dict[str, dict[str, float]]:
-    """Return what finer time steps change in direct runs, by run."""
+    """Return the changes by finer time steps in direct runs, by run."""
     rows = {}
     for run in runs.steps():
         if run.refine == 1:

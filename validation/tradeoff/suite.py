@@ -146,7 +146,7 @@ def _made(own: list[runs.Run]) -> float:
 
 
 def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
-    """Yield what is asked of the planner on scenes that its rules were not derived from."""
+    """Yield the cases on the planner's picks for scenes that its rules were not derived from."""
 
     def asked(name: str, key: str, expected: float, tolerance: float, source: str) -> Case:
         return Case(
@@ -260,7 +260,7 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
 
 
 def finding() -> dict[str, Any]:
-    """Return what the report says: the verdict on the held-out scenes, and tables."""
+    """Return the text of the report: the verdict on the held-out scenes, and tables."""
     from fefinger.validation.tradeoff import told
 
     return told.finding(committed())

@@ -100,7 +100,7 @@ def slowness(report: Mapping[str, Any]) -> float:
 
 
 def sentence() -> str:
-    """Return what expected times stand for."""
+    """Return the sentence on the machine that expected times are for."""
     here = known()
     if here is None:
         return (

@@ -171,7 +171,7 @@ def linear_radius(case: Situation) -> float:
 
 
 def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
-    """Return which of the measured presses is next to that of an indenter."""
+    """Return the name of the measured press nearest to that of an indenter."""
     flat = indenter.flat
     if flat is not None:
         angles = {press: float(press[5:]) for press in presses if press.startswith("flat-")}

@@ -80,7 +80,7 @@ def _median(quantity: str, mesh: str) -> float:
 
 @lru_cache(maxsize=8)
 def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
-    """Return how many steps a motion is solved in."""
+    """Count the load steps of a motion."""
     return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
 
 

@@ -110,7 +110,7 @@ def others(candidate: Candidate, case: Situation) -> dict[str, float]:
 
 
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:
-    """Return how far spikes were off at worst in the base scenes, of one unit of each type.
+    """Return the largest errors of spike counts and first spikes in the base scenes, over types.
 
     "spike count": missing or extra ones over all, relative; "first spike": in s. Empty for a scene
     that is like no press.
@@ -159,7 +159,7 @@ def _largest_share(mechanics: str) -> float:
 
 
 def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated | None:
-    """Return what is stated of the measured press that is next to a scene, as deep or nearly so.
+    """Return the stated error of the measured press nearest to a scene, at or near its depth.
 
     Nothing that is known less of has a smaller error, and no smaller margins.
     """
