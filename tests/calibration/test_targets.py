@@ -95,20 +95,20 @@ def changed(table, column, change):
 BAD = {
     "a sensor at its end": (
         lambda t: changed(t, 2, lambda f: np.minimum(f, 0.6 * f.max())),
-        r"expected a peak, received .* N in \d+ samples .*, as of a sensor at the end of its range",
+        r"expected a peak, received .* N in \d+ successive samples, as from a sensor at the end",
     ),
     "not tared": (
         lambda t: changed(t, 2, lambda f: f - 0.3),
-        r"expected it to begin at 0 N, received -0\.3.* tare it",
+        r"expected 0 N before touch, received -0\.3.* tare the force",
     ),
     "a force that is late": (
         lambda t: changed(t, 2, lambda f: np.interp(t[:, 0] - 0.05, t[:, 0], f)),
-        "rises while the position does, which it does not",
+        "expected a force that rises with the position, received one that does not",
     ),
     "few points": (lambda t: t[:30], "at least 40 rows|duration"),
     "coarse": (
         lambda t: t[::200],
-        r"ramp in contact: expected at least 20 samples, found \d+, one every \d+ ms",
+        r"ramp in contact: expected at least 20 samples, received \d+, one every \d+ ms",
     ),
     "no hold": (lambda t: np.column_stack([t[:160, 0] * 9, t[:160, 1:]]), "hold: expected"),
     "unsorted": (swap, "received an earlier time"),
