@@ -48,10 +48,10 @@ EVENLY = 401
 """Number of stored times of a press at small strain."""
 
 USUAL, SPARE, LATER = 4.0, 40.0, 15.0
-"""Tangent factorizations of `load_path.Allowance`. A step takes 0 to 3 of them, and the spare ones
-are about as many as a whole press takes; presses past a snap-through took up to 27 more. Where the
-pad buckles, a step can take hundreds without converging; the fit then uses the part that was
-reached, and later presses have fewer spare ones."""
+"""Tangent factorizations of `load_path.FactorizationBudget`. A step takes 0 to 3 of them, and the
+spare ones are about as many as a whole press takes; presses past a snap-through took up to 27 more.
+Where the pad buckles, a step can take hundreds without converging; the fit then uses the part that
+was reached, and later presses have fewer spare ones."""
 
 PLATE = Flat(30.0)
 RELAXED = Prony((1.0,), ())
@@ -182,10 +182,10 @@ def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
 
     if not MECHANICS[mechanics].finite:
         return get(mechanics).respond(scene)
-    from fefinger.fem.hyperelastic.load_path import Allowance
+    from fefinger.fem.hyperelastic.load_path import FactorizationBudget
     from fefinger.mechanics import solid
 
-    return solid.respond(scene, allowance=Allowance(USUAL, spare))
+    return solid.respond(scene, allowance=FactorizationBudget(USUAL, spare))
 
 
 def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64]:

@@ -9,7 +9,7 @@ from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.stated_errors import stated, without_press
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import apart, hard
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -180,7 +180,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)
-    at = meshed_at(scene.indenter) if follow else None
+    at = refinement_location(scene.indenter) if follow else None
     return finger if at_hand(finger, at) else None
 
 

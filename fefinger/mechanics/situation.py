@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fefinger.mechanics.evidence import reached_depth, tradeoff
 from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.evidence.tradeoff import Place
-from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
 from fefinger.mechanics.refusals import Doubt
 from fefinger.scene.ask import Ask
@@ -79,7 +79,7 @@ class Situation:
     @cached_property
     def touch(self) -> float | tuple[float, float] | None:
         """Where a mesh that follows the touch is fine, as in `mesh.recipe`."""
-        return meshed_at(self.indenter)
+        return refinement_location(self.indenter)
 
     @cached_property
     def peak(self) -> float:

@@ -21,7 +21,7 @@ from fefinger.support.progress import Progress
 
 
 if TYPE_CHECKING:
-    from fefinger.fem.hyperelastic.load_path import Allowance
+    from fefinger.fem.hyperelastic.load_path import FactorizationBudget
 
 
 name = "solid"
@@ -79,7 +79,10 @@ def coarser(scene: Scene) -> Finger | None:
 
 
 def respond(
-    scene: Scene, progress: Progress | None = None, *, allowance: "Allowance | None" = None
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    allowance: "FactorizationBudget | None" = None,
 ) -> Response:
     """Answer the scene with finite-strain finite elements.
 

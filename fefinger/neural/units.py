@@ -18,13 +18,7 @@ from fefinger.neural.checked_signals import (
     unit_delays,
     unit_names,
 )
-from fefinger.neural.endorgans import (
-    END_ORGANS,
-    RECTIFIERS,
-    Organ,
-    PoleZero,
-    chord_steps,
-)
+from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ, PoleZero, chord_steps
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane

@@ -15,8 +15,8 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
-from fefinger.mechanics.press import materials, placement
-from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press import hard_parts, placement
+from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
@@ -24,7 +24,7 @@ from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse")
-HELD = materials.held(FINGER)
+HELD = hard_parts.fixed_facets(FINGER)
 DEPTH = 0.6
 
 
@@ -215,10 +215,10 @@ def test_a_place_that_is_not_on_the_pad_is_refused_as_the_scene_gives_it() -> No
 
 
 def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:
-    assert meshed_at(ff.Flat(30)) is None
-    assert meshed_at(ff.Flat(36, 10)) is None
-    assert meshed_at(ff.Flat(10)) == 15.0
-    assert meshed_at(ff.Grating(4, 2, 0.6, angle=0)) == 0.0
-    assert meshed_at(ff.Sphere(5)) is None
-    assert meshed_at(ff.Sphere(5, at=(-2.0, 1.0))) is None
-    assert meshed_at(ff.Cylinder(5, at=(-6.7, -3.2))) == (-6.0, 4.0)
+    assert refinement_location(ff.Flat(30)) is None
+    assert refinement_location(ff.Flat(36, 10)) is None
+    assert refinement_location(ff.Flat(10)) == 15.0
+    assert refinement_location(ff.Grating(4, 2, 0.6, angle=0)) == 0.0
+    assert refinement_location(ff.Sphere(5)) is None
+    assert refinement_location(ff.Sphere(5, at=(-2.0, 1.0))) is None
+    assert refinement_location(ff.Cylinder(5, at=(-6.7, -3.2))) == (-6.0, 4.0)

@@ -16,7 +16,7 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence.table import LINEAR, read
 from fefinger.mechanics.press import (
     constitutive,
-    materials,
+    hard_parts,
     placement,
     problem,
     small_strain,
@@ -43,7 +43,7 @@ def scene(**parts: object) -> ff.Scene:
 @pytest.fixture(scope="module")
 def half() -> Body:
     mesh = ready(FINGER, half=True)
-    return body(mesh, constitutive.tissues(FINGER), materials.held(FINGER))
+    return body(mesh, constitutive.tissues(FINGER), hard_parts.fixed_facets(FINGER))
 
 
 @pytest.fixture(scope="module")

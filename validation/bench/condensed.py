@@ -27,7 +27,7 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import constitutive, materials, operator, operator_cache
+from fefinger.mechanics.press import constitutive, hard_parts, operator, operator_cache
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import ready
@@ -124,7 +124,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, constitutive.tissues(finger), materials.held(finger))
+    solid = body(mesh, constitutive.tissues(finger), hard_parts.fixed_facets(finger))
     system, space = solid.system, solid.space
     superlu_system, factoring = timed(lambda: superlu.factor(space, system.matrix, system.fixed))
     count = 3 * len(palmar(solid))

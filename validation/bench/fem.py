@@ -21,7 +21,7 @@ from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.threads import one_thread
-from fefinger.mechanics.press import constitutive, materials, placement
+from fefinger.mechanics.press import constitutive, hard_parts, placement
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
@@ -47,7 +47,7 @@ def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(builtin.load("flat-press").finger, resolution=RESOLUTION)
     mesh = ready(finger, half=True)
-    tissues, held = constitutive.tissues(finger), materials.held(finger)
+    tissues, held = constitutive.tissues(finger), hard_parts.fixed_facets(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)

@@ -50,14 +50,14 @@ def _parts(solver: Equilibrium) -> dict[str, float]:
     body, system = solver.body, solver.system
     values = 1e-4 * np.random.default_rng(0).normal(size=body.space.n_unknowns)
     right = values[system.free]
-    from fefinger.fem.linalg.system import rough
+    from fefinger.fem.linalg.system import approximate_factor
 
-    factor = rough(system.matrix, system)
+    factor = approximate_factor(system.matrix, system)
 
     work = {
         "residual": lambda: body.residual(values, body.at_rest),
         "tangent": lambda: body.tangent(values, body.at_rest),
-        "factor": lambda: rough(system.matrix, system),
+        "factor": lambda: approximate_factor(system.matrix, system),
         "solution": lambda: factor.solve(right),
     }
     seconds = {}

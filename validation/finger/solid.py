@@ -18,7 +18,7 @@ from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import finite_strain, placement
 from fefinger.mechanics.press.constitutive import laws, tissues
-from fefinger.mechanics.press.materials import held
+from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
@@ -65,7 +65,7 @@ class PressedFinger:
 def plate() -> PressedFinger:
     """Return the finger of flat-press under its plate."""
     finger = scene("a.h.", "flat-30", "coarse").finger
-    rigid = body(ready(finger, half=True), tissues(finger), held(finger))
+    rigid = body(ready(finger, half=True), tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(Flat(30), rigid)
     contact = contact_surface(rigid.space, rigid.pad, rigid.normals, touch, REACH)
     return PressedFinger(rigid, continuum(rigid.space, laws(finger)), touch, contact)

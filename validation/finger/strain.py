@@ -16,8 +16,8 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.constitutive import tissues
-from fefinger.mechanics.press.discretization import meshed_at
-from fefinger.mechanics.press.materials import held
+from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
@@ -35,8 +35,8 @@ def strains(resolution: str, name: str) -> Array:
     """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
     scene = replace(builtin.load("flat-press"), indenter=INDENTERS[name])
     finger = replace(scene.finger, resolution=resolution)
-    mesh = ready(finger, half=True, touch=meshed_at(scene.indenter))
-    whole = body(mesh, tissues(finger), held(finger))
+    mesh = ready(finger, half=True, touch=refinement_location(scene.indenter))
+    whole = body(mesh, tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(scene.indenter, whole)
     points = central_sites(scene.ask, scene.finger.pulp, touch.origin, touch.axis).points
     probes = (

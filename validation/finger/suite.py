@@ -21,7 +21,7 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain, placement, small_strain
 from fefinger.mechanics.press.constitutive import tissues
-from fefinger.mechanics.press.materials import held, with_nail
+from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene import builtin
@@ -58,7 +58,7 @@ def pressed(
     finger = builtin.load("flat-press").finger
     finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
     mesh = with_nail(finger, ready(finger, half=True))
-    whole = body(mesh, tissues(finger), held(finger))
+    whole = body(mesh, tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
     small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))

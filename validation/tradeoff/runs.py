@@ -23,7 +23,7 @@ from fefinger.validation.tradeoff import scenes
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get
-from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mesh.store import ready
 from fefinger.results import pressure as pressures
 from fefinger.results.candidate import MECHANICS
@@ -154,7 +154,7 @@ def _at_first(run: Run) -> Iterator[None]:
 
     A campaign would otherwise be cheaper where operators are kept from another one.
     """
-    finger, touch = run.scene.finger, meshed_at(run.scene.indenter)
+    finger, touch = run.scene.finger, refinement_location(run.scene.indenter)
     if MECHANICS[run.mechanics].meshed:
         with suppress(InputError):  # told by the run itself
             ready(finger, half=True, touch=None if run.mechanics == "condensed" else touch)

@@ -10,7 +10,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.hyperelastic.stress_kernels import FAST, PAIRS, brace, convex, moduli_of, stresses
+from fefinger.fem.hyperelastic.stress_kernels import (
+    FAST,
+    PAIRS,
+    add_volumetric_stiffness,
+    moduli_of,
+    project_to_semidefinite,
+    stresses,
+)
 
 
 @njit(cache=True, fastmath=FAST)
@@ -205,8 +212,10 @@ def tangent(
                 if whole:
                     total[row] += weight * (gains[e, 1] * volumetric[row] + past[e, q, row])
             if not whole:
-                brace(2 / 3 * gains[e, 0] * laws[e, 0], state[0], work[1], moduli)
-                convex(moduli, total)
+                add_volumetric_stiffness(
+                    2 / 3 * gains[e, 0] * laws[e, 0], state[0], work[1], moduli
+                )
+                project_to_semidefinite(moduli, total)
             for i in range(3):
                 gradient[i, i] += 1.0
             for node in range(10):

@@ -2,7 +2,7 @@
 
 S(t) = integral of G(t - s) dS_e(s) (Fung's quasi-linear viscoelasticity), by the exponential
 recursion of `viscoelastic.Relaxation` at every integration point: exact for stresses that are
-linear over a step. A step that does not converge is quartered, as far as an `Allowance` goes.
+linear over a step. A step that does not converge is quartered, within a `FactorizationBudget`.
 """
 
 import math
@@ -86,7 +86,7 @@ class Path:
 
 
 @dataclass(frozen=True)
-class Allowance:
+class FactorizationBudget:
     """Limit on tangent factorizations along a load path.
 
     usual: for every step of the path, its parts included; spare: beyond those, for all steps
@@ -97,7 +97,7 @@ class Allowance:
     usual: float = math.inf
     spare: float = 0.0
 
-    def after(self, spent: float) -> "Allowance":
+    def after(self, spent: float) -> "FactorizationBudget":
         """Return the remaining allowance after a step with `spent` factorizations."""
         return replace(self, spare=self.spare - max(spent - self.usual, 0.0))
 
@@ -109,7 +109,7 @@ def follow(
     path: Path,
     observe: Callable[[int, State], None],
     progress: Callable[[float], None] = lambda fraction: None,
-    allowance: Allowance | None = None,
+    allowance: FactorizationBudget | None = None,
 ) -> int:
     """Solve the load path step by step; return the number of steps taken.
 
@@ -126,7 +126,7 @@ def follow(
     body, contact = equilibrium.body, equilibrium.contact
     state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
     solver = _PathSolver(equilibrium, history, path, path.peak, state, state)
-    remaining = allowance or Allowance()
+    remaining = allowance or FactorizationBudget()
     for k, time in enumerate(path.times):
         before = equilibrium.factors
         equilibrium.allowed = before + remaining.usual + remaining.spare

@@ -23,8 +23,8 @@ from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
-from fefinger.fem.linalg.multifrontal_single import Rough
-from fefinger.fem.linalg.system import System, rough
+from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.fem.linalg.system import System, approximate_factor
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
 
@@ -79,7 +79,9 @@ class Equilibrium:
         self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
         loads = contact.at(State(at_rest, none, 0.0)).loads
-        self._factored = FactoredTangent(system.rough, system.free, loads, 1.0, none, none)
+        self._factored = FactoredTangent(
+            system.approximate_factor, system.free, loads, 1.0, none, none
+        )
 
     def find(self, start: State, target: Target) -> State:
         """Solve for the equilibrium of one load step, starting from the state `start`.
@@ -288,13 +290,13 @@ class Equilibrium:
                 return share
             share = min(STRIDE * share, 1.0)
 
-    def _rough(self, matrix: sparse.csr_matrix) -> Rough:
+    def _rough(self, matrix: sparse.csr_matrix) -> ApproximateFactor:
         if self.factors >= self.allowed:
             message = f"equilibrium: not reached within the limit of {self.factors} factorizations"
             raise Exhausted(message)
         self.factors += 1
         try:
-            return rough(matrix, self.system)
+            return approximate_factor(matrix, self.system)
         except InputError as error:
             # The tangent at rest was factored, so the cause is this iterate, not the model.
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"

@@ -180,7 +180,9 @@ def moduli_of(
 
 
 @njit(cache=True, fastmath=FAST)
-def brace(stiffness: float, growth: float, inverse: Array, moduli: Array) -> None:
+def add_volumetric_stiffness(
+    stiffness: float, growth: float, inverse: Array, moduli: Array
+) -> None:
     """Add a volumetric stiffness, the second derivative of stiffness (dJ)² / 2, to the moduli.
 
     A stiffness of 2/3 mu turns 2 mu dev e : dev e into 2 mu e : e.
@@ -194,7 +196,7 @@ def brace(stiffness: float, growth: float, inverse: Array, moduli: Array) -> Non
 
 
 @njit(cache=True)
-def convex(moduli: Array, stress: Array) -> None:
+def project_to_semidefinite(moduli: Array, stress: Array) -> None:
     """Replace the moduli (6, 6) and the stress (6,) by their positive parts."""
     values, vectors = np.linalg.eigh(moduli)
     if values[0] < 0:

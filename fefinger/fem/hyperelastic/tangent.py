@@ -6,7 +6,7 @@ from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.spaces import Array, Integers
-from fefinger.fem.linalg.multifrontal_single import Rough
+from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
 
 
 class FactoredTangent:
@@ -20,14 +20,19 @@ class FactoredTangent:
 
     def __init__(
         self,
-        rough: Rough,
+        approximate_factor: ApproximateFactor,
         free: Integers,
         loads: sparse.csc_matrix,
         gain: float,
         support: Array,
         fold_stiffness: Array,
     ) -> None:
-        self.rough, self.free, self.loads, self.gain = rough, free, loads, gain
+        self.approximate_factor, self.free, self.loads, self.gain = (
+            approximate_factor,
+            free,
+            loads,
+            gain,
+        )
         self.support, self.fold_stiffness = support, fold_stiffness
         self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
@@ -64,7 +69,7 @@ class FactoredTangent:
         # The factor may be in single precision: scaled, its numbers neither over- nor underflow.
         scale = float(np.abs(right).max(initial=0.0)) or 1.0
         answer = np.zeros_like(right)
-        answer[self.free] = scale * self.rough.solve(right[self.free] / scale)
+        answer[self.free] = scale * self.approximate_factor.solve(right[self.free] / scale)
         if self._woodbury is not None:
             loads, columns, inverse = self._woodbury
             answer -= columns @ (inverse @ (loads.T @ answer))

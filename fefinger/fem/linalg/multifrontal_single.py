@@ -28,7 +28,7 @@ STRIP = 512  # columns of a symmetric product that are formed at once
 
 
 @dataclass(frozen=True)
-class Rough:
+class ApproximateFactor:
     """Approximate factor: F^-1 and R F^-1 of all fronts.
 
     order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
@@ -65,7 +65,7 @@ def factor(
     matrix: sparse.csr_matrix,
     dissection: Dissection,
     precision: Precision = np.float32,
-) -> Rough:
+) -> ApproximateFactor:
     """Factor a symmetric matrix (n, n), given in the order of its unknowns.
 
     Raises
@@ -93,7 +93,7 @@ def factor(
             rest[first:, strip] -= below[first:] @ columns[n:][strip].T
         assembly.updates[index] = rest
     rests = np.concatenate([front.rest for front in dissection.fronts])
-    return Rough(order, table, rests, values, negative)
+    return ApproximateFactor(order, table, rests, values, negative)
 
 
 def _empty(

@@ -33,7 +33,7 @@ class System:
 
     matrix: the full symmetric matrix of `space`; free, fixed: unknown numbers; reduced: the matrix
     of the free unknowns; solver: for it or for its compressible neighbor. failed: why single
-    precision failed, once for each factor that `rough` had to make in double.
+    precision failed, once for each factor that `approximate_factor` had to make in double.
     """
 
     space: Space
@@ -61,15 +61,15 @@ class System:
         return motions[self.free]
 
     @cached_property
-    def rough(self) -> multifrontal_single.Rough:
-        """Approximate factor of the system's own matrix, cached; see the function `rough`.
+    def approximate_factor(self) -> multifrontal_single.ApproximateFactor:
+        """Approximate factor of the matrix at rest, cached; see the function of this name.
 
         Raises
         ------
         InputError
             If the matrix is singular.
         """
-        return rough(self.matrix, self, held=True)
+        return approximate_factor(self.matrix, self, held=True)
 
     @one_thread
     def solve(self, loads: Array, prescribed: Array | None = None) -> Array:
@@ -192,9 +192,9 @@ def prepare(
 
 
 @one_thread
-def rough(
+def approximate_factor(
     matrix: sparse.csr_matrix, system: System, *, held: bool = False
-) -> multifrontal_single.Rough:
+) -> multifrontal_single.ApproximateFactor:
     """Make an approximate factor of `matrix` on the free unknowns of `system`.
 
     In single precision or, where that fails, in double. With `held`, the factor also fails where
@@ -208,7 +208,7 @@ def rough(
     neighbor = compressible(system.space, matrix)[system.free][:, system.free].tocsr()
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
-    def factored(precision: multifrontal_single.Precision) -> multifrontal_single.Rough:
+    def factored(precision: multifrontal_single.Precision) -> multifrontal_single.ApproximateFactor:
         approximate = multifrontal_single.factor(neighbor, system.dissection, precision)
         residual = np.linalg.norm(neighbor @ approximate.solve(rigid) - rigid, axis=0)
         # "not <=" also catches nan.

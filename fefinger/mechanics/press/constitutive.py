@@ -5,7 +5,7 @@ import numpy as np
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import Series
-from fefinger.mechanics.press.materials import elastic
+from fefinger.mechanics.press.hard_parts import elastic
 from fefinger.scene.finger import Finger
 
 

@@ -13,7 +13,7 @@ MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
 """mm between the places for which meshes differ, and from the origin where none is needed."""
 
 
-def meshed_at(indenter: Indenter) -> float | tuple[float, float] | None:
+def refinement_location(indenter: Indenter) -> float | tuple[float, float] | None:
     """Return where the mesh has to be fine: the angle of a plate, a place (x, y) mm, or None.
 
     Angles and places are rounded, so that neighboring scenes share a mesh; None is the mesh that is

@@ -4,7 +4,7 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.geometry.finger_mesh import REGIONS
-from fefinger.mechanics.press.materials import NAIL
+from fefinger.mechanics.press.hard_parts import NAIL
 from fefinger.support.arrays import Array
 
 

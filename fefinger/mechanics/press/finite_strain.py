@@ -12,7 +12,7 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.load_path import Allowance, Path, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import FactorizationBudget, Path, StressHistory, follow
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
@@ -49,7 +49,7 @@ def _with_first_factor(
     finger: Finger, mesh: FingerMesh, solver: str | None, report: Callable[[float], None]
 ) -> Body:
     body = assembled(finger, mesh, solver, factored=False)
-    _ = body.system.rough  # that all steps start from
+    _ = body.system.approximate_factor  # that all steps start from
     return body
 
 
@@ -64,7 +64,7 @@ def respond(
     mechanics: str,
     notes: tuple[str, ...],
     refine: int = 1,
-    allowance: Allowance | None = None,
+    allowance: FactorizationBudget | None = None,
 ) -> Response:
     """Answer the scene; `refine` divides every load step.
 
@@ -90,7 +90,7 @@ def respond(
 
 
 def solve(
-    press: Press, stages: Stages, *, refine: int = 1, allowance: Allowance | None = None
+    press: Press, stages: Stages, *, refine: int = 1, allowance: FactorizationBudget | None = None
 ) -> FiniteStrainHistory:
     """Solve the load steps, as far as they converge, and the reference press.
 
@@ -167,7 +167,11 @@ class _Recorder:
 
 
 def _steps(
-    press: Press, elements: Continuum, steps: LoadSteps, stages: Stages, allowance: Allowance | None
+    press: Press,
+    elements: Continuum,
+    steps: LoadSteps,
+    stages: Stages,
+    allowance: FactorizationBudget | None,
 ) -> FiniteStrainHistory:
     """Solve all steps, with more candidate vertices as long as the contact reaches their rim."""
     body = press.body
@@ -190,7 +194,7 @@ def _on_candidates(
     contact: ContactSurface,
     steps: LoadSteps,
     stages: Stages,
-    allowance: Allowance | None,
+    allowance: FactorizationBudget | None,
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     body, motion, finger = press.body, press.motion, press.finger

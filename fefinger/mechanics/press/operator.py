@@ -20,7 +20,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Array
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press.materials import held
+from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import Method
@@ -73,7 +73,7 @@ def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
     ratio = finger.subcutaneous.modulus / finger.skin.modulus
     tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
     body = solid(mesh, tissues)
-    return condense(body, tissues, prescribed(body, mesh, held(finger), odd=odd))
+    return condense(body, tissues, prescribed(body, mesh, fixed_facets(finger), odd=odd))
 
 
 def read(place: Path, identity: dict[str, Any]) -> Compliance:

@@ -8,11 +8,7 @@ from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
-from fefinger.mechanics.press.history import (
-    TANGENT_SOLVER,
-    FiniteStrainHistory,
-    SmallStrainHistory,
-)
+from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Pad, Response

@@ -15,9 +15,9 @@ from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem
 from fefinger.mechanics.press.constitutive import tissues
-from fefinger.mechanics.press.discretization import meshed_at
+from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
 from fefinger.mechanics.press.history import SmallStrainHistory
-from fefinger.mechanics.press.materials import held, with_nail
 from fefinger.mechanics.press.problem import Method, Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
@@ -31,7 +31,7 @@ from fefinger.support.progress import Progress, Stages
 def assembled(finger: Finger, mesh: FingerMesh, solver: str | None, *, factored: bool) -> Body:
     """Return the soft tissue, and elastic hard parts, of a finger with a linear solver."""
     whole = with_nail(finger, mesh)
-    return body(whole, tissues(finger), held(finger), solver, factored=factored)
+    return body(whole, tissues(finger), fixed_facets(finger), solver, factored=factored)
 
 
 def _factored(
@@ -45,7 +45,7 @@ WHOLE_MESH = Method(
     reduce,
     march,
     lambda body, loads: body.system.solve(loads),
-    meshed_at,
+    refinement_location,
 )
 """How `linear` solves: a factor of the whole mesh, which is fine where the indenter touches."""
 

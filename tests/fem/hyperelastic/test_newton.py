@@ -18,7 +18,13 @@ from fefinger.fem.hyperelastic.laws import (
     neo_hookean,
     veronda_westmann,
 )
-from fefinger.fem.hyperelastic.load_path import Allowance, Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import (
+    FactorizationBudget,
+    Path,
+    Series,
+    StressHistory,
+    follow,
+)
 from fefinger.fem.hyperelastic.newton import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
@@ -103,11 +109,11 @@ def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pyte
         state = solver.find(state, target)
     pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
     solver._renew(solver._evaluate(state, target), target)
-    assert solver._factored.rough.negative == pressures
+    assert solver._factored.approximate_factor.negative == pressures
     monkeypatch.setattr(newton, "SUPPORTS", newton.SUPPORTS[:1])
     soft = cube(neo_hookean(Elastic(40.0, 0.49))).equilibrium
     soft._renew(soft._evaluate(state, target), target)
-    assert soft._factored.rough.negative > pressures
+    assert soft._factored.approximate_factor.negative > pressures
     assert soft._factored.support.max() < solver._factored.support.max()
 
 
@@ -288,16 +294,16 @@ def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_part
         seen.append((number, solver.factors))
 
     with pytest.raises(ConvergenceError, match=r"within the limit of [0-9]+ factorizations"):
-        follow(solver, history, path, keep, allowance=Allowance(2.0, 5.0))
+        follow(solver, history, path, keep, allowance=FactorizationBudget(2.0, 5.0))
     assert [number for number, _ in seen] == [0, 1, 2]
     assert solver.factors - seen[-1][1] <= 2 + 5
 
 
 def test_what_a_step_spends_beyond_the_usual_is_gone_for_all_later_ones():
-    allowance = Allowance(4.0, 60.0)
+    allowance = FactorizationBudget(4.0, 60.0)
     assert allowance.after(3) == allowance
-    assert allowance.after(14).after(4) == Allowance(4.0, 50.0)
-    assert Allowance().after(1000) == Allowance()
+    assert allowance.after(14).after(4) == FactorizationBudget(4.0, 50.0)
+    assert FactorizationBudget().after(1000) == FactorizationBudget()
 
 
 def test_a_search_that_takes_many_factors_is_left_for_the_way_downhill(
@@ -369,7 +375,7 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
     )
     taken = alone.add_support(support, solver.contact.travel)
     assert taken > 0
-    assert alone.rough.negative - taken == whole.rough.negative
+    assert alone.approximate_factor.negative - taken == whole.approximate_factor.negative
     right = np.random.default_rng(0).normal(size=space.n_unknowns)
     exact = whole.solve(right)
     assert np.abs(alone.solve(right) - exact).max() < 1e-3 * np.abs(exact).max()

@@ -63,7 +63,7 @@ def test_the_rough_factor_takes_indefinite_matrices_and_one_or_many_loads(
     bent = matrix - sparse.diags(np.where(np.arange(space.n_unknowns) < n, 0.15, 0.0))
     block = bent[system.free[system.free < n]][:, system.free[system.free < n]].toarray()
     assert np.linalg.eigvalsh(block)[0] < -0.01
-    rough = solve.rough(bent.tocsr(), system)
+    rough = solve.approximate_factor(bent.tocsr(), system)
     neighbor = compressible(space, bent.tocsr())[system.free][:, system.free].toarray()
     assert rough.negative == (np.linalg.eigvalsh(neighbor) < 0).sum()
     assert rough.negative > (system.free >= n).sum()
@@ -82,13 +82,13 @@ def test_a_singular_matrix_has_no_rough_factor(space: Space) -> None:
     matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
     system = solve.factor(space, matrix, clamped(space))
     with pytest.raises(InputError, match="singular"):
-        solve.rough(0 * matrix, system)
+        solve.approximate_factor(0 * matrix, system)
 
 
 def test_a_matrix_beyond_single_precision_is_factored_in_double(space: Space) -> None:
     matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
     system = solve.factor(space, matrix, clamped(space))
-    found = solve.rough(1e200 * matrix, system)
+    found = solve.approximate_factor(1e200 * matrix, system)
     assert found.double
     assert system.failed == [
         "solve: expected numbers within the range of single precision, received larger ones"
@@ -97,7 +97,7 @@ def test_a_matrix_beyond_single_precision_is_factored_in_double(space: Space) ->
     left = system.reduced @ found.solve(1e200 * right) - right
     assert np.linalg.norm(left) < 1e-9 * np.linalg.norm(right)
     with np.errstate(all="ignore"), pytest.raises(InputError, match="range of double precision"):
-        solve.rough(1e200 * (1e200 * matrix), system)
+        solve.approximate_factor(1e200 * (1e200 * matrix), system)
     assert len(system.failed) == 1
 
 
@@ -106,21 +106,21 @@ def test_a_rough_factor_that_fails_gives_way_and_then_the_body_is_at_fault(
 ) -> None:
     matrix = stiffness(space, {1: Elastic(5.0, 0.3)})
     system = solve.prepare(space, matrix, clamped(space))
-    usual = system.rough
+    usual = system.approximate_factor
     assert not usual.double
     unsound(np.float32)
-    found = solve.rough(matrix, system)
+    found = solve.approximate_factor(matrix, system)
     assert found.double
     assert len(system.failed) == 1
     assert found.negative == usual.negative
     right = np.random.default_rng(0).normal(size=len(system.free))
     assert found.solve(right) == pytest.approx(system.solver.solve(right), rel=1e-9, abs=1e-12)
     again = solve.prepare(space, matrix, clamped(space))
-    assert again.rough.double
+    assert again.approximate_factor.double
     assert len(again.failed) == 1
     unsound(np.float32, np.float64)
     with pytest.raises(InputError, match="hold more facets or repair the mesh"):
-        solve.rough(matrix, system)
+        solve.approximate_factor(matrix, system)
     assert len(system.failed) == 1
 
 
@@ -133,7 +133,7 @@ def test_a_body_at_rest_that_can_still_turn_has_no_rough_factor(
     fixed = (3 * points[:, None] + np.arange(3)).ravel() if count else np.array([0])
     matrix = stiffness(space, {1: Elastic(5.0, 0.49)})
     with pytest.raises(InputError, match="hold more facets"):
-        _ = solve.prepare(space, matrix, fixed).rough
+        _ = solve.prepare(space, matrix, fixed).approximate_factor
 
 
 def test_a_solver_in_single_precision_that_fails_gives_way(

@@ -1,4 +1,4 @@
-"""Bone and nail of a meshed finger: rigid and held, elastic, or left out."""
+"""Bone and nail of a meshed finger: rigid and fixed_facets, elastic, or left out."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def elastic(finger: Finger) -> dict[int, Elastic]:
     }
 
 
-def held(finger: Finger) -> tuple[str, ...]:
+def fixed_facets(finger: Finger) -> tuple[str, ...]:
     """Return the facets that do not move."""
     bone = "bone-cut" if isinstance(finger.bone, Hard) else "bone"
     nail = ("nail",) if finger.nail is None else ()
