@@ -145,9 +145,11 @@ class SampledMotion(Motion):
     corner: float
 
     @property
-    def shape(self) -> shapes.Samples:
+    def shape(self) -> shapes.SamplesShape:
         """Straight lines between the samples."""
-        return shapes.Samples(self.control, self.time, getattr(self, self.control), self.corner)
+        return shapes.SamplesShape(
+            self.control, self.time, getattr(self, self.control), self.corner
+        )
 
     def _check_fields(self) -> dict[str, Any]:
         self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
@@ -177,9 +179,9 @@ class Ramp(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.Ramp:
+    def shape(self) -> shapes.RampShape:
         """One straight line."""
-        return shapes.Ramp(self.speed, self.depth, self.corner)
+        return shapes.RampShape(self.speed, self.depth, self.corner)
 
 
 @final
@@ -197,9 +199,9 @@ class RampHold(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.RampHold:
+    def shape(self) -> shapes.RampHoldShape:
         """A line and a rest."""
-        return shapes.RampHold(self.speed, self.depth, self.hold, self.corner)
+        return shapes.RampHoldShape(self.speed, self.depth, self.hold, self.corner)
 
 
 @final
@@ -217,9 +219,9 @@ class Trapezoid(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.Trapezoid:
+    def shape(self) -> shapes.TrapezoidShape:
         """Two lines and the rest between them."""
-        return shapes.Trapezoid(self.speed, self.depth, self.hold, self.corner)
+        return shapes.TrapezoidShape(self.speed, self.depth, self.hold, self.corner)
 
 
 @final
@@ -245,10 +247,12 @@ class RampSinusoid(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.RampSinusoid:
+    def shape(self) -> shapes.RampSinusoidShape:
         """A line, a rest and a sine."""
-        base = shapes.RampHold(self.speed, self.depth, self.settle, self.corner)
-        return shapes.RampSinusoid(self.control, base, self.amplitude, self.frequency, self.cycles)
+        base = shapes.RampHoldShape(self.speed, self.depth, self.settle, self.corner)
+        return shapes.RampSinusoidShape(
+            self.control, base, self.amplitude, self.frequency, self.cycles
+        )
 
 
 @final
@@ -268,9 +272,9 @@ class Sinusoid(Motion):
     cycles: int
 
     @property
-    def shape(self) -> shapes.Sinusoid:
+    def shape(self) -> shapes.SinusoidShape:
         """A sine."""
-        return shapes.Sinusoid(self.amplitude, self.frequency, self.cycles)
+        return shapes.SinusoidShape(self.amplitude, self.frequency, self.cycles)
 
 
 @final
@@ -303,9 +307,9 @@ class ForceRamp(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.Ramp:
+    def shape(self) -> shapes.RampShape:
         """One straight line."""
-        return shapes.Ramp(self.loading_rate, self.force, self.corner)
+        return shapes.RampShape(self.loading_rate, self.force, self.corner)
 
 
 @final
@@ -323,9 +327,9 @@ class ForceRampHold(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.RampHold:
+    def shape(self) -> shapes.RampHoldShape:
         """A line and a rest."""
-        return shapes.RampHold(self.loading_rate, self.force, self.hold, self.corner)
+        return shapes.RampHoldShape(self.loading_rate, self.force, self.hold, self.corner)
 
 
 @final
@@ -343,9 +347,9 @@ class ForceTrapezoid(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.Trapezoid:
+    def shape(self) -> shapes.TrapezoidShape:
         """Two lines and the rest between them."""
-        return shapes.Trapezoid(self.loading_rate, self.force, self.hold, self.corner)
+        return shapes.TrapezoidShape(self.loading_rate, self.force, self.hold, self.corner)
 
 
 @final
@@ -366,10 +370,12 @@ class ForceRampSinusoid(Motion):
     corner: float = _AS_LONG_AS_FITS
 
     @property
-    def shape(self) -> shapes.RampSinusoid:
+    def shape(self) -> shapes.RampSinusoidShape:
         """A line, a rest and a sine."""
-        base = shapes.RampHold(self.loading_rate, self.force, self.settle, self.corner)
-        return shapes.RampSinusoid(self.control, base, self.amplitude, self.frequency, self.cycles)
+        base = shapes.RampHoldShape(self.loading_rate, self.force, self.settle, self.corner)
+        return shapes.RampSinusoidShape(
+            self.control, base, self.amplitude, self.frequency, self.cycles
+        )
 
 
 @final
@@ -385,9 +391,9 @@ class ForceSinusoid(Motion):
     cycles: int
 
     @property
-    def shape(self) -> shapes.Sinusoid:
+    def shape(self) -> shapes.SinusoidShape:
         """A sine."""
-        return shapes.Sinusoid(self.amplitude, self.frequency, self.cycles)
+        return shapes.SinusoidShape(self.amplitude, self.frequency, self.cycles)
 
 
 @final

@@ -29,7 +29,7 @@ class Shape(Protocol):
 
 
 @dataclass(frozen=True)
-class Ramp:
+class RampShape:
     """A ramp from rest, at `pace` per s to `level`, which ends while moving."""
 
     pace: float
@@ -48,7 +48,7 @@ class Ramp:
 
 
 @dataclass(frozen=True)
-class RampHold:
+class RampHoldShape:
     """A ramp at `pace` per s to `level`, and a rest of `hold` s."""
 
     pace: float
@@ -71,7 +71,7 @@ class RampHold:
 
 
 @dataclass(frozen=True)
-class Trapezoid:
+class TrapezoidShape:
     """A ramp at `pace` per s to `level`, a rest of `hold` s and the same ramp back to 0."""
 
     pace: float
@@ -94,11 +94,11 @@ class Trapezoid:
 
 
 @dataclass(frozen=True)
-class RampSinusoid:
+class RampSinusoidShape:
     """A ramp to a level of a quantity, a rest, and `cycles` of a sine about that level."""
 
     quantity: Quantity
-    base: RampHold
+    base: RampHoldShape
     amplitude: float
     frequency: float
     cycles: int
@@ -129,7 +129,7 @@ class RampSinusoid:
 
 
 @dataclass(frozen=True)
-class Sinusoid:
+class SinusoidShape:
     """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
 
     amplitude: float
@@ -148,7 +148,7 @@ class Sinusoid:
 
 
 @dataclass(frozen=True)
-class Samples:
+class SamplesShape:
     """Values of a quantity at times in s from 0 on, with straight lines between them."""
 
     quantity: Quantity
