@@ -39,11 +39,13 @@ def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
     InputError
         A response without strain, or without the end organs of the population.
     """
-    from fefinger.neural.afferents import displacements
+    from fefinger.neural.afferents import equivalent_displacements
     from fefinger.neural.units import simulate_units
 
     strain, sites, reference = _strain_at_sites(ask, response)
-    x_in = displacements(strain, sites.normals, sites.types, reference, drives=ask.drives)
+    x_in = equivalent_displacements(
+        strain, sites.normals, sites.types, reference, drives=ask.drives
+    )
     units: dict[str, Any] = {
         "types": sites.types,
         "unit": np.arange(len(sites.types)),

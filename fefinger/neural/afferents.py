@@ -114,7 +114,7 @@ def from_strain(
         As in `simulate`; also a type without a reference, or with a reference drive that is not
         clearly above zero.
     """
-    x_in = displacements(strain, normals, types, reference, drives=drives)
+    x_in = equivalent_displacements(strain, normals, types, reference, drives=drives)
     return simulate(
         time,
         x_in,
@@ -128,7 +128,7 @@ def from_strain(
     )
 
 
-def displacements(
+def equivalent_displacements(
     strain: ArrayLike,
     normals: ArrayLike,
     types: Sequence[str],

@@ -19,7 +19,7 @@ from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
 from fefinger.mechanics.press.failure import most_compressed
-from fefinger.neural.afferents import displacements
+from fefinger.neural.afferents import equivalent_displacements
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.motion import Motion
@@ -119,7 +119,7 @@ def test_the_standard_plate_moves_end_organs_as_deep_as_the_reference_press():
     assert found.strain is not None
     assert found.sites is not None
     assert found.reference is not None
-    moved = displacements(
+    moved = equivalent_displacements(
         found.strain[-1:],
         found.sites.normals,
         found.sites.types,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.afferents import displacements
+from fefinger.neural.afferents import equivalent_displacements
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
@@ -45,7 +45,7 @@ def streamed(units: Afferents, rows: np.ndarray) -> list[np.ndarray]:
 
 def solved(tensors: np.ndarray, membrane: object, substeps: int, **how: object) -> tuple:
     """Return the spike times of the same units, their currents sampled likewise, in one go."""
-    x_in = displacements(tensors, NORMALS, TYPES, REFERENCE)
+    x_in = equivalent_displacements(tensors, NORMALS, TYPES, REFERENCE)
     fine = np.linspace(0, TIME[-1], substeps * (len(TIME) - 1) + 1)
     currents = [
         transduce(kind, TIME, x_in[:, i], gain=GAINS[kind], at=fine) for i, kind in enumerate(TYPES)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.neural import units
-from fefinger.neural.afferents import displacements, from_strain, simulate
+from fefinger.neural.afferents import equivalent_displacements, from_strain, simulate
 from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
@@ -190,7 +190,7 @@ def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
     reference = Reference(0.2, TYPES, np.array([up] * 4), np.array([flat] * 4))
     strain = (RAMP / 0.2)[:, None, None, None] * np.array([flat] * 5)
     of_site = ("SAI", "SAI", "FAI", "SAI", "FAI")
-    x_in = displacements(strain, np.array([up] * 5), of_site, reference)
+    x_in = equivalent_displacements(strain, np.array([up] * 5), of_site, reference)
     np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
     both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
     single = from_strain(
