@@ -95,6 +95,8 @@ class Shape:
     radii : wanted normal curvature radii at P30, along (R') and across (R'') the finger, mm.
     nail : the patch under the nail.
     triangles : facet size in mm -> surfaces for the mesher that bound the regions of half a finger.
+    sections : shells of half ellipses with the profiles of the three surfaces: these themselves
+        for a parametric finger, near them for a scan.
     volumes : volume of half of each region inside the smooth surfaces, by name, mm^3.
     notes : remarks on the surface files used and their repairs.
 
@@ -107,6 +109,7 @@ class Shape:
     radii: tuple[float, float]
     nail: Nail
     triangles: Callable[[float], list[Triangles]]
+    sections: tuple[Shell, Shell, Shell]
     volumes: dict[str, float]
     notes: tuple[str, ...] = ()
 

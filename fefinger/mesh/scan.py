@@ -1,89 +1,37 @@
 """Shape of a fingertip from a surface file (STL, PLY, OBJ, ...); skin and bone are added inside.
 
 The file gives the outer skin in mm in the frame x distal, y radial, z dorsal, wherever its origin.
-Its half y >= middle is meshed, so a scan is made symmetric; a large asymmetry is an error.
+The surface is the mean of the scan and its mirror image; a large asymmetry is an error.
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from fefinger.geometry import mirror
 from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh.cloud import SPACING, Cloud, smoothed
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array
+from fefinger.mesh.shell import Array, Shell, Table, offset
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support.checks import InputError
 
 
-SPACING = 0.35
-"""Largest edge in mm of the refined scan whose vertices define the surface."""
-
-NEIGHBORS = 16
-"""Vertices that a signed distance is averaged over: two rings, to smooth the facets of a scan."""
-
 SIZE_ERROR = 0.35
 """Relative difference of a scan's width from the given one that indicates a wrong unit."""
 
+STATIONS, LAST = 60, 0.15
+"""Points of a profile, and the root of the last one's share of the length from the tip."""
+
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
-
-
-@dataclass(frozen=True)
-class Cloud:
-    """A smooth surface through points with normals, moved inward by `inset` mm.
-
-    The signed distance is a weighted mean of the distances from the tangent planes of the nearest
-    points (implicit moving least squares, Kolluri 2008).
-    """
-
-    points: Array
-    point_normals: Array
-    tree: Any
-    inset: float = 0.0
-
-    def level(self, points: Array) -> Array:
-        """Return a signed distance, negative inside, (n,) mm."""
-        return self._evaluate(points)[0]
-
-    def normals(self, points: Array) -> Array:
-        """Return the unit outward normals (n, 3) at points of the surface."""
-        return self._evaluate(points)[1]
-
-    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
-        """Return points (n, 3) moved onto the surface, changing only free coordinates."""
-        moved = np.array(points, dtype=float)
-        mask = np.ones_like(moved) if free is None else free.astype(float)
-        for _ in range(60):
-            level, normals = self._evaluate(moved)
-            normals *= mask
-            size = np.maximum(np.einsum("ij,ij->i", normals, normals), 0.05)
-            moved -= np.clip(level / size, -0.5, 0.5)[:, None] * normals
-            if np.max(np.abs(level), initial=0.0) < 1e-8:
-                break
-        return moved
-
-    def _evaluate(self, points: Array) -> tuple[Array, Array]:
-        """Compute signed distances (n,) mm and unit normals (n, 3)."""
-        distance, index = self.tree.query(points, k=NEIGHBORS)
-        reach = distance[:, :1] ** 2 + SPACING**2
-        weight = np.exp(-(distance**2 - distance[:, :1] ** 2) / reach)
-        weight /= weight.sum(axis=1)[:, None]
-        normals = self.point_normals[index]
-        offsets = np.einsum("nki,nki->nk", points[:, None] - self.points[index], normals)
-        mean = np.einsum("nk,nki->ni", weight, normals)
-        mean /= np.linalg.norm(mean, axis=1)[:, None]
-        return np.einsum("nk,nk->n", weight, offsets) + self.inset, mean
 
 
 def scanned(recipe: Recipe) -> Shape:
@@ -94,10 +42,14 @@ def scanned(recipe: Recipe) -> Shape:
     """
     file = _read(recipe)
     mesh = _refined(file.mesh, open_behind=True)
-    skin = _cloud(mesh, 0.0)
-    origin = _first_touch(skin)
-    mesh.apply_translation(-origin)
-    skin, under = _cloud(mesh, 0.0), _cloud(mesh, recipe.skin_thickness)
+    aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
+    mesh.apply_translation(-aside)
+    skin = _cloud(mesh)
+    touch = _first_touch(skin)
+    mesh.apply_translation(-touch)
+    origin = aside + touch
+    skin = Cloud.of(skin.points - touch, skin.point_normals)
+    under = replace(skin, inset=recipe.skin_thickness)
     _check_symmetry(skin, recipe)
     low, high = mesh.bounds
     tip, top = float(high[0]), float(high[2])
@@ -106,6 +58,8 @@ def scanned(recipe: Recipe) -> Shape:
     finger_shape.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
     middle = 0.5 * (float(low[2]) + top)
     nail = finger_shape.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
+    level, tables = _sections(skin, cut)
+    inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
     around, within = (_volume(part, cut) for part in (outer, inner))
     return Shape(
@@ -113,7 +67,7 @@ def scanned(recipe: Recipe) -> Shape:
         subcutaneous=under,
         bone=bone.surface,
         cut=cut,
-        radii=fitted_radii(_symmetric_patch(skin)),
+        radii=fitted_radii(patch_points(skin)),
         nail=nail,
         triangles=lambda step: [
             outer,
@@ -121,6 +75,11 @@ def scanned(recipe: Recipe) -> Shape:
             _halved(mesh, under, cut - 1.0),
             bone.triangles(step),
         ],
+        sections=(
+            Shell.of(level, cut=cut, **tables),
+            Shell.of(level, cut=cut, **inset),
+            bone.sections,
+        ),
         volumes=finger_shape.region_volumes(around, within, bone.volume),
         notes=(*file.notes, *bone.notes),
     )
@@ -128,11 +87,15 @@ def scanned(recipe: Recipe) -> Shape:
 
 @dataclass(frozen=True)
 class Bone:
-    """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³."""
+    """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³.
+
+    sections: the shell of half ellipses near it.
+    """
 
     surface: finger_shape.SmoothSurface
     points: Array
     triangles: Callable[[float], Triangles]
+    sections: Shell
     volume: float
     notes: tuple[str, ...] = ()
 
@@ -146,15 +109,37 @@ def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) 
             shell,
             points,
             lambda step: surface.without_caps(surface.half(shell, step, overhang=1.0)),
+            shell,
             surface.volume(surface.half(shell, finger_shape.FINE)),
         )
     closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
     mesh = _refined(closed)
     mesh.apply_translation(-origin)
-    cloud = _cloud(mesh, 0.0)
+    cloud = _cloud(mesh)
     part = _halved(mesh, cloud, cut - 1.0)
     volume = _volume(_halved(mesh, cloud, cut), cut)
-    return Bone(cloud, cloud.points, lambda step: part, volume, notes)
+    level, tables = _sections(cloud, cut)
+    sections = Shell.of(level, cut=cut, **tables)
+    return Bone(cloud, cloud.points, lambda step: part, sections, volume, notes)
+
+
+def _sections(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
+    """Level of the foremost point, and profiles of a surface: palm and back in y = 0, sides there.
+
+    Half ellipses with these profiles are near the surface.
+    """
+    start = cloud.points[np.argmax(cloud.points[:, 0])] * [1.0, 0.0, 1.0]
+    tip, _, middle = cloud.project(start[None], free=np.array([[True, False, False]]))[0]
+    x = tip - (tip - cut) * np.linspace(1.0, LAST, STATIONS) ** 2
+    size = np.ptp(cloud.points, axis=0) / 2.0
+    tables = {}
+    for name, axis, sign in (("palmar", 2, -1.0), ("dorsal", 2, 1.0), ("side", 1, 1.0)):
+        line = np.column_stack([x, 0.0 * x, np.full(len(x), middle)])
+        line[:, axis] += sign * size[axis]
+        free = np.tile(np.arange(3) == axis, (len(x), 1))
+        half = sign * (cloud.project(line, free=free) - [0.0, 0.0, middle])[:, axis]
+        tables[name] = np.append(x, tip), np.append(half, 0.0)
+    return float(middle), tables
 
 
 def _refined(closed: Any, *, open_behind: bool = False) -> Any:
@@ -185,18 +170,15 @@ def _read(recipe: Recipe) -> SurfaceFile:
     return file
 
 
-def _cloud(mesh: Any, inset: float) -> Cloud:
+def _cloud(mesh: Any) -> Cloud:
     """Return the smooth surface through the vertices of a mesh."""
     points = np.asarray(mesh.vertices, dtype=float)
-    return Cloud(points, np.asarray(mesh.vertex_normals, dtype=float), cKDTree(points), inset)
+    return Cloud.of(*smoothed(points, np.asarray(mesh.vertex_normals, dtype=float)))
 
 
 def _first_touch(skin: Cloud) -> Array:
-    """First touch of a 30-degree plate on the ridge halfway between the sides, (3,) mm."""
-    points = skin.points
-    middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-    ridge = points[np.abs(points[:, 1] - middle) < 2.0 * SPACING].copy()
-    ridge[:, 1] = middle
+    """First touch of a 30-degree plate on the ridge y = 0, (3,) mm."""
+    ridge = skin.points[np.abs(skin.points[:, 1]) < 2.0 * SPACING] * [1.0, 0.0, 1.0]
     free = np.tile([True, False, True], (len(ridge), 1))
     ridge = skin.project(ridge, free=free)
     best = ridge[np.argmax(ridge @ PLATE_NORMAL)]
@@ -208,19 +190,13 @@ def _first_touch(skin: Cloud) -> Array:
 
 def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
     """Raise InputError if the surface is far from its mirror image in y = 0."""
-    away = float(np.mean(np.abs(skin.level(mirror.image(skin.points[::7])))))
+    away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
         message = (
             f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
             f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
         )
         raise InputError(message)
-
-
-def _symmetric_patch(skin: Cloud) -> Array:
-    """Return points of the half y >= 0 near the origin and their mirror images, (n, 3)."""
-    points = patch_points(skin)
-    return np.concatenate([points[points[:, 1] > -0.05], mirror.image(points[points[:, 1] > 0.05])])
 
 
 def _side(skin: Cloud, x: Array) -> Array:
@@ -235,7 +211,8 @@ def _halved(mesh: Any, cloud: Cloud, cut: float) -> Triangles:
     """Slice the surface to y >= 0, x >= cut; it is open at these planes."""
     from trimesh.intersections import slice_faces_plane
 
-    points, faces = cloud.points - cloud.inset * cloud.point_normals, mesh.faces
+    points = cloud.project(cloud.points - cloud.inset * cloud.point_normals)
+    faces = mesh.faces
     for normal, at in (((0.0, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (cut, 0.0, 0.0))):
         points, faces, *_ = slice_faces_plane(points, faces, np.array(normal), np.array(at))
     return np.asarray(points, dtype=float), np.asarray(faces, dtype=np.int64)

@@ -3,14 +3,13 @@
 import json
 import os
 from collections.abc import Callable
-from functools import lru_cache
-from importlib.resources import files as package_files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import vtu
 from fefinger.mesh.recipe import Recipe, Touch
+from fefinger.mesh.shipped import shipped_path
 from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
 from fefinger.support.checks import InputError
@@ -75,28 +74,6 @@ def sha256(finger: "Finger") -> str | None:
         return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
     except (OSError, ValueError, KeyError, TypeError):  # no sidecar, or a damaged one
         return None
-
-
-def shipped_path(recipe: Recipe) -> Path | None:
-    """Return the file of the shipped mesh of a recipe, or None."""
-    wanted = recipe.to_dict()
-    return next((path for shipped, path in _shipped(data_folder()) if shipped == wanted), None)
-
-
-@lru_cache(maxsize=1)
-def _shipped(folder: Path) -> tuple[tuple[dict[str, Any], Path], ...]:
-    """Return the recipes of the meshes in a folder, with their files."""
-    texts = {path: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.json"))}
-    recipes = ((json.loads(text).get("recipe"), path) for path, text in texts.items())
-    return tuple((recipe, path.with_suffix(".vtu")) for recipe, path in recipes)
-
-
-def data_folder() -> Path:
-    """Return the folder of the shipped meshes, installed or in the checkout."""
-    try:
-        return Path(str(package_files("fefinger.meshes")))
-    except ModuleNotFoundError:
-        return Path(__file__).resolve().parents[2] / "meshes"
 
 
 def cached_path(recipe: Recipe) -> Path:

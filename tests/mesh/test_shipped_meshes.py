@@ -20,7 +20,7 @@ from fefinger.mesh.quality import (
     measured_radii,
 )
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.store import data_folder
+from fefinger.mesh.shipped import data_folder
 
 
 Integers = NDArray[np.int64]
