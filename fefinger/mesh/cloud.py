@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fefinger.geometry import mirror
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 
 
 SPACING = 0.35
@@ -17,9 +17,10 @@ SPACING = 0.35
 NEIGHBORS = 16
 """Vertices that a signed distance is averaged over: two rings, to smooth the facets of a scan."""
 
-THINNED, FITTED = 0.25, 80
-"""Side in mm of the cubes that have one sample of the scan each, and samples in a fit: those
-within some 1.3 mm, however dense the scan is."""
+DENSEST, THINNED, FITTED = 0.15, 0.25, 60
+"""Side in mm of the cubes that have one point of the surface each, side of those that have one
+sample of the scan each, and the number of samples in a fit: those within some 1.1 mm, however dense
+the scan is."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Cloud:
 
     def asymmetry(self) -> float:
         """Mean distance in mm of the points from the mirror image of their surface."""
-        return float(np.mean(np.abs(self._through(mirror.image(self.points[::7]))[0])))
+        return float(np.mean(np.abs(self._through(mirror.image(self.points))[0])))
 
     def _evaluate(self, points: Array) -> tuple[Array, Array]:
         """Compute signed distances (n,) mm and unit normals (n, 3)."""
@@ -89,23 +90,30 @@ class Cloud:
         return np.einsum("nk,nk->n", weight, offsets), mean
 
 
-def smoothed(points: Array, normals: Array) -> tuple[Array, Array]:
-    """Return points (n, 3) and unit normals on the quadrics fitted around them.
+def smoothed(points: Array, normals: Array) -> Cloud:
+    """Return the surface through points (n, 3) with outward normals (n, 3), without their noise.
 
-    A quadric over the tangent plane (weighted least squares over some 1.3 mm) follows the curvature
-    of a finger, and leaves out the noise and the facets of a scan.
+    Each is moved to the cubic fitted around it: a cubic over the tangent plane (weighted least
+    squares) follows the curvature of a finger, and leaves out the noise and the facets of a scan.
     """
-    _, first = np.unique(np.floor(points / THINNED), axis=0, return_index=True)
-    samples = points[first]
+    samples = points[_thinned(points, THINNED)]
+    kept = _thinned(points, DENSEST)
+    points, normals = points[kept], normals[kept]
     distance, near = cKDTree(samples).query(points, k=FITTED)
     across = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
     across /= np.linalg.norm(across, axis=1)[:, None]
     frame = np.stack([across, np.cross(normals, across), normals], axis=1)
     u, v, height = np.einsum("nij,nkj->ink", frame, samples[near] - points[:, None])
-    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=2)
-    weighted = terms * np.exp(-2.0 * (distance / distance[:, -1:]) ** 2)[:, :, None]
-    matrix = np.einsum("nki,nkj->nij", weighted, terms)
-    fit = np.linalg.solve(matrix, np.einsum("nki,nk->ni", weighted, height)[:, :, None])[:, :, 0]
-    turned = np.einsum("ni,nij->nj", np.column_stack([-fit[:, 1:3], np.ones(len(fit))]), frame)
+    terms = np.stack([u**i * v**j for i in range(4) for j in range(4 - i)], axis=1)
+    weighted = terms * np.exp(-2.0 * (distance / distance[:, -1:]) ** 2)[:, None]
+    matrix = weighted @ terms.transpose(0, 2, 1)
+    fit = np.linalg.solve(matrix, (weighted @ height[:, :, None]))[:, :, 0]
+    constant, by_v, by_u = fit[:, 0], fit[:, 1], fit[:, 4]
+    turned = np.einsum("in,nij->nj", np.stack([-by_u, -by_v, np.ones(len(fit))]), frame)
     turned /= np.linalg.norm(turned, axis=1)[:, None]
-    return points + fit[:, :1] * normals, turned
+    return Cloud.of(points + constant[:, None] * normals, turned)
+
+
+def _thinned(points: Array, side: float) -> Integers:
+    """Return the indices of one of the points (n, 3) in each cube of a side in mm."""
+    return np.unique(np.floor(points / side), axis=0, return_index=True)[1]

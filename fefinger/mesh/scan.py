@@ -5,8 +5,7 @@ The surface is the mean of the scan and its mirror image; a large asymmetry is a
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_close
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell_triangles as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
-from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.recipe import Recipe
@@ -30,6 +29,9 @@ SIZE_ERROR = 0.35
 STATIONS, LAST = 60, 0.15
 """Points of a profile, and the root of the last one's share of the length from the tip."""
 
+ON_SHELL = 1e-6
+"""Distance in mm from a shell up to which points are on it."""
+
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
 
@@ -43,87 +45,71 @@ def scanned(recipe: Recipe) -> Shape:
     file = _read(recipe)
     mesh = _refined(file.mesh, open_behind=True)
     aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
-    mesh.apply_translation(-aside)
-    skin = _cloud(mesh)
+    skin = _cloud(mesh, aside)
+    _check_symmetry(skin, recipe)
     touch = _first_touch(skin)
-    mesh.apply_translation(-touch)
-    origin = aside + touch
     skin = Cloud.of(skin.points - touch, skin.point_normals)
     under = replace(skin, inset=recipe.skin_thickness)
-    _check_symmetry(skin, recipe)
-    low, high = mesh.bounds
+    low, high = mesh.bounds - aside - touch
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
-    bone = _bone(recipe, origin, cut=cut, tip=tip, top=top)
-    finger_shape.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
-    middle = 0.5 * (float(low[2]) + top)
-    nail = finger_shape.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
-    level, tables = _sections(skin, cut)
+    level, tables = _profiles(skin, cut)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
-    outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
-    around, within = (_volume(part, cut) for part in (outer, inner))
+    bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+    shells = (skin, under, bone)
+    near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
+    halves = [_half(*pair, finger_shape.FINE) for pair in zip(shells, near, strict=True)]
+    finger_shape.check_room(under, surface.without_caps(halves[2])[0], recipe)
+    middle = 0.5 * (float(low[2]) + top)
     return Shape(
         skin=skin,
         subcutaneous=under,
-        bone=bone.surface,
+        bone=bone,
         cut=cut,
         radii=fitted_radii(patch_points(skin)),
-        nail=nail,
-        triangles=lambda step: [
-            outer,
-            *_planes(mesh.bounds, cut),
-            _halved(mesh, under, cut - 1.0),
-            bone.triangles(step),
-        ],
-        sections=(
-            Shell.of(level, cut=cut, **tables),
-            Shell.of(level, cut=cut, **inset),
-            bone.sections,
+        nail=finger_shape.nail_of(
+            recipe, tip=tip, middle=middle, side=lambda x: np.interp(x, *tables["side"])
         ),
-        volumes=finger_shape.region_volumes(around, within, bone.volume),
-        notes=(*file.notes, *bone.notes),
+        triangles=lambda step: [
+            _half(skin, near[0], step),
+            *(
+                surface.without_caps(_half(*pair, step, overhang=1.0))
+                for pair in zip(shells[1:], near[1:], strict=True)
+            ),
+        ],
+        sections=near,
+        volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
+        notes=(*file.notes, *notes),
     )
 
 
-@dataclass(frozen=True)
-class Bone:
-    """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³.
-
-    sections: the shell of half ellipses near it.
-    """
-
-    surface: finger_shape.SmoothSurface
-    points: Array
-    triangles: Callable[[float], Triangles]
-    sections: Shell
-    volume: float
-    notes: tuple[str, ...] = ()
-
-
-def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) -> Bone:
-    """Return the bone of a recipe: that of its file, moved with the skin, or a parametric one."""
+def _bone(
+    recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float
+) -> tuple[SmoothSurface, Shell, tuple[str, ...]]:
+    """Return the bone of a recipe, of its file or a parametric one, a shell near it, and notes."""
     if recipe.bone_surface is None:
         shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-        points = surface.without_caps(surface.half(shell, 0.5))[0]
-        return Bone(
-            shell,
-            points,
-            lambda step: surface.without_caps(surface.half(shell, step, overhang=1.0)),
-            shell,
-            surface.volume(surface.half(shell, finger_shape.FINE)),
-        )
+        return shell, shell, ()
     closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
-    mesh = _refined(closed)
-    mesh.apply_translation(-origin)
-    cloud = _cloud(mesh)
-    part = _halved(mesh, cloud, cut - 1.0)
-    volume = _volume(_halved(mesh, cloud, cut), cut)
-    level, tables = _sections(cloud, cut)
-    sections = Shell.of(level, cut=cut, **tables)
-    return Bone(cloud, cloud.points, lambda step: part, sections, volume, notes)
+    cloud = _cloud(_refined(closed), origin)
+    level, tables = _profiles(cloud, cut)
+    return cloud, Shell.of(level, cut=cut, **tables), notes
 
 
-def _sections(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
+def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 0.0) -> Triangles:
+    """Return the closed half of a smooth surface, as `shell_triangles.half` of a shell near it."""
+    points, faces = surface.half(near, step, overhang=overhang)
+    if smooth is near:
+        return points, faces
+    outer = np.abs(near.level(points)) < ON_SHELL
+    free = np.ones((int(outer.sum()), 3), dtype=bool)
+    free[points[outer, 1] == 0.0, 1] = False
+    free[points[outer, 0] == points[0, 0], 0] = False
+    points[outer] = smooth.project(points[outer], free=free)
+    return points, faces
+
+
+def _profiles(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
     """Level of the foremost point, and profiles of a surface: palm and back in y = 0, sides there.
 
     Half ellipses with these profiles are near the surface.
@@ -170,10 +156,10 @@ def _read(recipe: Recipe) -> SurfaceFile:
     return file
 
 
-def _cloud(mesh: Any) -> Cloud:
-    """Return the smooth surface through the vertices of a mesh."""
-    points = np.asarray(mesh.vertices, dtype=float)
-    return Cloud.of(*smoothed(points, np.asarray(mesh.vertex_normals, dtype=float)))
+def _cloud(mesh: Any, origin: Array) -> Cloud:
+    """Return the smooth surface through the vertices of a mesh, seen from an origin (3,) mm."""
+    points = np.asarray(mesh.vertices, dtype=float) - origin
+    return smoothed(points, np.asarray(mesh.vertex_normals, dtype=float))
 
 
 def _first_touch(skin: Cloud) -> Array:
@@ -197,37 +183,3 @@ def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
             f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
         )
         raise InputError(message)
-
-
-def _side(skin: Cloud, x: Array) -> Array:
-    """Return half the width at x, (n,) mm."""
-    stations = np.linspace(skin.points[:, 0].min(), skin.points[:, 0].max(), 60)
-    slot = np.digitize(skin.points[:, 0], stations)
-    widest = [np.max(skin.points[slot == i, 1], initial=0.0) for i in range(1, len(stations))]
-    return np.interp(x, (stations[1:] + stations[:-1]) / 2.0, widest)
-
-
-def _halved(mesh: Any, cloud: Cloud, cut: float) -> Triangles:
-    """Slice the surface to y >= 0, x >= cut; it is open at these planes."""
-    from trimesh.intersections import slice_faces_plane
-
-    points = cloud.project(cloud.points - cloud.inset * cloud.point_normals)
-    faces = mesh.faces
-    for normal, at in (((0.0, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (cut, 0.0, 0.0))):
-        points, faces, *_ = slice_faces_plane(points, faces, np.array(normal), np.array(at))
-    return np.asarray(points, dtype=float), np.asarray(faces, dtype=np.int64)
-
-
-def _planes(bounds: Array, cut: float) -> list[Triangles]:
-    """Return rectangles on y = 0 and x = cut, larger than the finger."""
-    (x, y, z), (far_x, far_y, far_z) = bounds + np.array([[-0.8], [0.8]])
-    square = np.array([[0, 1, 2], [0, 2, 3]])
-    medial = [(x, 0.0, z), (far_x, 0.0, z), (far_x, 0.0, far_z), (x, 0.0, far_z)]
-    back = [(cut, y, z), (cut, far_y, z), (cut, far_y, far_z), (cut, y, far_z)]
-    return [(np.array(medial), square), (np.array(back), square)]
-
-
-def _volume(part: Triangles, cut: float) -> float:
-    """Return the volume between an open half surface and the planes y = 0 and x = cut, mm^3."""
-    points, faces = part
-    return surface.volume((points - [cut, 0.0, 0.0], faces))
