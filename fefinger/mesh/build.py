@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fefinger.geometry import facets as topology
 from fefinger.geometry.finger_mesh import BONE, FingerMesh
 from fefinger.mesh import smooth, vtu
-from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import bone_of_volume, record, supports
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.morph import draft, finished
@@ -35,12 +35,6 @@ SETTINGS = {
     "standard": MesherSettings(pad=0.42, deep=0.5, far=0.6),
     "fine": MesherSettings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
-
-PALMAR = -1.0
-"""z in mm of the start of a projection onto the palmar skin, below the 30 degree plate's touch."""
-
-RIDGE, FOREMOST = 400, 12.0
-"""Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
 
 REFERENCE_RADIUS = 2.5
 """Radius in mm of fine mesh about the origin, for the reference press that scales strains."""
@@ -97,7 +91,8 @@ def _morphed(shape: Shape, recipe: Recipe, *, name: str, say: Progress) -> Finge
     for path in templates(recipe.resolution, recipe.touch):
         template = vtu.read(path)
         with suppress(ConvergenceError):
-            drafts.append(draft(template, parametric(Recipe(**template.recipe)), shape))
+            source = parametric(Recipe(**template.recipe))
+            drafts.append(draft(template, source, shape, recipe.touch))
     for made in sorted(drafts, key=lambda made: made.poor)[:TEMPLATES]:
         say(f"morphing {made.template.name}")
         try:
@@ -124,28 +119,6 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
         return np.minimum(wanted, settings.largest)
 
     return size
-
-
-def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """Point (3,) of the palmar skin at a place (x, y), or first touch of a plate at an angle.
-
-    Raises InputError for a place that is not on the pad.
-    """
-    if isinstance(touch, tuple):
-        places = np.array([[touch[0], abs(touch[1]), PALMAR]])
-    else:
-        x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
-        places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
-    on_skin = shape.skin.project(places, free=np.tile([False, False, True], (len(places), 1)))
-    off = np.abs(shape.skin.level(on_skin)) > 1e-3
-    if isinstance(touch, tuple):
-        if off[0]:
-            message = f"indenter.at: expected a place (x, y) mm on the pad, received {touch}"
-            raise InputError(message)
-        return np.asarray(on_skin[0])
-    angle = np.radians(touch)
-    ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
-    return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
 
 
 def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:

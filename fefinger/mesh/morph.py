@@ -17,10 +17,10 @@ from scipy.interpolate import PchipInterpolator
 from fefinger.geometry.facets import interfaces
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
 from fefinger.mesh import smooth
-from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import ON_SHELLS, bone_of_volume, record, supports
 from fefinger.mesh.quality import gate
-from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.shell import Shell
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
@@ -57,14 +57,16 @@ class Draft:
     poor: int
 
 
-def draft(template: FingerMesh, source: Shape, target: Shape) -> Draft:
+def draft(template: FingerMesh, source: Shape, target: Shape, touch: Touch = None) -> Draft:
     """Move the vertices of a template of the shape `source` to the shape `target`.
+
+    touch: center of the fine facets of both, as in `Recipe`.
 
     Raises ConvergenceError where the pad becomes coarser than its resolution.
     """
     facets = _facets(template)
     constraints = supports(target, len(template.points), facets)
-    moves = _surface_moves(template, source, target, facets, constraints)
+    moves = _surface_moves(template, source, target, facets, constraints, touch)
     _check_stretch(template, template.points + moves)
     held = ~constraints.free | (constraints.surface >= 0)[:, None]
     points = template.points + extension(template.points, template.cells, moves, held)
@@ -152,6 +154,7 @@ def _surface_moves(
     target: Shape,
     facets: dict[str, Integers],
     constraints: smooth.Supports,
+    touch: Touch,
 ) -> Array:
     """Displacements (n, 3) mm of the vertices on surfaces and planes; zero at the others.
 
@@ -161,7 +164,7 @@ def _surface_moves(
     points, free = template.points, constraints.free
     moves = np.zeros_like(points)
     moves[~free[:, 0], 0] = target.cut - source.cut
-    for number, stations in enumerate(_stations(source, target)):
+    for number, stations in enumerate(_stations(source, target, touch)):
         on = np.flatnonzero(constraints.surface == number)
         foot = source.shells[number].project(points[on], free=free[on])
         there = carried(foot, source.sections[number], target.sections[number], stations)
@@ -171,26 +174,31 @@ def _surface_moves(
     return moves
 
 
-def _stations(source: Shape, target: Shape) -> Iterator[Stations]:
-    """Yield the map of x along each shell: cut, nail, first touch and tip stay what they are."""
+def _stations(source: Shape, target: Shape, touch: Touch) -> Iterator[Stations]:
+    """Yield the map of x along each shell: cut, touches, nail and tip stay what they are."""
     pairs = zip(source.sections, target.sections, strict=True)
+    touches = [np.zeros((2, 3))]
+    if touch is not None:
+        touches.append(np.stack([touch_point(shape, touch) for shape in (source, target)]))
     for number, (one, other) in enumerate(pairs):
-        knots = [(source.cut, target.cut)]
-        nail = (source.nail.start, target.nail.start)
-        touch = tuple(float(_foot(shape, number)) for shape in (source, target))
-        end = (source.nail.end, target.nail.end)
-        tip = (one.tip, other.tip)
-        for knot in {0: (nail, touch, end), 1: (nail, touch), 2: ()}[number]:
-            near = np.subtract(knot, knots[-1]) if knot is not end else np.subtract(tip, knot)
-            if near.min() > APART:
+        knots = [(source.cut, target.cut), (one.tip, other.tip)]
+        wanted = [_feet(source, target, number, points) for points in touches]
+        nail = [(source.nail.start, target.nail.start), (source.nail.end, target.nail.end)]
+        for knot in ((*wanted, *nail), (*wanted, nail[0]), ())[number]:
+            apart = np.subtract(knots, knot)
+            if np.abs(apart).min() > APART and (apart[:, 0] * apart[:, 1] > 0.0).all():
                 knots.append(knot)
-        x, moved = np.array([*knots, tip]).T
+        x, moved = np.array(sorted(knots)).T
         yield PchipInterpolator(x, moved, extrapolate=True)
 
 
-def _foot(shape: Shape, number: int) -> float:
-    """Station of a shell below first touch, mm."""
-    return shape.shells[number].project(np.zeros((1, 3)))[0, 0]
+def _feet(source: Shape, target: Shape, number: int, points: Array) -> tuple[float, float]:
+    """Stations of a shell below points (2, 3) of the skins of source and target, mm."""
+    shells = (source.shells[number], target.shells[number])
+    one, other = (
+        shell.project(point[None])[0, 0] for shell, point in zip(shells, points, strict=True)
+    )
+    return float(one), float(other)
 
 
 def _areas(corners: Array) -> Array:
