@@ -155,23 +155,6 @@ def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) ->
     return np.stack(columns, axis=1)
 
 
-def taylor(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
-    """Taylor test of the Jacobian: first-order remainders (3,) at steps of 0.02, 0.01, 0.005.
-
-    With a correct Jacobian each is a quarter of the one before.
-    """
-    matrix = jacobian(residual, unknowns, values)
-    way = np.random.default_rng(0).normal(size=len(unknowns))
-    here, out = residual(values), []
-    for size in (0.02, 0.01, 0.005):
-        moved = values | {
-            each.name: each.outside(each.inside(values[each.name]) + size * w)
-            for each, w in zip(unknowns, way.tolist(), strict=True)
-        }
-        out.append(np.linalg.norm(residual(moved) - here - size * matrix @ way))
-    return np.array(out)
-
-
 def _bounds(free: Sequence[Unknown], end: int) -> list[tuple[Unknown, float]]:
     return [(each, (each.low, each.high)[end]) for each in free]
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy import sparse
 
 import fefinger as ff
@@ -9,7 +10,6 @@ from fefinger.fem import condensation
 from fefinger.fem.body import Body, body, prescribed, reduce, solid
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics.press import constitutive, hard_parts, placement
 from fefinger.mesh.store import ready

@@ -7,12 +7,12 @@ import pytest
 from fefinger.validation import suites
 from fefinger.validation.fem import drawings, element_kinds, hertz, history
 from fefinger.validation.fem import exact as fem_exact
+from fefinger.validation.oracles.punch import Cone, FlatPunch
+from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.peers import PEERS
 from fefinger.validation.problems.quarter import Indenter, half_space_field, turned
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
-from fefinger.theory.contact.punch import Cone, FlatPunch
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,10 @@ from fefinger.validation.calibration import lever_figures, solid_twin, subjects,
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.subjects import PRINTED
 from fefinger.validation.case import Case
+from fefinger.validation.oracles import taylor
 from numpy.typing import NDArray
 
-from fefinger.calibration import inverse, targets
+from fefinger.calibration import targets
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
@@ -43,7 +44,7 @@ def order() -> float:
     linear = family((1.0,), finger.pad_radius, lambda _: press(finger, "condensed"))
     forces = Forces(targets.subject("a.h."), linear, 34.0, 3.0, finger.pad_radius)
     values = {each.name: each.start for each in forces.unknowns} | {"t_b": 0.02}
-    rest = inverse.taylor(forces.residual, forces.unknowns, values)
+    rest = taylor.remainders(forces.residual, forces.unknowns, values)
     return float(np.log2(rest[0] / rest[2]) / 2)
 
 

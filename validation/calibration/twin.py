@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 from numpy.typing import NDArray
 
 from fefinger.calibration import slow_press
@@ -21,7 +22,6 @@ from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Ramp, RampSinusoid
 from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 from fefinger.theory.relaxation import Prony
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.condensed import drawings
+from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems.half_space import HalfSpaceQuarter
 from numpy.typing import NDArray
 
@@ -27,7 +28,6 @@ from fefinger.support.checks import ConvergenceError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import paraboloid
-from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony
 

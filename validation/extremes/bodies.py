@@ -8,12 +8,12 @@ from fefinger.validation.extremes.invariants import Array, invariants, off
 from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
 from fefinger.validation.problems import cube
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.contact import lcp_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.step_compiled import check
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import (

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.fem.element_kinds import OURS, Kind, assembled
+from fefinger.validation.problems.grids import box
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor

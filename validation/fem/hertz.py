@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.problems.grids import Size, quarter
 from fefinger.validation.problems.quarter import (
     Exact,
     Indenter,
@@ -21,7 +22,6 @@ from fefinger.validation.problems.quarter import (
 from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import Size, quarter
 from fefinger.fem.elements.spaces import Space
 from fefinger.theory.contact.hertz import Hertz
 

@@ -11,15 +11,15 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case
 from fefinger.validation.fem.hertz import bowl
+from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import quarter
 from fefinger.scene.library import pawluk_relaxation
 from fefinger.theory.contact import indentation
-from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
 from fefinger.theory.relaxation import Prony, hereditary_integral
 

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.neural.preliminary import spring
 from fefinger.validation.neural.sweep import (
     IN_RANGE,
     SLOWED,
@@ -23,7 +24,6 @@ from fefinger.neural.chains import Resonant, realize, under_force
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
-from fefinger.neural.preliminary import spring
 
 
 ORGANS = {

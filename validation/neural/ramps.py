@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import SPRING, Array, claim
 
 from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.preliminary import derivative
 from fefinger.scene.motion import Trapezoid
 
 

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import (
     DAMPER,
     FREQUENCIES,
@@ -27,7 +28,6 @@ from fefinger.validation.neural.sweep import (
 
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.preliminary import derivative
 
 
 TOP = 111.0

@@ -14,11 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
-from fefinger.neural.preliminary import Derivative
 
 
 Array = NDArray[np.float64]
-Organ = PoleZero | Derivative
 
 SECONDS, CYCLES = 1.0, 4
 """A run lasts this long at least, and so many cycles; its second half is counted."""
@@ -34,6 +32,20 @@ LARGEST = 9000.0
 FREQUENCIES = tuple(2.0**k for k in range(-1, 10))
 DAMPED = tuple(2.0**k for k in range(-3, 10))
 """Hz: 0.5 to 512, and from 0.125 on for the damper (thesis 4.2.2, 4.3.3)."""
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """The derivative of order 1 or 2: the damper model of thesis 4.2.2."""
+
+    order: int
+
+    def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+        """Return (2 pi i f)^order at frequencies in Hz."""
+        return (2j * np.pi * np.asarray(frequency, float)) ** self.order
+
+
+Organ = PoleZero | Derivative
 
 
 @dataclass(frozen=True)

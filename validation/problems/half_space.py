@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from fefinger.validation.oracles.point_force import point_displacement
+from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter
 from numpy.typing import NDArray
 
@@ -17,10 +19,8 @@ from fefinger.fem.contact import step_compiled
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
-from fefinger.theory.contact.loads import point_displacement
 from fefinger.theory.relaxation import Prony
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from fefinger.validation.oracles.point_force import point_displacement
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -18,7 +19,6 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
-from fefinger.theory.contact.loads import point_displacement
 
 
 Array = NDArray[np.float64]

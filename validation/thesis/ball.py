@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_ball
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid_at
-from fefinger.theory.contact.layer import Faced, Sheet
 
 
 Array = NDArray[np.float64]

@@ -5,10 +5,10 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.oracles.ergonomics import tap
+from fefinger.validation.oracles.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.validation.thesis.lumped import DIGITS, digits, finger, periodic, vibrated
 
-from fefinger.theory.lumped.ergonomics import tap
-from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.theory.relaxation import hereditary_integral
 
 

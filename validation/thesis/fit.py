@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 from fefinger.validation.case import Case
+from fefinger.validation.oracles.synthetic import ramp_and_hold
 from fefinger.validation.thesis.lumped import DIGITS, finger
 
 from fefinger.theory.lumped.identify import Identification, joint, thesis
-from fefinger.theory.lumped.synthetic import ramp_and_hold
 
 
 BIASED = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}

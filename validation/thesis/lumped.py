@@ -6,11 +6,11 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.oracles.ergonomics import Vibration, vibration
+from fefinger.validation.oracles.impedance import relaxation_spectrum
 from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk
-from fefinger.theory.lumped.ergonomics import Vibration, vibration
-from fefinger.theory.lumped.impedance import relaxation_spectrum
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 

@@ -6,19 +6,12 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case
+from fefinger.validation.oracles import goodwin
 from fefinger.validation.thesis.lumped import DIGITS, digits
 from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
-from fefinger.theory.contact.curvature import (
-    HertzContact,
-    at_depth,
-    goodwin,
-    goodwin_at_depth,
-    goodwin_radius,
-    series_modulus,
-    torsional_friction,
-)
+from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad, Reading
 from fefinger.theory.relaxation import hereditary_integral
@@ -81,17 +74,17 @@ def pad(subject: str, reading: Reading) -> Fingerpad:
     return Fingerpad(radius, row.m, row.b, pawluk_relaxation()[subject], reading)
 
 
-def ball(name: str) -> tuple[float, HertzContact]:
+def ball(name: str) -> tuple[float, Hertz]:
     """Return E* in kPa and the contact of a ball on the sensor at the depth of Figure A-5."""
     radius, modulus, sensor, _ = BALLS[name]
     plane = series_modulus((modulus, 0.5), (sensor, 0.5))
-    return plane, at_depth(BALL_DEPTH, radius, plane)
+    return plane, Hertz(radius, BALL_DEPTH, plane, 0.0)
 
 
 def ball_quantity(name: str, index: int) -> float:
     """Return E* kPa, P N, p0 kPa or a mm of `ball`."""
     plane, contact = ball(name)
-    values = (plane, contact.force / 1e3, contact.peak_pressure, contact.radius)
+    values = (plane, contact.force / 1e3, contact.peak_pressure, contact.contact_radius)
     return float(values[index])
 
 
@@ -248,7 +241,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             "thesis",
             f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
-            lambda c=curvature: float(goodwin(c / 1e3, 20.0)),
+            lambda c=curvature: float(goodwin.peak_at_force(c / 1e3, 20.0)),
             peak,
             6e-4,
             "1",
@@ -265,7 +258,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             "thesis",
             f"3.6: relative contact radius, curvature {curvature:g} 1/m",
-            lambda c=curvature: float(goodwin_radius(c / 1e3)),
+            lambda c=curvature: float(goodwin.contact_radius(c / 1e3)),
             radius,
             6e-4,
             "1",
@@ -276,7 +269,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             "thesis",
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
-            lambda f=force: float(goodwin(0.0, f) / goodwin(0.0, 20.0)),
+            lambda f=force: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
             expected,
             6e-4,
             "1",
@@ -288,11 +281,16 @@ def _goodwin() -> Iterator[Case]:
 
 def _readings() -> Iterator[Case]:
     for name, expected, tolerance, measure in (
-        ("at fixed depth", 0.295, 6e-4, lambda: goodwin_at_depth(0.0)),
-        ("with 15 mm for the diameter", 0.295, 6e-4, lambda: goodwin(0.0, 20.0, finger=7.5)),
+        ("at fixed depth", 0.295, 6e-4, lambda: goodwin.peak_at_depth(0.0)),
+        (
+            "with 15 mm for the diameter",
+            0.295,
+            6e-4,
+            lambda: goodwin.peak_at_force(0.0, 20.0, finger=7.5),
+        ),
         (
             "relative to a sphere of 340 1/m",
-            *(0.2995, 6e-5, lambda: goodwin(0.0, 20.0, reference=(0.34, 20.0))),
+            *(0.2995, 6e-5, lambda: goodwin.peak_at_force(0.0, 20.0, reference=(0.34, 20.0))),
         ),
     ):
         yield Case(
@@ -344,7 +342,7 @@ def _others() -> Iterator[Case]:
         "thesis",
         "3.1: torsional friction of a Hertz contact, over its integral",
         lambda: float(
-            torsional_friction(0.5, hertz.force, hertz.contact_radius)
+            goodwin.torsional_friction(0.5, hertz.force, hertz.contact_radius)
             / torque_by_quadrature(0.5, hertz)
         ),
         1.0,

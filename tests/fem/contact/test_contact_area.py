@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy.spatial import Delaunay
 
 from fefinger.fem.contact import contact_area as areas
@@ -11,7 +12,6 @@ from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.rim_fit import fit_rims
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.linalg.system import factor
 from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Profile
 

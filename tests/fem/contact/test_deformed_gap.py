@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy.linalg import expm, logm
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import candidates, patch
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
