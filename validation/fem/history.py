@@ -16,7 +16,8 @@ from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 from numpy.typing import NDArray
 
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic
 from fefinger.scene.library import pawluk_relaxation
 from fefinger.theory.contact import indentation

@@ -1,8 +1,8 @@
-"""Compiled contact step of a condensed viscoelastic body, for real time.
+"""Compiled contact step of a linear viscoelastic body, for whole motions and for real time.
 
-The same mathematics as `viscoelastic.march`: p = g y + h with y the elastic pressure, and h
-and F h from one recursion per Prony term, so that the history needs no product with F. A factor
-t on the elastic pressure (the thesis's modulus t(u) over a constant one) enters as y = t q.
+p = g y + h as in `viscoelastic.py`, with y the elastic pressure, and h and F h from one recursion
+per Prony term, so that the history needs no product with F. A factor t on the elastic pressure (the
+thesis's modulus t(u) over a constant one) enters as y = t q.
 """
 
 from collections.abc import Callable
@@ -304,7 +304,10 @@ def march(
     prescribed: Prescribed,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:
-    """Compute the contact history of a body at rest, as `viscoelastic.march`, compiled.
+    """Compute the contact history of a body at rest before `prescribed.time[0]`.
+
+    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and travel (n,) mm² are those of the patch, for
+    the relaxed body; the first value of `prescribed` is reached by a jump.
 
     Raises
     ------

@@ -3,17 +3,15 @@
 With one relaxation function for the body, u(t) follows the elastic pressure q, of which the
 contact pressure is the hereditary integral p = integral of G(t - s) dq(s). Over a step in which q
 is linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
-Depth control solves q's complementarity problem, force control finds the depth as well.
+`step_compiled.py` marches through time; under force control the depth is part of the solution.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.spaces import Array
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
@@ -74,49 +72,6 @@ class Prescribed:
     control: str
     time: Array
     value: Array
-
-
-@one_thread
-def march(
-    flexibility: Array,
-    gap: Array,
-    travel: Array,
-    relaxation: Relaxation,
-    prescribed: Prescribed,
-    progress: Callable[[float], None] = lambda fraction: None,
-) -> History:
-    """Compute the contact history of a body at rest before `prescribed.time[0]`.
-
-    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and travel (n,) mm² are those of the patch, for
-    the relaxed body; the first value of `prescribed` is reached by a jump.
-
-    Raises
-    ------
-    ConvergenceError
-        If the contact or the depth under force control does not converge.
-    """
-    solver = Complementarity(flexibility)
-    time, value = prescribed.time, prescribed.value
-    peak = float(value.max(initial=0.0))
-    depths, pressures, elastics = [], [], []
-    depth = 0.0
-    solved = 0
-    for k, target in enumerate(value):
-        step = float(time[k] - time[k - 1]) if k else 0.0
-        g, past = relaxation.history(step)
-        free = gap - flexibility @ past / g
-        if prescribed.control == "depth":
-            depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
-        else:
-            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth, peak)
-        elastic = (pressure - past) / g
-        relaxation.advance(step, elastic)
-        depths.append(depth)
-        pressures.append(pressure)
-        elastics.append(elastic)
-        solved += count
-        progress((k + 1) / len(value))
-    return History(np.array(depths), np.array(pressures), np.array(elastics), solved)
 
 
 def depth_at(

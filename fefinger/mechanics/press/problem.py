@@ -7,7 +7,6 @@ from typing import Any, Self
 
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
@@ -46,13 +45,12 @@ class Method:
     """How a mechanics builds a body and solves it.
 
     body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
-    reduce and march as in `fem.body` and `fem.contact.viscoelastic`; unknowns(body, loads) gives
-    the displacement under loads on the pad; touch(indenter) where the mesh is fine.
+    reduce as in `fem.body`; unknowns(body, loads) gives the displacement under loads on the pad;
+    touch(indenter) where the mesh is fine.
     """
 
     body: Callable[..., Any]
     reduce: Callable[..., Reduced]
-    march: Callable[..., History]
     unknowns: Callable[[Any, Array], Array]
     touch: Callable[[Indenter], float | tuple[float, float] | None]
 

@@ -1,11 +1,12 @@
-"""Compiled contact and its steps, against the solver and the march that they repeat."""
+"""Compiled contact and its steps, against a solver with factors and a plain loop over it."""
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.march import march
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
