@@ -36,7 +36,7 @@ from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
+from fefinger.scene.indenters import Flat
 
 
 Array = NDArray[np.float64]

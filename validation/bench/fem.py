@@ -26,7 +26,7 @@ from fefinger.mechanics.press import constitutive, hard_parts, placement
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD
+from fefinger.scene.indenters import STANDARD
 
 
 RESOLUTION, REPEATS = "standard", 3

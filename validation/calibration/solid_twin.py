@@ -21,7 +21,7 @@ from fefinger.calibration.slow_press import PLATE
 from fefinger.mechanics import solid
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import RampHold
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 

@@ -27,7 +27,7 @@ from fefinger.mechanics import solid
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import RampHold
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 

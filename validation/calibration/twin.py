@@ -20,7 +20,7 @@ from fefinger.calibration.record import Calibration
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import Ramp, RampSinusoid
+from fefinger.scene.motions import Ramp, RampSinusoid
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 

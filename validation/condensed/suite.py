@@ -20,9 +20,11 @@ from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.library import pawluk_relaxation
-from fefinger.scene.motion import ForceTrapezoid, Motion, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceTrapezoid, RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -17,8 +17,9 @@ from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.table import SOLID_COST
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Bar, Flat, Indenter, Sphere
-from fefinger.scene.motion import RampHold
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Bar, Flat, Sphere
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 

@@ -28,8 +28,8 @@ from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
 from fefinger.mesh.store import ready
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Sphere
-from fefinger.scene.motion import ForceRampHold, Ramp
+from fefinger.scene.indenters import Sphere
+from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.theory.relaxation import Prony
 
 

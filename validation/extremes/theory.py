@@ -12,7 +12,7 @@ from fefinger.validation.extremes.trial import ANSWERED, REFUSED, THEORY, Findin
 from fefinger.validation.oracles.impedance import impedance
 from fefinger.validation.oracles.sphere import Sphere
 
-from fefinger.scene.motion import Sinusoid
+from fefinger.scene.motions import Sinusoid
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.hertz import Hertz

@@ -22,8 +22,9 @@ from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Motion, Ramp, Sampled
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import Ramp, Sampled
 
 
 DEPTH, REACH = 0.4, 0.5  # mm

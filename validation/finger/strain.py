@@ -21,7 +21,8 @@ from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import ready
 from fefinger.scene import builtin
-from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
 
 
 Array = NDArray[np.float64]

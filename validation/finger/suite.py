@@ -26,8 +26,8 @@ from fefinger.mesh.store import ready
 from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.finger import RIGID
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 

@@ -14,7 +14,7 @@ from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.scene.motion import Trapezoid
+from fefinger.scene.motions import Trapezoid
 
 
 SPEEDS = (2.0, 8.0, 32.0)

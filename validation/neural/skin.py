@@ -16,8 +16,10 @@ from fefinger.mechanics import get
 from fefinger.neural.maps import rate_profile
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.scene.motion import ForceRampHold, Motion, RampHold
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceRampHold, RampHold
 from fefinger.scene.population import Line
 from fefinger.scene.scene import Scene
 

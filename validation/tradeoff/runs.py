@@ -28,8 +28,8 @@ from fefinger.mesh.store import ready
 from fefinger.results import pressure as pressures
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved

@@ -19,8 +19,8 @@ from fefinger.mechanics.evidence.tradeoff import REPORT, STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import RESOLUTIONS, Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.support.text import percent
 
 

@@ -39,7 +39,8 @@ from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages

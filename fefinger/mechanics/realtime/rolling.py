@@ -25,7 +25,8 @@ from fefinger.mechanics.press import operator, placement, problem
 from fefinger.mechanics.realtime.condensed import Step
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 

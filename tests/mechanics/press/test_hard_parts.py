@@ -23,8 +23,8 @@ from fefinger.results.records import Response
 from fefinger.scene import builtin
 from fefinger.scene.ask import SOLVERS
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.checks import InputError
