@@ -94,6 +94,7 @@ def depth_at(
         return first_touch, np.zeros(len(free)), 0
     close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
     low, high = first_touch, np.inf
+    # A little beyond first touch, where there is a contact whose slope Newton can follow.
     depth = max(guess, first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for count in range(1, CORRECTIONS + 1):
         pressure = g * solver.solve(free - depth * travel)

@@ -241,6 +241,7 @@ def _halved(
         ordered = local[order].ravel()
         place = np.repeat(np.arange(len(cells)), local.shape[1])
         first, last = np.empty_like(members), np.empty_like(members)
+        # Of repeated indices numpy keeps the last value: in reverse, that is the first place.
         first[ordered[::-1]] = place[::-1]
         last[ordered] = place
         real = members >= 0
@@ -290,6 +291,7 @@ def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
         lower[b, a] = left[: n - split]
         right = columns[split:, b]
         if split < n:
+            # The pressures have the block -C: minus its Schur complement is positive definite.
             right = left @ lower[b, a].T - right
             lower[b, b] = _cholesky(right[: n - split])
     except LinAlgError as error:
@@ -309,6 +311,7 @@ def _schur(rest: Floats, below: Array, split: int) -> Floats:
     if split > 0:
         rest = dsyrk(-1.0, below[:, :split], beta=1.0, c=rest, lower=1, overwrite_c=1)
     if split < below.shape[1]:
+        # D is -1 on the pressures, so that their part is added.
         rest = dsyrk(1.0, below[:, split:], beta=1.0, c=rest, lower=1, overwrite_c=1)
     return rest
 

@@ -286,6 +286,7 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
     from scipy.optimize import least_squares, nnls
 
     def basis(log_rates: Array) -> Array:
+        # exp(-inf) = 0: the constant is the exponential that never decays.
         rates = np.exp(np.append(-np.inf, log_rates))
         return np.exp(-np.multiply.outer(t, rates))
 
@@ -295,6 +296,7 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
 
     rates = np.log(np.geomspace(FASTEST, 4.0 / seconds, terms))
     amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
+    # NNLS leaves some amplitudes at 0, which have no logarithm to start from.
     start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
     return least_squares(residual, start, x_scale="jac", max_nfev=EVALUATIONS)
 
