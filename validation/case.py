@@ -30,7 +30,6 @@ class Case:
     it is missed; reason: why this tolerance.
     """
 
-    suite: str
     name: str
     measure: Callable[[], float | Told]
     expected: float

@@ -52,7 +52,7 @@ def test_names_are_distinct(outcomes):
     ],
 )
 def test_a_verdict_is_about_ours_first(value, printed, verdict):
-    case = case_module.Case("s", "n", lambda: value, 1.0, 0.1, "N", "", printed)
+    case = case_module.Case("n", lambda: value, 1.0, 0.1, "N", "", printed)
     assert case_module.Outcome(case, value).verdict == verdict
     moved = dataclasses.replace(case, expected=2.0)
     assert case_module.Outcome(moved, value).verdict == "fail"

@@ -53,7 +53,6 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     """Yield the cases of a shipped subject."""
     yield from _force(subject)
     yield Case(
-        "calibration",
         f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
         partial(levers.oracle, subject),
         0.0,
@@ -63,7 +62,6 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         reason="half a unit of the last printed digit of m and b is 1 to 5 %",
     )
     yield Case(
-        "calibration",
         f"{subject}: shipped tissue set against the report",
         partial(shipped, subject),
         0.0,
@@ -73,7 +71,6 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         reason="rounded to the digits that are shipped",
     )
     yield Case(
-        "calibration",
         f"{subject}: force of a press on the standard mesh, from a third of its depth on",
         partial(on_standard, subject),
         0.0,
@@ -90,7 +87,6 @@ def _force(subject: str) -> Iterator[Case]:
     calibration, bulk = calibrated(subject), library.pawluk_bulk()[subject]
     sd, _ = line_sd(targets.subject(subject))
     yield Case(
-        "calibration",
         f"{subject}: m of stiffness against force of the calibrated finger",
         lambda: calibration.residuals["m"],
         bulk.m,
@@ -102,7 +98,6 @@ def _force(subject: str) -> Iterator[Case]:
     for frequency in FREQUENCIES:
         for what, limit in PRINTED.items():
             yield Case(
-                "calibration",
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
                 partial(_predicted, subject, f"{frequency} Hz", what),
                 0.0,
@@ -117,7 +112,6 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     row, calibration = pad.printed(subject), calibrated(subject)
     kept_curve = "the report, whose curves are between presses"
     yield Case(
-        "calibration",
         f"{subject}: a new press of the calibrated finger, coarse mesh",
         partial(again, subject),
         0.0,
@@ -127,7 +121,6 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         reason="exponents and radii between those of the presses, and a mesh of its own",
     )
     yield Case(
-        "calibration",
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
         calibration.residuals["b"],
@@ -139,7 +132,6 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         reason="three standard deviations that VAF_k leaves over these forces",
     )
     yield Case(
-        "calibration",
         f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
         partial(radius_again, subject),
         calibration.residuals["array radius"],
@@ -152,7 +144,6 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     )
     profile = rows()[subject]["profiles"][MIDDLE]
     yield Case(
-        "calibration",
         f"{subject}: width of the pressure of a new press at {profile['force_N']:.2g} N over that "
         "of Table 3.2",
         partial(width_again, subject, profile),

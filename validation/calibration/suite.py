@@ -86,7 +86,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield twins, predictions, the array and the shipped sets."""
     yield from _twins(FEW if quick else SEEDS)
     yield Case(
-        "calibration",
         "order of the remainder with the Jacobian of the fit",
         order,
         2.0,
@@ -98,7 +97,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _other_mesh(SEEDS)
         yield from _of_solid(SEEDS)
         yield Case(
-            "calibration",
             "a.h.: force between exponents, one press of four left out",
             partial(left_out, "a.h."),
             0.0,
@@ -108,7 +106,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="twice as far apart as the presses that are used",
         )
         yield Case(
-            "calibration",
             "a.h.: ramp and hold of solid with the shipped set, off the prediction",
             partial(relaxing, "a.h."),
             0.0,
@@ -124,7 +121,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _twins(seeds: int) -> Iterator[Case]:
     for name in twin.TRUTH:
         yield Case(
-            "calibration",
             f"twin: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(twin.recovered, name, seeds),
             seeds,
@@ -135,7 +131,6 @@ def _twins(seeds: int) -> Iterator[Case]:
         )
     for what, limit in PRINTED.items():
         yield Case(
-            "calibration",
             f"twin: {what} error of sinusoids of 2 to 16 Hz, which were not fitted",
             partial(twin.worst_sinusoid, what),
             0.0,
@@ -151,7 +146,6 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
     mesh, other = twin.STANDARD, "twin of the standard mesh, calibrated on the coarse"
     for name in twin.TRUTH:
         yield Case(
-            "calibration",
             f"{other}: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(twin.recovered, name, seeds, mesh),
             seeds,
@@ -162,7 +156,6 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
         )
     for name in ("pad_radius", "t_b", "t_m"):
         yield Case(
-            "calibration",
             f"{other}: {name} over the true one less 1, mean of {seeds} seeds",
             partial(twin.missed, name, seeds, mesh),
             0.0,
@@ -177,7 +170,6 @@ def _of_solid(seeds: int) -> Iterator[Case]:
     """Yield the twin that relaxes in its elements, which is calibrated through `solid`."""
     for name in solid_twin.TISSUE:
         yield Case(
-            "calibration",
             f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(solid_twin.recovered, name, seeds),
             seeds,
@@ -187,7 +179,6 @@ def _of_solid(seeds: int) -> Iterator[Case]:
             reason="two standard deviations hold 95 %, so one of ten may be outside",
         )
     yield Case(
-        "calibration",
         f"twin of solid: seeds of {seeds} in which the weights of G are within theirs, the least",
         partial(solid_twin.weights, seeds),
         solid_twin.WITHIN,
@@ -200,7 +191,6 @@ def _of_solid(seeds: int) -> Iterator[Case]:
     )
     for name in solid_twin.TRUTH:
         yield Case(
-            "calibration",
             f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds",
             partial(solid_twin.missed, name, seeds),
             0.0,

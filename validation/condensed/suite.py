@@ -272,7 +272,7 @@ def _agreement(resolution: str) -> Iterator[Case]:
         for quantity in (*controlled, "force", "pressure", "strain"):
             title = f"{quantity} in every step, {name}"
             measure = partial(difference, resolution, name, quantity)
-            yield Case("condensed", title, measure, 0.0, 1e-10, "1", "linear on the same mesh")
+            yield Case(title, measure, 0.0, 1e-10, "1", "linear on the same mesh")
 
 
 def _theory(*, quick: bool) -> Iterator[Case]:
@@ -283,17 +283,16 @@ def _theory(*, quick: bool) -> Iterator[Case]:
             for part in ("loading", "unloading"):
                 name = f"half-space, {part}, nu {nu:g}, a / h = {cells}"
                 error = partial(hertz_error, nu, cells, part)
-                yield Case("condensed", name, error, 0.0, limit, "%", source, reason=reason)
+                yield Case(name, error, 0.0, limit, "%", source, reason=reason)
     for nu in (0.3, 0.49):
         name = f"bonded layer as thick as the contact radius, nu {nu:g}"
         error, exact = partial(layer_error, nu, 6), "exact layer, theory/indentation"
-        yield Case("condensed", name, error, 0.0, 0.2, "%", exact, reason="the mesh")
+        yield Case(name, error, 0.0, 0.2, "%", exact, reason="the mesh")
 
 
 def _trades() -> Iterator[Case]:
     steps, source = f"over {STEPS} steps, whole finger", "the standard mesh, a tolerance of 1e-10"
     yield Case(
-        "condensed",
         f"force on the coarse mesh {steps}",
         lambda: traded(stepped("coarse", tilt=10.0)),
         0.0,
@@ -305,7 +304,6 @@ def _trades() -> Iterator[Case]:
     for tolerance in (1e-6, 1e-4):
         rough = partial(Condensed, finger("standard"), Flat(30, 10.0), deepest=1.5)
         yield Case(
-            "condensed",
             f"force with a contact tolerance of {tolerance:g} {steps}",
             lambda rough=rough, tolerance=tolerance: traded(rough(tolerance=tolerance)),
             0.0,
@@ -319,7 +317,6 @@ def _trades() -> Iterator[Case]:
 def _physics(resolution: str) -> Iterator[Case]:
     steps = f"over {STEPS} steps, whole finger"
     yield Case(
-        "condensed",
         f"lowest pressure {steps}",
         lambda: swept(resolution)[0],
         0.0,
@@ -328,7 +325,6 @@ def _physics(resolution: str) -> Iterator[Case]:
         "no adhesion",
     )
     yield Case(
-        "condensed",
         f"deepest penetration {steps}, over the largest gap",
         lambda: swept(resolution)[1],
         0.0,
@@ -337,7 +333,6 @@ def _physics(resolution: str) -> Iterator[Case]:
         "the weighted gaps of the contact conditions",
     )
     yield Case(
-        "condensed",
         f"difference of two runs {steps}",
         lambda: swept(resolution)[2],
         0.0,
@@ -347,7 +342,6 @@ def _physics(resolution: str) -> Iterator[Case]:
     )
     for name, prony in (("elastic", ELASTIC), ("relaxing", None)):
         yield Case(
-            "condensed",
             f"work that the energy does not account for, {name}",
             partial(work, "coarse", prony),
             0.0,
@@ -358,7 +352,6 @@ def _physics(resolution: str) -> Iterator[Case]:
         )
     counts = f"{TRAJECTORIES} random trajectories of {LENGTH} steps"
     yield Case(
-        "condensed",
         f"failed steps in {counts}",
         lambda: chance("coarse")[0],
         0.0,
@@ -367,7 +360,6 @@ def _physics(resolution: str) -> Iterator[Case]:
         "a solution exists for every depth",
     )
     yield Case(
-        "condensed",
         f"mean rounds of exchange per step, {counts}",
         lambda: chance("coarse")[1],
         0.0,
@@ -377,7 +369,6 @@ def _physics(resolution: str) -> Iterator[Case]:
         reason="jumps of any size; the limit is 500 in one step",
     )
     yield Case(
-        "condensed",
         f"most rounds of exchange in a step, {counts}",
         lambda: chance("coarse")[2],
         0.0,

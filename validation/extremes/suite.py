@@ -59,7 +59,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield one case per trial."""
     for trial in trials(quick=quick):
         yield Case(
-            "extremes",
             f"{trial.group}, {trial.edge}: {trial.name}",
             partial(_measured, trial),
             0.0,

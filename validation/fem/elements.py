@@ -183,12 +183,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for nu in (0.49,) if quick else RATIOS:
         patch = f"patch test, nu {nu:g}: strain in shaken cells"
         linear = "a linear displacement"
-        yield Case(
-            "fem", patch, lambda n=nu: patch_error(n), 0.0, 1e-9, "1", linear, reason="rounding"
-        )
+        yield Case(patch, lambda n=nu: patch_error(n), 0.0, 1e-9, "1", linear, reason="rounding")
         for name, (expected, spread, limit) in MEASURES.items():
             yield Case(
-                "fem",
                 f"manufactured, nu {nu:g}: order of {name}",
                 lambda q=name, n=nu: order(q, n),
                 expected,
@@ -198,7 +195,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 reason="fitted over 4, 6 and 9 boxes along an edge",
             )
             yield Case(
-                "fem",
                 f"manufactured, nu {nu:g}: {name} on 9³ boxes",
                 lambda q=name, n=nu: errors(n, CELLS[-1])[q],
                 0.0,
@@ -213,7 +209,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _stability(cells: int) -> Iterator[Case]:
     why = "Boffi, Brezzi and Fortin 2013, 8.8: bounded from below"
     yield Case(
-        "fem",
         f"inf-sup constant on {cells}³ boxes over that on {cells - 1}³, Taylor-Hood",
         lambda: inf_sup(OURS, cells) / inf_sup(OURS, cells - 1),
         1.0,
@@ -223,7 +218,6 @@ def _stability(cells: int) -> Iterator[Case]:
         reason="does not fall with the mesh",
     )
     yield Case(
-        "fem",
         f"inf-sup constant on {cells}³ boxes, P1-P1, which is unstable",
         lambda: inf_sup(UNSTABLE, cells),
         0.0,

@@ -226,7 +226,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         limits, source = LIMITS[name]
         for quantity, limit in limits.items():
             yield Case(
-                "fem",
                 f"{name}: {quantity}",
                 lambda n=name, q=quantity: solved(n).errors[q],
                 0.0,

@@ -192,7 +192,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _errors(nu: float, level: int) -> Iterator[Case]:
     for name, (limit, meaning) in TARGETS.items():
         yield Case(
-            "fem",
             f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}",
             lambda n=name: errors(nu, level)[n],
             0.0,
@@ -202,7 +201,6 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
             reason=meaning,
         )
     yield Case(
-        "fem",
         f"Hertz, nu {nu:g}: displacement nodes of that mesh",
         lambda: errors(nu, level)["nodes"],
         0.0,
@@ -215,7 +213,6 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
 
 def _balance(nu: float, level: int) -> Iterator[Case]:
     yield Case(
-        "fem",
         f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: force and reactions, over the force",
         lambda: errors(nu, level)["imbalance"],
         0.0,
@@ -229,7 +226,6 @@ def _balance(nu: float, level: int) -> Iterator[Case]:
 def _orders(nu: float) -> Iterator[Case]:
     for name, (expected, spread, reason) in ORDERS.items():
         yield Case(
-            "fem",
             f"Hertz, nu {nu:g}: order of {name}",
             lambda n=name: order(n, nu),
             expected,

@@ -220,7 +220,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield _case("depth in creep under a held force", creep_error, 1.0, "%", CREEP, MESH)
     for name in () if quick else UNLOADED:
         yield Case(
-            "fem",
             f"bonded layer, {name}: order in the time step",
             lambda n=name: step_order(n),
             2.0,
@@ -256,4 +255,4 @@ def _case(
     source: str,
     reason: str = MESH,
 ) -> Case:
-    return Case("fem", f"bonded layer, {name}", measure, 0.0, limit, unit, source, reason=reason)
+    return Case(f"bonded layer, {name}", measure, 0.0, limit, unit, source, reason=reason)

@@ -154,7 +154,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason = "equilibrium is solved to 1e-7"
             for quantity, error in (("force", force_error), ("width", width_error)):
                 yield Case(
-                    "fem",
                     f"finite strain: {quantity} error, {what}",
                     partial(error, name, nu),
                     0.0,
@@ -171,7 +170,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _time_cases() -> Iterator[Case]:
     source = "stretch times the hereditary integral of P_e / stretch"
     yield Case(
-        "fem",
         "finite strain: relaxing cube, 16 steps of a ramp",
         partial(relaxation_error, 16),
         0.0,
@@ -181,7 +179,6 @@ def _time_cases() -> Iterator[Case]:
         reason="error of the steps, the fastest term being 4 ms",
     )
     yield Case(
-        "fem",
         "finite strain: order in the step of the relaxing cube",
         order_in_time,
         2.0,
@@ -191,7 +188,6 @@ def _time_cases() -> Iterator[Case]:
         reason="the stress is linear over a step",
     )
     yield Case(
-        "fem",
         "finite strain: work lost in three cycles over work stored",
         cycle_work,
         1.0,
@@ -205,7 +201,6 @@ def _time_cases() -> Iterator[Case]:
 def _hemisphere_cases() -> Iterator[Case]:
     for size in (COARSE, FINE):
         yield Case(
-            "fem",
             f"hemisphere at 1.5 mm, nu 0.49, cells of {size:g} mm",
             partial(hemisphere_force, size, 0.49),
             1.625,
@@ -215,7 +210,6 @@ def _hemisphere_cases() -> Iterator[Case]:
             reason="its converged force lies between 1.62 and 1.63 N; ours has 0.3 % of mesh error",
         )
     yield Case(
-        "fem",
         "hemisphere: force at nu 0.499 over that at nu 0.49",
         lambda: hemisphere_force(FINE, 0.499) / hemisphere_force(FINE, 0.49),
         (1 - 0.49**2) / (1 - 0.499**2),
@@ -229,7 +223,6 @@ def _hemisphere_cases() -> Iterator[Case]:
         ("after 5 s", -1, 0.432, 0.003),
     ):
         yield Case(
-            "fem",
             f"relaxing hemisphere, 60 mm/s to 1.5 mm: {what}",
             partial(_force_at, step),
             printed,

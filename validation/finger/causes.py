@@ -54,7 +54,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield freshness, the signs of the causes, mesh error and what one G leaves unexplained."""
 
     def case(name: str, measure: object, expected: float, tolerance: float, source: str) -> Case:
-        return Case("finger", name, measure, expected, tolerance, "1", source)
+        return Case(name, measure, expected, tolerance, "1", source)
 
     for model in ("hertz", "bone", "layered"):
         yield case(

@@ -63,7 +63,6 @@ def cases() -> Iterator[Case]:
     """Yield the cases on mesh dependence of the strain at the end organs."""
     for name, limit in zip(INDENTERS, (1.5, 3.0), strict=True):
         yield Case(
-            "finger",
             f"{name}: strain at the end organs, coarse against standard mesh, RMS",
             partial(apart, name),
             0.0,

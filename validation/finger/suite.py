@@ -139,7 +139,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     resolution = QUICK if quick else STANDARD
     statics = "equilibrium of the body"
     yield Case(
-        "finger",
         "contact force against reactions",
         lambda: balance(resolution)[0],
         0.0,
@@ -148,7 +147,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         statics,
     )
     yield Case(
-        "finger",
         "tangential reaction over the force",
         lambda: balance(resolution)[1],
         0.0,
@@ -157,7 +155,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         statics,
     )
     yield Case(
-        "finger",
         "an elastic bone of 17 GPa held at its cut: change of the force",
         lambda: 100 * yielding(resolution),
         0.0,
@@ -167,7 +164,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         reason="it bends; what the rigid bone of every scene leaves out",
     )
     yield Case(
-        "finger",
         "a nail of 2 GPa that floats on its bed: change of the force",
         lambda: 100 * yielding(resolution, RIGID, NAIL),
         0.0,
@@ -177,7 +173,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         reason="it moves as one piece, and stiffens the skin under it",
     )
     yield Case(
-        "finger",
         "an elastic bone: contact force against reactions, moduli 5e5 apart",
         lambda: balance(resolution, BONE_TISSUE)[0],
         0.0,
@@ -185,11 +180,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
         "1",
         statics,
     )
+    yield Case("lowest pressure", lambda: pull(resolution), 0.0, 0.0, "kPa", "no adhesion")
     yield Case(
-        "finger", "lowest pressure", lambda: pull(resolution), 0.0, 0.0, "kPa", "no adhesion"
-    )
-    yield Case(
-        "finger",
         "forces at tilts of 10 and -10 degrees",
         lambda: mirror(resolution),
         0.0,
@@ -200,7 +192,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from causes.cases(quick=quick)
     if not quick:
         yield Case(
-            "finger",
             "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms",
             lambda: 100 * peak(QUICK),
             0.0,
@@ -213,7 +204,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from strain.cases()
         for mechanics, kind in product((linear.name, solid.name), KINDS):
             yield Case(
-                "finger",
                 f"{mechanics}: spikes of {kind} in flat-press, half the time step",
                 lambda m=mechanics, k=kind: spikes(m, 2)[k],
                 spikes(mechanics, 1)[kind],

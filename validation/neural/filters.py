@@ -144,7 +144,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for kind, frequencies in PHASED.items():
         for frequency in frequencies:
             yield Case(
-                "neural",
                 f"4.3.4: phase of {kind} at {frequency:g} Hz",
                 partial(phase, kind, frequency),
                 closed_phase(kind, frequency),
@@ -214,7 +213,6 @@ def _forces() -> Iterator[Case]:
     for kind in ("SAI", "FAI"):
         organ = PoleZero(END_ORGANS[kind].zeros, END_ORGANS[kind].poles, 0.5)
         yield Case(
-            "neural",
             f"4.4.1: serial {kind} model: response to a step of force after 10 s, over the first",
             partial(held, under_force(organ, nerve=1.0, parallel=0.0), 10.0),
             1.0,
@@ -232,7 +230,6 @@ def _forces() -> Iterator[Case]:
         "a hundredth of the first response",
     )
     yield Case(
-        "neural",
         "4.4.1: SA chain with a parallel spring: response to a step of force after 60 s",
         partial(held, chain.force_filter(1.0), 60.0),
         1.0 / 7.0,
@@ -262,7 +259,6 @@ def _ratios() -> Iterator[Case]:
     )
     for nerve, exact in ((1.0, 1.5), (20.0, 1.025)):
         yield Case(
-            "neural",
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
             partial(printed_share, nerve),
             exact,

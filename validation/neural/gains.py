@@ -123,7 +123,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             continue
         defining = "fires on in the hold" if threshold.sustained else "gives one impulse"
         yield Case(
-            "neural",
             f"gain of {kind}: at 4 mm/s to {1e3 * threshold.displacement:g} um it just {defining}",
             partial(threshold_gain, kind, digits=1e-4),
             GAINS[kind],
@@ -143,7 +142,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         )
     for (kind, depth), (ours, edge) in OUTSIDE.items():
         yield Case(
-            "neural",
             f"gains: {kind} in a hold of {depth:g} mm",
             partial(hold_rate, kind, depth),
             ours,
@@ -170,7 +168,6 @@ def _thresholds() -> Iterator[Case]:
     best = "gains: frequency of the lowest threshold of"
     yield claim(f"{best} FAI", partial(best_tone, "FAI"), BEST["FAI"], "Hz", source, reason)
     yield Case(
-        "neural",
         f"{best} FAII",
         partial(best_tone, "FAII"),
         tones("FAII")[-1],

@@ -133,7 +133,6 @@ def _bisect(fires: Callable[[float], bool], low: float, high: float, digits: flo
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the action potential, thresholds and rates, and the errors of the integrators."""
     yield Case(
-        "neural",
         "peak after 1 ms of 20 uA/cm²",
         peak,
         105.5,
@@ -145,7 +144,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for divisor, table in RATES.items():
         kind = "rates / 6" if divisor == SLOWED else "standard"
         yield Case(
-            "neural",
             f"onset of repetitive firing, {kind}",
             partial(onset, divisor),
             ONSETS[divisor],
@@ -157,7 +155,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         for current, expected in table.items():
             if not quick or current == 20:
                 yield Case(
-                    "neural",
                     f"rate at {current} uA/cm², {kind}",
                     partial(rate, divisor, current),
                     expected,
@@ -181,7 +178,6 @@ def _protocols() -> Iterator[Case]:
             ("peaks fail 40 mV above", block, BLOCKS[divisor], 0.15, "bisection"),
         ):
             yield Case(
-                "neural",
                 f"{name}, {kind}",
                 partial(measure, divisor),
                 expected,
@@ -192,7 +188,6 @@ def _protocols() -> Iterator[Case]:
             )
 
     yield Case(
-        "neural",
         "hysteresis: first impulse on a ramp of 200 uA/cm²/s, standard",
         partial(rising, 200.0),
         14.05889,
@@ -202,7 +197,6 @@ def _protocols() -> Iterator[Case]:
         reason="time step; slower than 40 uA/cm²/s, rounding decides the moment",
     )
     yield Case(
-        "neural",
         "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
         lambda: float(9.775 < rising(2.0) < 16),
         1.0,
@@ -212,7 +206,6 @@ def _protocols() -> Iterator[Case]:
         reason="none",
     )
     yield Case(
-        "neural",
         "accommodation: first impulse on a ramp of 20 uA/cm²/s to 16 (16: none), standard",
         partial(rising, 20.0),
         16.0,
@@ -226,7 +219,6 @@ def _protocols() -> Iterator[Case]:
 def _ratios() -> Iterator[Case]:
     for current in (7, 100):
         yield Case(
-            "neural",
             f"4.3.2: rate at {current} uA/cm², standard over rates / 6",
             lambda current=current: rate(STANDARD, current) / rate(SLOWED, current),
             RATES[STANDARD][current] / RATES[SLOWED][current],
@@ -242,7 +234,6 @@ def _ratios() -> Iterator[Case]:
         )
     for current in (10, 20, 50, 100):
         yield Case(
-            "neural",
             f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
             partial(cheap, float(current)),
             1.0,
@@ -256,7 +247,6 @@ def _ratios() -> Iterator[Case]:
 def _integrators() -> Iterator[Case]:
     for method, dt, worst in (("splitting", 2.4e-5, 0.12), ("runge-kutta", 5e-5, 5e-5)):
         yield Case(
-            "neural",
             f"{method} at {1e6 * dt:g} us: worst error of a spike time",
             lambda method=method, dt=dt: spike_times(method, dt)[0],
             worst / 2,
@@ -266,7 +256,6 @@ def _integrators() -> Iterator[Case]:
             reason="what the tolerance of the integrator promises",
         )
         yield Case(
-            "neural",
             f"{method} at {1e6 * dt:g} us: units with another spike count",
             lambda method=method, dt=dt: float(spike_times(method, dt)[1]),
             0.0,

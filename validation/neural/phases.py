@@ -46,7 +46,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the claims."""
     for what, expected in TRACE.items():
         yield Case(
-            "neural",
             f"4.2.2, Fig. 4-3: spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz: {what}",
             partial(trace, what),
             expected,
@@ -87,7 +86,6 @@ def _phases() -> Iterator[Case]:
             "more than half, but not all",
         )
     yield Case(
-        "neural",
         "4.2.2: second derivative, 6.3 C: responds more in the retraction at 1 Hz too (1: yes)",
         lambda: float(retracting(SECOND, STANDARD, 1.0, IN_RANGE) > 0.5),
         0.0,
@@ -111,7 +109,6 @@ def _phases() -> Iterator[Case]:
         "more than SAI by two percent of the impulses or more",
     )
     yield Case(
-        "neural",
         "4.3.4: at 2 Hz too SAII responds more in the retraction than SAI (1: yes)",
         lambda: float(_more(2.0) > 0),
         0.0,

@@ -202,7 +202,6 @@ def _slow() -> Iterator[Case]:
         )
     for speed, expected in ((2.0, 4.0), (8.0, 0.0), (32.0, 0.0)):
         yield Case(
-            "neural",
             f"4.3.5: SAII at the default gain, {speed:g} mm/s: impulses in the retraction",
             partial(retracting, "SAII", speed, rule=True, generator="saturating"),
             expected,
@@ -220,7 +219,6 @@ def _slow() -> Iterator[Case]:
         )
     for name, expected in FIRST.items():
         yield Case(
-            "neural",
             f"4.3.5: {name}, 8 mm/s: first impulse",
             partial(first, name, 8.0),
             expected,
@@ -270,7 +268,6 @@ def _fast() -> Iterator[Case]:
     ):
         silent = expected == 0.0
         yield Case(
-            "neural",
             f"4.3.5: {name}, {speed:g} mm/s: impulses on the return to zero",
             partial(returning, name, speed),
             expected,

@@ -245,7 +245,6 @@ def _ranges(*, quick: bool) -> Iterator[Case]:
         )
     for name, expected in RANGES.items():
         yield Case(
-            "neural",
             f"input range of {name}, 0.5 to 512 Hz",
             partial(input_range, name),
             expected,

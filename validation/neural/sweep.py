@@ -207,4 +207,4 @@ def claim(
     """Return the case that a claim makes of a number: it lies between two limits."""
     low, high = limits
     middle, half = (low + high) / 2, (high - low) / 2
-    return Case("neural", name, measure, middle, half, unit, source, reason=reason)
+    return Case(name, measure, middle, half, unit, source, reason=reason)

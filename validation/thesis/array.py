@@ -171,7 +171,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield Figures 3-2 to 3-6, the fit of section 3.4.2 and the numbers of the array."""
     for newtons in FORCES:
         yield Case(
-            "thesis",
             f"Figure 3-4: filtered peak pressure at {newtons:g} N quasi-static, means",
             partial(array_pressure, newtons, 0.0),
             felt_at_center(newtons),
@@ -181,7 +180,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="quadrature of 80 points",
         )
         yield Case(
-            "thesis",
             f"Figure 3-3: mean radius of the 8 kPa isobar at {newtons:g} N, means",
             partial(isobar_radius, newtons),
             isobar_of_hertz(newtons),
@@ -192,7 +190,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         )
     for r in ELEMENTS[1:]:
         yield Case(
-            "thesis",
             f"Figure 3-2: felt {r:g} mm off the center at 2.3 N quasi-static, means",
             partial(array_pressure, 2.3, r),
             felt_on_plane(2.3, r),
@@ -202,7 +199,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="the rim of the contact on the grid",
         )
     yield Case(
-        "thesis",
         "Figure 3-5: largest difference between elements and G after a step",
         unlike_g,
         0.0,
@@ -212,7 +208,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         reason="rounding of the arithmetic",
     )
     yield Case(
-        "thesis",
         "Figure 3-6: first peak of the pressure in the center, means",
         partial(center_peak, "ting"),
         center_peak("integral"),
@@ -233,7 +228,6 @@ def _fit() -> Iterator[Case]:
         ("m", 1.9, "1/mm"),
     ):
         yield Case(
-            "thesis",
             f"Table 3.2: {name.replace('_', ' ')} of a.h. that its own slow press gives back",
             lambda n=name: fitted(0.0)[n],
             expected,
@@ -244,7 +238,6 @@ def _fit() -> Iterator[Case]:
         )
     for name, offset in (("early", TOUCH), ("late", -TOUCH)):
         yield Case(
-            "thesis",
             f"Section 3.4.2: c0 b when touch is found 80 um {name}, over that found right, a.h.",
             lambda o=offset: fitted(o)["c0_b"] / fitted(0.0)["c0_b"],
             found_without_blur(offset) / found_without_blur(0.0),
@@ -291,7 +284,6 @@ def _array() -> Iterator[Case]:
         ),
     ):  # fmt: skip
         yield Case(
-            "thesis",
             name,
             measure,
             expected,

@@ -87,7 +87,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         ):
             force = unit == "N"
             yield Case(
-                "thesis",
                 f"A.3: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
                 lambda n=name, q=quantity, s=1e-3 if force else 1.0: s * getattr(bonded(n), q),
                 expected,
@@ -105,7 +104,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
     for name, expected in (("nominal", 1.144), ("fitted", 1.078)):
         yield Case(
-            "thesis",
             f"A.3: printed force of the ball over that of Hertz, {name}",
             lambda n=name: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)),
             expected,
@@ -120,7 +118,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _fits() -> Iterator[Case]:
     for name, nominal in NOMINAL.items():
         yield Case(
-            "thesis",
             f"A.3: {name} that the fit finds over the true one, cover a half-space",
             lambda n=name: fitted("half-space")[n] / NOMINAL[n],
             1.0,
@@ -136,7 +133,6 @@ def _fits() -> Iterator[Case]:
         )
         expected = direct(name) / nominal
         yield Case(
-            "thesis",
             f"A.3: {name} that the fit finds over the true one, cover bonded",
             lambda n=name: fitted("bonded")[n] / NOMINAL[n],
             expected,

@@ -126,7 +126,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the claims of chapter 2."""
     for subject, expected in HELD.items():
         yield Case(
-            "thesis",
             f"Figure 2-3: force after 5 s of hold over the steady force, {subject}",
             lambda s=subject: float(finger(s)[1].relaxation(5.0)) / finger(s)[1].long_time,
             expected,
@@ -148,7 +147,6 @@ def _stiffness() -> Iterator[Case]:
             (("m", row.m, "1/mm"), ("b", row.b, "N/mm"))
         ):
             yield Case(
-                "thesis",
                 f"Figure 2-5: {name} of dT/dx against T, {subject}",
                 lambda s=subject, i=index: float(line(s)[i]),
                 expected,
@@ -162,7 +160,6 @@ def _stiffness() -> Iterator[Case]:
 def _not_instantaneous() -> Iterator[Case]:
     for subject in ("d.p.", "d.s.", "p.w.", "means"):
         yield Case(
-            "thesis",
             f"2.3: P / T at 60 mm/s, {subject}, 2 mm",
             partial(ratio, subject, 60.0),
             ramp_ratio(subject),
@@ -174,7 +171,6 @@ def _not_instantaneous() -> Iterator[Case]:
             reason="straight lines between the samples",
         )
     yield Case(
-        "thesis",
         "2.4.3: instantaneous over relaxed force, means",
         lambda: 1 / finger("means")[1].long_time,
         3.85,
@@ -188,7 +184,6 @@ def _not_instantaneous() -> Iterator[Case]:
 def _explanations() -> Iterator[Case]:
     for (rate, offset), expected in COARSE.items():
         yield Case(
-            "thesis",
             f"2.4.3: peak to peak about {offset:g} mm by rectangles of {1e3 / rate:g} ms, a.h.",
             partial(rectangles, rate, offset),
             expected,
@@ -201,7 +196,6 @@ def _explanations() -> Iterator[Case]:
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Eq. 2.20: peak to peak about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm, a.h.",
         lambda: vibrated(3.0, 0.28, 16).peak_to_peak / vibrated(1.5, 0.28, 16).peak_to_peak,
         math.exp(3.15),
@@ -214,7 +208,6 @@ def _explanations() -> Iterator[Case]:
     )
     for offset, expected in ((1.5, 0.67), (3.0, 16.0)):
         yield Case(
-            "thesis",
             f"2.4.3: mean force if the wave were 1 - cos on {offset:g} mm, 16 Hz, 0.28 mm, a.h.",
             partial(raised_mean, offset),
             expected,
@@ -227,7 +220,6 @@ def _explanations() -> Iterator[Case]:
         )
     for (offset, sign), expected in ROUNDED.items():
         yield Case(
-            "thesis",
             f"2.4.3: {'least' if sign < 0 else 'largest'} c0 T at {offset:g} mm that two digits of "
             "Table 2.1 allow, a.h.",
             partial(rounded, offset, sign),
@@ -243,7 +235,6 @@ def _ranges() -> Iterator[Case]:
     subjects = tuple(HELD)
     for name, best, corner, steep in (("least", min, 29.1, -17.0), ("largest", max, 42.0, -18.2)):
         yield Case(
-            "thesis",
             f"2.4.2: {name} corner frequency v1 / 2 pi of a subject",
             lambda b=best: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects),
             corner,
@@ -253,7 +244,6 @@ def _ranges() -> Iterator[Case]:
             reason=DIGITS,
         )
         yield Case(
-            "thesis",
             f"2.4.2: {name} fall of |G| from 30 to 200 Hz of a subject",
             lambda b=best: -b(-slope(s, 30, 200) for s in subjects),
             steep,
@@ -265,7 +255,6 @@ def _ranges() -> Iterator[Case]:
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "2.4.2: rise of the stiffness with the force, means",
         lambda: 1e3 * float(line("means")[0]),
         2100.0,
@@ -279,7 +268,6 @@ def _ranges() -> Iterator[Case]:
 def _apparatus() -> Iterator[Case]:
     for name, offset in (("early", OFFSET), ("late", -OFFSET)):
         yield Case(
-            "thesis",
             f"Section 2.4.1: peak of Figure 2-4 when touch is found 80 um {name}, a.h.",
             partial(moved, offset),
             moved_by_samples(offset),
@@ -291,7 +279,6 @@ def _apparatus() -> Iterator[Case]:
             reason="straight lines between 15 000 samples",
         )
     yield Case(
-        "thesis",
         "Section 2.2.1: gain of the force filter at its corner of 1 kHz",
         _gain,
         -3.01,
@@ -301,7 +288,6 @@ def _apparatus() -> Iterator[Case]:
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         "Section 2.2.1: what the force filter takes from a ramp at 60 mm/s to 2 mm, a.h.",
         partial(filtered_peak, "two_pole"),
         filtered_peak("lsim"),
@@ -311,7 +297,6 @@ def _apparatus() -> Iterator[Case]:
         reason="20 000 samples of the two methods",
     )
     yield Case(
-        "thesis",
         "3.4.3: fast rate v1 of the means times a step at 2500 Hz",
         lambda: finger("means")[1].v[0] / 2500,
         0.0924,

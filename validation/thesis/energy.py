@@ -83,7 +83,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _impedance()
     for speed, expected in TAPS:
         yield Case(
-            "thesis",
             f"2.4.3: dissipated in a tap to 2 mm at {speed} mm/s, a.h.",
             partial(tapped, speed),
             expected,
@@ -98,7 +97,6 @@ def _energy() -> Iterator[Case]:
     for (offset, size), values in FRACTIONS.items():
         for frequency, expected in zip(FREQUENCIES, values, strict=True):
             yield Case(
-                "thesis",
                 f"2.4.3: dissipated, {frequency} Hz, {size:g} mm about {offset:g} mm",
                 lambda o=offset, s=size, f=frequency: 100 * vibrated(o, s, f).steady.fraction,
                 expected,
@@ -109,7 +107,6 @@ def _energy() -> Iterator[Case]:
             )
         loading, dissipated = periodic_work(offset, size, 30)
         yield Case(
-            "thesis",
             f"2.4.3: dissipated, 30 Hz, {size:g} mm about {offset:g} mm, after 16 s",
             lambda o=offset, s=size: 100 * vibrated(o, s, 30, RELAXED).steady.fraction,
             100 * dissipated / loading,
@@ -120,7 +117,6 @@ def _energy() -> Iterator[Case]:
         )
     for (offset, size), expected in POWERS.items():
         yield Case(
-            "thesis",
             f"2.4.3: power at 16 Hz, {size:g} mm about {offset:g} mm",
             lambda o=offset, s=size: vibrated(o, s, 16).steady.power,
             expected,
@@ -132,7 +128,6 @@ def _energy() -> Iterator[Case]:
     for size, frequency in ((0.28, 1), (0.28, 30), (0.14, 1), (0.14, 30)):
         transient = 2 * transient_work(1.5, size, frequency)
         yield Case(
-            "thesis",
             f"2.4.3: transient over steady power, {frequency} Hz, {size:g} mm about 1.5 mm",
             lambda s=size, f=frequency: (
                 vibrated(1.5, s, f).transient.power / vibrated(1.5, s, f).steady.power
@@ -148,7 +143,6 @@ def _energy() -> Iterator[Case]:
             reason="samples of the two methods",
         )
     yield Case(
-        "thesis",
         "2.4.3: dissipated share about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm",
         lambda: vibrated(3.0, 0.28, 16).steady.fraction / vibrated(1.5, 0.28, 16).steady.fraction,
         28.2 / 29.3,
@@ -166,7 +160,6 @@ def _energy() -> Iterator[Case]:
 
 def _impedance() -> Iterator[Case]:
     yield Case(
-        "thesis",
         "2.4.2: corner frequency v1 / 2 pi, means",
         lambda: finger("means")[1].v[0] / (2 * np.pi),
         36.8,
@@ -177,7 +170,6 @@ def _impedance() -> Iterator[Case]:
     )
     for frequency, expected in PHASES:
         yield Case(
-            "thesis",
             f"2.4.2: phase of G at {frequency:g} Hz, means",
             lambda f=frequency: float(phase(relaxation_spectrum(finger("means")[1], f))),
             expected,
@@ -192,7 +184,6 @@ def _impedance() -> Iterator[Case]:
         (200, 1e3, -19.9, 0.06),
     ):
         yield Case(
-            "thesis",
             f"2.4.2: slope of |G| from {low:g} to {high:g} Hz, means",
             lambda a=low, b=high: slope("means", a, b),
             expected,
@@ -208,7 +199,6 @@ def _impedance() -> Iterator[Case]:
     for preload, rows in MAGNITUDES.items():
         for frequency, expected, printed in rows:
             yield Case(
-                "thesis",
                 f"2.4.2: |Z| at {frequency} Hz, preload {preload:g} N, means",
                 lambda p=preload, f=frequency: magnitude(p, f),
                 expected,
@@ -223,7 +213,6 @@ def _impedance() -> Iterator[Case]:
                 reason=DIGITS,
             )
     yield Case(
-        "thesis",
         "2.4.2: stiffness of the pad at 2 N, means",
         lambda: float(finger("means")[0].stiffness(2.0)),
         4.39,

@@ -47,7 +47,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _bias(subject)
         for name in ("b", "c0"):
             yield Case(
-                "thesis",
                 f"2.3: error in {name} of a fit of ramp and hold together, {subject}",
                 partial(error, subject, name),
                 0.0,
@@ -57,7 +56,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 reason="the noise leaves a standard deviation of 1 to 2 % in b of one trial",
             )
         yield Case(
-            "thesis",
             f"2.3: error in b of that fit over its own uncertainty, {subject}",
             partial(deviations, subject),
             0.0,
@@ -71,7 +69,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _bias(subject: str) -> Iterator[Case]:
     spring, prony = finger(subject)
     yield Case(
-        "thesis",
         f"2.3: b that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.b,
         BIASED[subject],
@@ -87,7 +84,6 @@ def _bias(subject: str) -> Iterator[Case]:
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         f"2.3: m that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.m / spring.m,
         1.0,
@@ -98,7 +94,6 @@ def _bias(subject: str) -> Iterator[Case]:
     )
     if subject in APPARENT:
         yield Case(
-            "thesis",
             f"2.3: c0 that the thesis's procedure finds, {subject}",
             lambda: identified(subject, unbiased=False).prony.long_time,
             APPARENT[subject],

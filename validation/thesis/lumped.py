@@ -130,7 +130,6 @@ def _velocity() -> Iterator[Case]:
     for speed, expected in SPEEDS:
         printed = {0.2: 0.25, 60: 1.0}.get(speed)
         yield Case(
-            "thesis",
             f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
             lambda v=speed: ratio("a.h.", v),
             expected,
@@ -148,7 +147,6 @@ def _velocity() -> Iterator[Case]:
         )
     for subject in pawluk_bulk():
         yield Case(
-            "thesis",
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),
             100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
@@ -164,7 +162,6 @@ def _velocity() -> Iterator[Case]:
 def _forces() -> Iterator[Case]:
     for offset, name, expected, printed in FORCES:
         yield Case(
-            "thesis",
             f"2.4.3: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
             lambda o=offset, n=name: simulated(o, n),
             expected,
@@ -184,7 +181,6 @@ def _forces() -> Iterator[Case]:
         )
     for name, measure, expected, tolerance, printed, erratum in _factors():
         yield Case(
-            "thesis",
             f"2.4.3: {name}, a.h.",
             measure,
             expected,
@@ -225,7 +221,6 @@ def _factors() -> Iterator[tuple[str, Callable[[], float], float, float, float |
 def _sinusoid() -> Iterator[Case]:
     for cycle, expected in enumerate(PEAKS):
         yield Case(
-            "thesis",
             f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm",
             lambda c=cycle: peak(c),
             expected,
@@ -235,7 +230,6 @@ def _sinusoid() -> Iterator[Case]:
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Figure 2-4: least force by Eq. 2.3, which pulls where contact is lost",
         lambda: float(sinusoid()[1].min()),
         -0.12,

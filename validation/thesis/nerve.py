@@ -75,7 +75,6 @@ def spring_chain() -> float:
 
 def _equations() -> Iterator[Case]:
     yield Case(
-        "thesis",
         "Eq. B.29: rate of the FAI end organ after a step",
         decay,
         -2 * np.pi,
@@ -87,7 +86,6 @@ def _equations() -> Iterator[Case]:
         reason="what is left of the pole at 10 Hz",
     )
     yield Case(
-        "thesis",
         "Eq. 5.8: part of the displacement that reaches the nerve, springs 2, 0.3, 0.7",
         spring_chain,
         0.6 / (0.6 + 0.7 * 2.3),
@@ -106,7 +104,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for frequency, counts in SLOWED.items():
         for amplitude, expected in zip(AMPLITUDES, counts, strict=True):
             yield Case(
-                "thesis",
                 f"4.3.3: impulses per cycle at {frequency} Hz, {amplitude:g} uA/cm², rates / 6",
                 partial(per_cycle, 6.0, frequency, amplitude),
                 expected,
@@ -121,7 +118,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     }
     for (tone, current), count in slowed.items():
         yield Case(
-            "thesis",
             f"4.3.2: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
             partial(per_cycle, 6.0, tone, current),
             count,
@@ -136,7 +132,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     ):
         for amplitude, expected in counted.items():
             yield Case(
-                "thesis",
                 what.format(f"impulses per cycle at 0.5 Hz, {amplitude:g} uA/cm²,"),
                 partial(per_cycle, divisor, 0.5, amplitude, CORNERS[divisor]),
                 expected,
@@ -147,7 +142,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
     for temperature in (30.0, 37.0):
         yield Case(
-            "thesis",
             f"4.3.3: impulses in 0.5 s of 50 uA/cm² at {temperature:g} degrees",
             partial(warm, temperature),
             0.0,

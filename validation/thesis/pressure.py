@@ -143,7 +143,6 @@ def _ball() -> Iterator[Case]:
         for index, (name, unit) in enumerate(names):
             force = name == "force"
             yield Case(
-                "thesis",
                 f"A.3: {name} of the ball at 0.59 mm, {ball_name}",
                 partial(ball_quantity, ball_name, index),
                 expected[index],
@@ -166,7 +165,6 @@ def _ratios() -> Iterator[Case]:
         for subject, row in table.items():
             for depth, expected in zip(DEPTHS, row, strict=True):
                 yield Case(
-                    "thesis",
                     f"3.2: lumped over integrated force at {depth:g} mm, {subject}, b {reading}",
                     partial(lumped_ratio, subject, reading, depth),
                     expected,
@@ -188,7 +186,6 @@ def _profiles() -> Iterator[Case]:
         for newtons, *values in rows:
             for index, (name, unit) in enumerate(names):
                 yield Case(
-                    "thesis",
                     f"Figure 3-4: {name} at {newtons:g} N quasi-static, means, b {reading}",
                     partial(profile, reading, newtons, index),
                     values[index],
@@ -200,7 +197,6 @@ def _profiles() -> Iterator[Case]:
     for reading, moduli in MODULI.items():
         for subject, expected in zip(pawluk_quasistatic(), moduli, strict=True):
             yield Case(
-                "thesis",
                 f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
                 partial(modulus_at, subject, reading),
                 expected,
@@ -211,7 +207,6 @@ def _profiles() -> Iterator[Case]:
             )
     for subject, expected in (("a.h.", 2.75), ("means", 2.5)):
         yield Case(
-            "thesis",
             f"3.2: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[0],
             expected,
@@ -224,7 +219,6 @@ def _profiles() -> Iterator[Case]:
         )
     for subject, expected in (("a.h.", 0.998), ("means", 0.997), ("d.s.", 0.993)):
         yield Case(
-            "thesis",
             f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[1],
             expected,
@@ -239,7 +233,6 @@ def _goodwin() -> Iterator[Case]:
     for curvature, peak, radius in zip(SPHERES, PEAKS, RADII, strict=True):
         flat = curvature == 0
         yield Case(
-            "thesis",
             f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.peak_at_force(c / 1e3, 20.0)),
             peak,
@@ -256,7 +249,6 @@ def _goodwin() -> Iterator[Case]:
             reason=DIGITS,
         )
         yield Case(
-            "thesis",
             f"3.6: relative contact radius, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.contact_radius(c / 1e3)),
             radius,
@@ -267,7 +259,6 @@ def _goodwin() -> Iterator[Case]:
         )
     for force, expected in ((15.0, 0.909), (10.0, 0.794)):
         yield Case(
-            "thesis",
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
             lambda f=force: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
             expected,
@@ -294,7 +285,6 @@ def _readings() -> Iterator[Case]:
         ),
     ):
         yield Case(
-            "thesis",
             f"3.6: relative peak pressure of a plate {name}",
             lambda m=measure: float(m()),
             expected,
@@ -318,7 +308,6 @@ def integrated(subject: str, depth: float) -> float:
 def _others() -> Iterator[Case]:
     for subject in pawluk_quasistatic():
         yield Case(
-            "thesis",
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
             lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),
             1.0,
@@ -328,7 +317,6 @@ def _others() -> Iterator[Case]:
             reason="quadrature of 60 points",
         )
     yield Case(
-        "thesis",
         "3.2: error of 234 kPa when a cover of 1 MPa is taken for rigid",
         lambda: 100 * (1 - 0.75 * series_modulus((234.0, 0.5), (SENSOR, 0.5)) / 234.0),
         19.0,
@@ -339,7 +327,6 @@ def _others() -> Iterator[Case]:
     )
     hertz = Hertz(15.0, 1.0, 100.0, 0.5)
     yield Case(
-        "thesis",
         "3.1: torsional friction of a Hertz contact, over its integral",
         lambda: float(
             goodwin.torsional_friction(0.5, hertz.force, hertz.contact_radius)
@@ -353,7 +340,6 @@ def _others() -> Iterator[Case]:
     )
     softer = replace(hertz, modulus=10.0)
     yield Case(
-        "thesis",
         "3.5: contact radius at a depth, soft over stiff",
         lambda: softer.contact_radius / hertz.contact_radius,
         1.0,

@@ -66,7 +66,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the blur, the coupling and the noise."""
     for r, expected in FILTERED:
         yield Case(
-            "thesis",
             f"Figure A-5: filtered pressure of the fitted ball at {r} mm",
             partial(felt_at, float(r)),
             expected,
@@ -76,7 +75,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Figure A-5: force under the filtered pressure, fitted ball",
         felt_force,
         1.670,
@@ -87,7 +85,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     )
     yield from _coupling()
     yield Case(
-        "thesis",
         "3.2: noise of 0.5 kPa on an element of 2 x 2 mm",
         lambda: ArraySensor().noise * ArraySensor().pitch ** 2 / GRAM_FORCE,
         0.204,
@@ -99,7 +96,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         "3.2: samples per second of 64 elements at 200 Hz",
         lambda: ArraySensor().elements ** 2 * ArraySensor().rate / 1e3,
         12.8,
@@ -119,7 +115,6 @@ def _coupling() -> Iterator[Case]:
         ("a diagonal neighbor in the total", 1, 1, False, 0.0086, 0.01),
     ):
         yield Case(
-            "thesis",
             f"3.2: coupling of the elements, {name}",
             lambda i=rows, j=columns, c=over_center: (
                 neighbor(i, j) / (neighbor(0, 0) if c else 1.0)

@@ -111,7 +111,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _means(table, means)
     for name, (column, printed, tolerance) in FITS.items():
         yield Case(
-            "thesis",
             name,
             lambda c=column: float(np.mean(c)),
             printed,
@@ -128,7 +127,6 @@ def _normalization() -> Iterator[Case]:
     for table, sums in SUMS.items():
         for subject, printed in sums.items():
             yield Case(
-                "thesis",
                 f"{table}: G(0), {subject}",
                 lambda s=f"{table} {subject}": float(prony(s).relaxation(0.0)),
                 1.0,
@@ -148,7 +146,6 @@ def _means(table: str, means: dict[str, tuple[float, float, str]]) -> Iterator[C
     for column, (expected, tolerance, unit) in means.items():
         wrong = (table, column) == ("3.2", "R")
         yield Case(
-            "thesis",
             f"Table {table}: mean of {column}",
             lambda t=table, c=column: float(np.mean(columns(t)[c])),
             expected,
@@ -167,7 +164,6 @@ def _correlations() -> Iterator[Case]:
         ("w", "width", -0.798, -0.79, 0.202),
     ):
         yield Case(
-            "thesis",
             f"Table 2.1: correlation of m and {name}",
             lambda c=column: correlation("m", c)[0],
             r,
@@ -179,7 +175,6 @@ def _correlations() -> Iterator[Case]:
             reason="three digits of the recomputation",
         )
         yield Case(
-            "thesis",
             f"Table 2.1: p of the correlation of m and {name}",
             lambda c=column: correlation("m", c)[1],
             p,
@@ -199,7 +194,6 @@ def _creep() -> Iterator[Case]:
     for source, weights in CREEP.items():
         for index, expected in enumerate(weights):
             yield Case(
-                "thesis",
                 f"Creep weight k{index + 1}, {source}",
                 lambda s=source, i=index: float(prony(s).creep()[1][i]),
                 expected,
@@ -211,7 +205,6 @@ def _creep() -> Iterator[Case]:
     for source, points in GROWTH.items():
         for time, expected in points:
             yield Case(
-                "thesis",
                 f"Creep: a / a(0) at {1e3 * time:g} ms of a step force, {source}",
                 lambda s=source, t=time: growth(prony(s), t),
                 expected,

@@ -47,7 +47,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the pressures after a partial retraction."""
     for r, expected in UNLOADED.items():
         yield Case(
-            "thesis",
             f"3.3: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
             lambda r=r: float(retracted()[0][PLACES.index(r)]),
             printed_by_parts(r),
@@ -57,7 +56,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="steps of 0.5 ms, where a place leaves the contact with the slope of a root",
         )
     yield Case(
-        "thesis",
         "3.3: lowest of these pressures, contact resolved",
         lambda: float(retracted()[1].min()),
         0.0,

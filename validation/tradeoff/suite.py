@@ -103,7 +103,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
     if not quick:
         yield from _campaign()
         yield Case(
-            "tradeoff",
             "stated errors: largest change since the report",
             _changed_since,
             0.0,
@@ -113,7 +112,6 @@ def cases(*, quick: bool) -> Iterator[Case]:
         )
     data: Callable[[], dict[str, Any]] = committed if quick else fresh
     yield Case(
-        "tradeoff",
         "margins of the stated errors, derived again",
         lambda: rederived(committed()["rules"]),
         0.0,
@@ -130,7 +128,6 @@ def _campaign() -> Iterator[Case]:
     for kind, name in names:
         own = [run for run in runs.campaign() if (run.kind, run.name) == (kind, name)]
         yield Case(
-            "tradeoff",
             f"{kind} {name}: runs that are missing",
             partial(_made, own),
             0.0,
@@ -150,7 +147,6 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
 
     def asked(name: str, key: str, expected: float, tolerance: float, source: str) -> Case:
         return Case(
-            "tradeoff",
             name,
             lambda: float(data()["summary"][key]),
             expected,
@@ -164,7 +160,6 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     for quantity, said in SAID.items():
         for whose, key in WHOSE.items():
             yield Case(
-                "tradeoff",
                 f"stated error kept by {whose}: {said}",
                 lambda key=key, quantity=quantity: float(data()["summary"][key][quantity]),
                 1.0,
@@ -189,7 +184,6 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     )
     share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
     yield Case(
-        "tradeoff",
         share,
         lambda: float(data()["summary"]["within_1.2"]),
         known["summary"]["within_1.2"],
@@ -205,7 +199,6 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         reason="times of another machine, in ratios",
     )
     yield Case(
-        "tradeoff",
         f"{share}: how much smaller than that of an oracle",
         lambda: max(0.0, reached - float(data()["summary"]["within_1.2"])),
         0.0,
