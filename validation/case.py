@@ -20,21 +20,27 @@ class Told:
 
 
 @dataclass(frozen=True)
+class Expected:
+    """An expected value and its tolerance (absolute), both in `unit`."""
+
+    value: float
+    tolerance: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class Case:
     """One comparison of a computed number with its expected value.
 
-    measure: gives fefinger's value, or what is Told of it; expected and tolerance (absolute) in
-    `unit`; source: the equation, table, program or second method behind `expected`; printed: a
-    published value, kept beside the right one; erratum: a sentence on why the two differ; wanted:
-    what fefinger aims at where `expected` is only what is known of it; shortfall: a sentence on why
-    it is missed; reason: why this tolerance.
+    measure: gives fefinger's value, or what is Told of it; source: the equation, table, program or
+    second method behind `expected`; printed: a published value, kept beside the right one; erratum:
+    a sentence on why the two differ; wanted: what fefinger aims at where `expected` is only what is
+    known of it; shortfall: a sentence on why it is missed; reason: why this tolerance.
     """
 
     name: str
     measure: Callable[[], float | Told]
-    expected: float
-    tolerance: float
-    unit: str
+    expected: Expected
     source: str
     printed: float | None = None
     erratum: str = ""
@@ -61,11 +67,11 @@ class Outcome:
 
         Short is what is as known, and misses what is wanted.
         """
-        case = self.case
-        if not abs(self.value - case.expected) <= case.tolerance:
+        case, tolerance = self.case, self.case.expected.tolerance
+        if not abs(self.value - case.expected.value) <= tolerance:
             return "fail"
-        if case.wanted is not None and abs(self.value - case.wanted) > case.tolerance:
+        if case.wanted is not None and abs(self.value - case.wanted) > tolerance:
             return "short"
-        if case.printed is not None and abs(case.printed - case.expected) > case.tolerance:
+        if case.printed is not None and abs(case.printed - case.expected.value) > tolerance:
             return "documented"
         return "pass"

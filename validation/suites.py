@@ -131,9 +131,9 @@ def _record(outcome: Outcome) -> dict[str, Any]:
     return {
         "name": case.name,
         "value": None if outcome.failure else outcome.value,
-        "expected": case.expected,
-        "tolerance": case.tolerance,
-        "unit": case.unit,
+        "expected": case.expected.value,
+        "tolerance": case.expected.tolerance,
+        "unit": case.expected.unit,
         "source": case.source,
         "printed": case.printed,
         "erratum": case.erratum,

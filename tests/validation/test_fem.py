@@ -25,7 +25,7 @@ def test_names_are_distinct_and_every_tolerance_has_its_reason():
         cases = suites.cases("fem", quick=quick)
         assert len({case.name for case in cases}) == len(cases)
         assert all(case.reason for case in cases)
-        assert all(case.tolerance >= 0 for case in cases)
+        assert all(case.expected.tolerance >= 0 for case in cases)
 
 
 def test_the_field_around_a_contact_is_that_of_the_closed_form():

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import calibrated, rows
-from fefinger.validation.case import Case, Told
+from fefinger.validation.case import Case, Expected, Told
 from fefinger.validation.problems.chain import Array
 
 from fefinger.calibration import pad_radius as pad
@@ -55,27 +55,21 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     yield Case(
         f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
         partial(levers.oracle, subject),
-        0.0,
-        0.02,
-        "1",
+        Expected(0.0, 0.02, "1"),
         "Table 3.2: its half-space to 2.3 N, with the noise of the array",
         reason="half a unit of the last printed digit of m and b is 1 to 5 %",
     )
     yield Case(
         f"{subject}: shipped tissue set against the report",
         partial(shipped, subject),
-        0.0,
-        5e-3,
-        "1",
+        Expected(0.0, 5e-3, "1"),
         "reports/calibrated.json",
         reason="rounded to the digits that are shipped",
     )
     yield Case(
         f"{subject}: force of a press on the standard mesh, from a third of its depth on",
         partial(on_standard, subject),
-        0.0,
-        0.02,
-        "1",
+        Expected(0.0, 0.02, "1"),
         f"{STANDARD}, against the curve in the report",
         reason="the force of a coarse mesh, on which three of them were fitted",
     )
@@ -89,9 +83,7 @@ def _force(subject: str) -> Iterator[Case]:
     yield Case(
         f"{subject}: m of stiffness against force of the calibrated finger",
         lambda: calibration.residuals["m"],
-        bulk.m,
-        3 * sd,
-        "1/mm",
+        Expected(bulk.m, 3 * sd, "1/mm"),
         "Table 2.1",
         reason="three standard deviations that VAF_k leaves over these forces",
     )
@@ -100,9 +92,7 @@ def _force(subject: str) -> Iterator[Case]:
             yield Case(
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
                 partial(_predicted, subject, f"{frequency} Hz", what),
-                0.0,
-                limit,
-                "1",
+                Expected(0.0, limit, "1"),
                 "the lumped model of Table 2.1",
                 reason="what the thesis reached on its subjects",
             )
@@ -114,18 +104,14 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     yield Case(
         f"{subject}: a new press of the calibrated finger, coarse mesh",
         partial(again, subject),
-        0.0,
-        0.05,
-        "1",
+        Expected(0.0, 0.05, "1"),
         "the curve in the report",
         reason="exponents and radii between those of the presses, and a mesh of its own",
     )
     yield Case(
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
-        calibration.residuals["b"],
-        3 * line_sd(targets.subject(subject))[1],
-        "N/mm",
+        Expected(calibration.residuals["b"], 3 * line_sd(targets.subject(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
         wanted=library.pawluk_bulk()[subject].b,
         shortfall=STIFFER,
@@ -134,9 +120,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     yield Case(
         f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
         partial(radius_again, subject),
-        calibration.residuals["array radius"],
-        0.06 * row.radius,
-        "mm",
+        Expected(calibration.residuals["array radius"], 0.06 * row.radius, "mm"),
         f"{kept_curve}; wanted is Table 3.2",
         wanted=row.radius,
         shortfall=FLATTER,
@@ -147,10 +131,12 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         f"{subject}: width of the pressure of a new press at {profile['force_N']:.2g} N over that "
         "of Table 3.2",
         partial(width_again, subject, profile),
-        width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
-        / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
-        0.05,
-        "1",
+        Expected(
+            width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
+            / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
+            0.05,
+            "1",
+        ),
         f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
         wanted=1.0,
         shortfall=FLATTER,

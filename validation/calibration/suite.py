@@ -12,7 +12,7 @@ from fefinger.validation.calibration import figures as calibration_figures
 from fefinger.validation.calibration import lever_figures, solid_twin, subjects, twin
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.subjects import PRINTED
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import taylor
 from numpy.typing import NDArray
 
@@ -88,9 +88,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield Case(
         "order of the remainder with the Jacobian of the fit",
         order,
-        2.0,
-        0.2,
-        "1",
+        Expected(2.0, 0.2, "1"),
         "Taylor's theorem",
     )
     if not quick:
@@ -99,18 +97,14 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             "a.h.: force between exponents, one press of four left out",
             partial(left_out, "a.h."),
-            0.0,
-            5e-3,
-            "1",
+            Expected(0.0, 5e-3, "1"),
             "the press that was left out",
             reason="twice as far apart as the presses that are used",
         )
         yield Case(
             "a.h.: ramp and hold of solid with the shipped set, off the prediction",
             partial(relaxing, "a.h."),
-            0.0,
-            0.04,
-            "1",
+            Expected(0.0, 0.04, "1"),
             "one G and the elastic curve in the report",
             reason="the coarse mesh, and a stress that relaxes at finite strain: 1 to 2 % each",
         )
@@ -123,9 +117,7 @@ def _twins(seeds: int) -> Iterator[Case]:
         yield Case(
             f"twin: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(twin.recovered, name, seeds),
-            seeds,
-            1.0,
-            "seeds",
+            Expected(seeds, 1.0, "seeds"),
             "the parameters of the twin",
             reason="two standard deviations hold 95 %, so one of ten may be outside",
         )
@@ -133,9 +125,7 @@ def _twins(seeds: int) -> Iterator[Case]:
         yield Case(
             f"twin: {what} error of sinusoids of 2 to 16 Hz, which were not fitted",
             partial(twin.worst_sinusoid, what),
-            0.0,
-            limit,
-            "1",
+            Expected(0.0, limit, "1"),
             "the twin itself, without noise",
             reason="what the thesis reached on its subjects: to be better than that",
         )
@@ -148,9 +138,7 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
         yield Case(
             f"{other}: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(twin.recovered, name, seeds, mesh),
-            seeds,
-            1.0,
-            "seeds",
+            Expected(seeds, 1.0, "seeds"),
             "the parameters of the twin",
             reason="two standard deviations hold 95 %, so one of ten may be outside",
         )
@@ -158,9 +146,7 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
         yield Case(
             f"{other}: {name} over the true one less 1, mean of {seeds} seeds",
             partial(twin.missed, name, seeds, mesh),
-            0.0,
-            twin.SPREAD * twin.STATED[name],
-            "1",
+            Expected(0.0, twin.SPREAD * twin.STATED[name], "1"),
             "the parameters of the twin",
             reason="two of the standard deviations that the calibration states",
         )
@@ -172,18 +158,14 @@ def _of_solid(seeds: int) -> Iterator[Case]:
         yield Case(
             f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty",
             partial(solid_twin.recovered, name, seeds),
-            seeds,
-            1.0,
-            "seeds",
+            Expected(seeds, 1.0, "seeds"),
             "the parameters of the twin",
             reason="two standard deviations hold 95 %, so one of ten may be outside",
         )
     yield Case(
         f"twin of solid: seeds of {seeds} in which the weights of G are within theirs, the least",
         partial(solid_twin.weights, seeds),
-        solid_twin.WITHIN,
-        2.0,
-        "seeds",
+        Expected(solid_twin.WITHIN, 2.0, "seeds"),
         "the parameters of the twin",
         wanted=seeds - 1,
         shortfall=ONE_G,
@@ -193,9 +175,7 @@ def _of_solid(seeds: int) -> Iterator[Case]:
         yield Case(
             f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds",
             partial(solid_twin.missed, name, seeds),
-            0.0,
-            solid_twin.OFF,
-            "1",
+            Expected(0.0, solid_twin.OFF, "1"),
             "the parameters of the twin",
             reason=ONE_G,
         )

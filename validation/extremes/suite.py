@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from fefinger.validation.case import Case, Told
+from fefinger.validation.case import Case, Expected, Told
 from fefinger.validation.extremes import bodies, drawings, drawn, nerve, scenes, theory
 from fefinger.validation.extremes.trial import Trial, ending
 
@@ -61,9 +61,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"{trial.group}, {trial.edge}: {trial.name}",
             partial(_measured, trial),
-            0.0,
-            1.0,
-            "of the limit",
+            Expected(0.0, 1.0, "of the limit"),
             SOURCES[trial.wants or "either"],
         )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.hertz import LINES, Grading, bowl
 from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.oracles.punch import Cone, FlatPunch
@@ -228,9 +228,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             yield Case(
                 f"{name}: {quantity}",
                 lambda n=name, q=quantity: solved(n).errors[q],
-                0.0,
-                limit,
-                "%",
+                Expected(0.0, limit, "%"),
                 source,
                 reason="what the mesh leaves",
             )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.problems.grids import Size, quarter
 from fefinger.validation.problems.quarter import (
     Exact,
@@ -194,18 +194,14 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
         yield Case(
             f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}",
             lambda n=name: errors(nu, level)[n],
-            0.0,
-            limit if level == FINEST else COARSER * limit,
-            "%",
+            Expected(0.0, limit if level == FINEST else COARSER * limit, "%"),
             SOURCE,
             reason=meaning,
         )
     yield Case(
         f"Hertz, nu {nu:g}: displacement nodes of that mesh",
         lambda: errors(nu, level)["nodes"],
-        0.0,
-        BUDGETS[level],
-        "nodes",
+        Expected(0.0, BUDGETS[level], "nodes"),
         "the budget of the mesh",
         reason="no more than the budget",
     )
@@ -215,9 +211,7 @@ def _balance(nu: float, level: int) -> Iterator[Case]:
     yield Case(
         f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: force and reactions, over the force",
         lambda: errors(nu, level)["imbalance"],
-        0.0,
-        1e-8,
-        "1",
+        Expected(0.0, 1e-8, "1"),
         "equilibrium of the body",
         reason="the residual of the linear solution, 1e-10, with a margin",
     )
@@ -228,9 +222,7 @@ def _orders(nu: float) -> Iterator[Case]:
         yield Case(
             f"Hertz, nu {nu:g}: order of {name}",
             lambda n=name: order(n, nu),
-            expected,
-            spread,
-            "1",
+            Expected(expected, spread, "1"),
             "regularity of the exact solution",
             reason=reason,
         )

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.hertz import bowl
 from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems.grids import quarter
@@ -222,9 +222,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"bonded layer, {name}: order in the time step",
             lambda n=name: step_order(n),
-            2.0,
-            0.3,
-            "1",
+            Expected(2.0, 0.3, "1"),
             "exponentials exact for a pressure linear in each step",
             reason="contact that begins or ends inside a step is of second order too",
         )
@@ -255,4 +253,4 @@ def _case(
     source: str,
     reason: str = MESH,
 ) -> Case:
-    return Case(f"bonded layer, {name}", measure, 0.0, limit, unit, source, reason=reason)
+    return Case(f"bonded layer, {name}", measure, Expected(0.0, limit, unit), source, reason=reason)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.finger.split import (
     factors,
     force,
@@ -54,7 +54,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield freshness, the signs of the causes, mesh error and what one G leaves unexplained."""
 
     def case(name: str, measure: object, expected: float, tolerance: float, source: str) -> Case:
-        return Case(name, measure, expected, tolerance, "1", source)
+        return Case(name, measure, Expected(expected, tolerance, "1"), source)
 
     for model in ("hertz", "bone", "layered"):
         yield case(

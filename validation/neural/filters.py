@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import spring
 from fefinger.validation.neural.sweep import (
     IN_RANGE,
@@ -146,9 +146,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             yield Case(
                 f"4.3.4: phase of {kind} at {frequency:g} Hz",
                 partial(phase, kind, frequency),
-                closed_phase(kind, frequency),
-                1e-6,
-                "degrees",
+                Expected(closed_phase(kind, frequency), 1e-6, "degrees"),
                 "Eq. 4.3 and 4.6, by arctangents of the poles and zeros",
                 reason="rounding",
             )
@@ -215,9 +213,7 @@ def _forces() -> Iterator[Case]:
         yield Case(
             f"4.4.1: serial {kind} model: response to a step of force after 10 s, over the first",
             partial(held, under_force(organ, nerve=1.0, parallel=0.0), 10.0),
-            1.0,
-            1e-12,
-            "1",
+            Expected(1.0, 1e-12, "1"),
             f"{THESIS}4.4.1: in a serial chain every unit answers a force as the bare nerve",
             reason="rounding",
         )
@@ -232,9 +228,7 @@ def _forces() -> Iterator[Case]:
     yield Case(
         "4.4.1: SA chain with a parallel spring: response to a step of force after 60 s",
         partial(held, chain.force_filter(1.0), 60.0),
-        1.0 / 7.0,
-        1e-6,
-        "1",
+        Expected(1.0 / 7.0, 1e-6, "1"),
         "statics: the end organ (1/18 mN/mm by Eq. 4.5) bears its share late, the damper early",
         reason="the slowest pole has died away",
     )
@@ -261,9 +255,7 @@ def _ratios() -> Iterator[Case]:
         yield Case(
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
             partial(printed_share, nerve),
-            exact,
-            1e-12,
-            "1",
+            Expected(exact, 1e-12, "1"),
             "1 + k / kn, with k of skin and end organ in series",
             printed=1.0,
             erratum=(

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import SLOWED, claim, current
 
 from fefinger.neural.endorgans import END_ORGANS
@@ -125,9 +125,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"gain of {kind}: at 4 mm/s to {1e3 * threshold.displacement:g} um it just {defining}",
             partial(threshold_gain, kind, digits=1e-4),
-            GAINS[kind],
-            1e-3 * GAINS[kind],
-            "uA/cm²/mm",
+            Expected(GAINS[kind], 1e-3 * GAINS[kind], "uA/cm²/mm"),
             f"{threshold.source}; confidence {threshold.confidence}",
             reason="the table is rounded up to four digits",
         )
@@ -144,9 +142,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"gains: {kind} in a hold of {depth:g} mm",
             partial(hold_rate, kind, depth),
-            ours,
-            0.05,
-            "Hz",
+            Expected(ours, 0.05, "Hz"),
             "order 8, rtol 1e-10",
             wanted=edge,
             shortfall=(
@@ -170,9 +166,7 @@ def _thresholds() -> Iterator[Case]:
     yield Case(
         f"{best} FAII",
         partial(best_tone, "FAII"),
-        tones("FAII")[-1],
-        0.5,
-        "Hz",
+        Expected(tones("FAII")[-1], 0.5, "Hz"),
         source,
         wanted=BEST["FAII"][1],
         shortfall=FALLING,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from numpy.typing import NDArray
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
@@ -135,9 +135,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield Case(
         "peak after 1 ms of 20 uA/cm²",
         peak,
-        105.5,
-        0.05,
-        "mV",
+        Expected(105.5, 0.05, "mV"),
         "Hodgkin & Huxley (1952), recomputed by an adaptive solution",
         reason="rounding of the print",
     )
@@ -146,9 +144,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"onset of repetitive firing, {kind}",
             partial(onset, divisor),
-            ONSETS[divisor],
-            5e-4,
-            "uA/cm²",
+            Expected(ONSETS[divisor], 5e-4, "uA/cm²"),
             f"{EXACT}, bisected; a step from rest",
             reason="bisection",
         )
@@ -157,9 +153,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 yield Case(
                     f"rate at {current} uA/cm², {kind}",
                     partial(rate, divisor, current),
-                    expected,
-                    2e-3 * expected,
-                    "Hz",
+                    Expected(expected, 2e-3 * expected, "Hz"),
                     EXACT,
                     reason="spikes in the window",
                 )
@@ -180,9 +174,7 @@ def _protocols() -> Iterator[Case]:
             yield Case(
                 f"{name}, {kind}",
                 partial(measure, divisor),
-                expected,
-                tolerance,
-                "uA/cm²",
+                Expected(expected, tolerance, "uA/cm²"),
                 f"{EXACT}, bracketed",
                 reason=reason,
             )
@@ -190,27 +182,21 @@ def _protocols() -> Iterator[Case]:
     yield Case(
         "hysteresis: first impulse on a ramp of 200 uA/cm²/s, standard",
         partial(rising, 200.0),
-        14.05889,
-        1e-4,
-        "uA/cm²",
+        Expected(14.05889, 1e-4, "uA/cm²"),
         f"{EXACT}; rest is stable up to 9.775, beside firing from 6.26 on",
         reason="time step; slower than 40 uA/cm²/s, rounding decides the moment",
     )
     yield Case(
         "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
         lambda: float(9.775 < rising(2.0) < 16),
-        1.0,
-        0.0,
-        "1",
+        Expected(1.0, 0.0, "1"),
         "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)",
         reason="none",
     )
     yield Case(
         "accommodation: first impulse on a ramp of 20 uA/cm²/s to 16 (16: none), standard",
         partial(rising, 20.0),
-        16.0,
-        0.0,
-        "uA/cm²",
+        Expected(16.0, 0.0, "uA/cm²"),
         EXACT,
         reason="none",
     )
@@ -221,9 +207,7 @@ def _ratios() -> Iterator[Case]:
         yield Case(
             f"4.3.2: rate at {current} uA/cm², standard over rates / 6",
             lambda current=current: rate(STANDARD, current) / rate(SLOWED, current),
-            RATES[STANDARD][current] / RATES[SLOWED][current],
-            0.02,
-            "1",
+            Expected(RATES[STANDARD][current] / RATES[SLOWED][current], 0.02, "1"),
             EXACT,
             printed=6.0,
             erratum=(
@@ -236,9 +220,7 @@ def _ratios() -> Iterator[Case]:
         yield Case(
             f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
             partial(cheap, float(current)),
-            1.0,
-            0.13,
-            "1",
+            Expected(1.0, 0.13, "1"),
             EXACT,
             reason="two constants cannot follow the curve any closer",
         )
@@ -249,18 +231,14 @@ def _integrators() -> Iterator[Case]:
         yield Case(
             f"{method} at {1e6 * dt:g} us: worst error of a spike time",
             lambda method=method, dt=dt: spike_times(method, dt)[0],
-            worst / 2,
-            worst / 2,
-            "ms",
+            Expected(worst / 2, worst / 2, "ms"),
             "order 8, rtol 1e-10; ramps to 5 to 60 uA/cm², held",
             reason="what the tolerance of the integrator promises",
         )
         yield Case(
             f"{method} at {1e6 * dt:g} us: units with another spike count",
             lambda method=method, dt=dt: float(spike_times(method, dt)[1]),
-            0.0,
-            0.0,
-            f"of {len(RAMPS)}",
+            Expected(0.0, 0.0, f"of {len(RAMPS)}"),
             "order 8, rtol 1e-10",
             reason="a count",
         )

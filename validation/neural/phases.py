@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import (
     DAMPER,
     IN_RANGE,
@@ -48,9 +48,11 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"4.2.2, Fig. 4-3: spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz: {what}",
             partial(trace, what),
-            expected,
-            0.0 if what == "impulses per cycle" else 0.02,
-            "1" if what == "impulses per cycle" else "degrees",
+            Expected(
+                expected,
+                0.0 if what == "impulses per cycle" else 0.02,
+                "1" if what == "impulses per cycle" else "degrees",
+            ),
             "order 8, rtol 1e-10",
             reason="a count, and straight lines between 400 samples of the cycle",
         )
@@ -88,9 +90,7 @@ def _phases() -> Iterator[Case]:
     yield Case(
         "4.2.2: second derivative, 6.3 C: responds more in the retraction at 1 Hz too (1: yes)",
         lambda: float(retracting(SECOND, STANDARD, 1.0, IN_RANGE) > 0.5),
-        0.0,
-        0.0,
-        "1",
+        Expected(0.0, 0.0, "1"),
         "a current symmetric about the turning point; its slow rise fires late",
         printed=1.0,
         erratum=(
@@ -111,9 +111,7 @@ def _phases() -> Iterator[Case]:
     yield Case(
         "4.3.4: at 2 Hz too SAII responds more in the retraction than SAI (1: yes)",
         lambda: float(_more(2.0) > 0),
-        0.0,
-        0.0,
-        "1",
+        Expected(0.0, 0.0, "1"),
         "Eq. 4.3: at 2 Hz SAII leads by 54 degrees, SAI by 24",
         printed=1.0,
         erratum=(

@@ -6,7 +6,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import SPRING, Array, claim
 
@@ -204,9 +204,7 @@ def _slow() -> Iterator[Case]:
         yield Case(
             f"4.3.5: SAII at the default gain, {speed:g} mm/s: impulses in the retraction",
             partial(retracting, "SAII", speed, rule=True, generator="saturating"),
-            expected,
-            0.0,
-            "1",
+            Expected(expected, 0.0, "1"),
             "order 8, rtol 1e-10",
             printed=0.0,
             erratum=(
@@ -221,9 +219,7 @@ def _slow() -> Iterator[Case]:
         yield Case(
             f"4.3.5: {name}, 8 mm/s: first impulse",
             partial(first, name, 8.0),
-            expected,
-            1e-4,
-            "ms",
+            Expected(expected, 1e-4, "ms"),
             "order 8, rtol 1e-10",
             reason="the error of Runge-Kutta at 50 us",
         )
@@ -270,9 +266,7 @@ def _fast() -> Iterator[Case]:
         yield Case(
             f"4.3.5: {name}, {speed:g} mm/s: impulses on the return to zero",
             partial(returning, name, speed),
-            expected,
-            0.0,
-            "1",
+            Expected(expected, 0.0, "1"),
             "order 8, rtol 1e-10",
             printed=None if silent else 0.0,
             erratum=""

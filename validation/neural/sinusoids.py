@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import (
     DAMPER,
@@ -247,9 +247,7 @@ def _ranges(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"input range of {name}, 0.5 to 512 Hz",
             partial(input_range, name),
-            expected,
-            2.0,
-            "dB",
+            Expected(expected, 2.0, "dB"),
             "threshold on steps of 0.5 dB, Runge-Kutta at 2 us instead of 50",
             reason="a step on either side, and the length of the run",
         )

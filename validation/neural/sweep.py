@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
@@ -207,4 +207,4 @@ def claim(
     """Return the case that a claim makes of a number: it lies between two limits."""
     low, high = limits
     middle, half = (low + high) / 2, (high - low) / 2
-    return Case(name, measure, middle, half, unit, source, reason=reason)
+    return Case(name, measure, Expected(middle, half, unit), source, reason=reason)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
@@ -89,9 +89,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             yield Case(
                 f"A.3: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
                 lambda n=name, q=quantity, s=1e-3 if force else 1.0: s * getattr(bonded(n), q),
-                expected,
-                0.006,
-                unit,
+                Expected(expected, 0.006, unit),
                 "recomputed: integral equation, 1 - L weighted by the share of the cover",
                 printed=PRINTED_FORCE if force else None,
                 erratum=(
@@ -106,9 +104,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"A.3: printed force of the ball over that of Hertz, {name}",
             lambda n=name: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)),
-            expected,
-            1e-3,
-            "1",
+            Expected(expected, 1e-3, "1"),
             "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one",
             reason=DIGITS,
         )
@@ -120,9 +116,7 @@ def _fits() -> Iterator[Case]:
         yield Case(
             f"A.3: {name} that the fit finds over the true one, cover a half-space",
             lambda n=name: fitted("half-space")[n] / NOMINAL[n],
-            1.0,
-            0.02,
-            "1",
+            Expected(1.0, 0.02, "1"),
             "readings made of the nominal ball, 0.5 kPa of noise",
             printed=PRINTED_FIT[name] / nominal,
             erratum=(
@@ -135,9 +129,7 @@ def _fits() -> Iterator[Case]:
         yield Case(
             f"A.3: {name} that the fit finds over the true one, cover bonded",
             lambda n=name: fitted("bonded")[n] / NOMINAL[n],
-            expected,
-            0.03 * expected,
-            "1",
+            Expected(expected, 0.03 * expected, "1"),
             "second method: least squares on the pressures without blur and noise",
             printed=PRINTED_FIT[name] / nominal,
             erratum=(

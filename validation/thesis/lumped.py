@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.ergonomics import Vibration, vibration
 from fefinger.validation.oracles.impedance import relaxation_spectrum
 from numpy.typing import NDArray
@@ -132,9 +132,7 @@ def _velocity() -> Iterator[Case]:
         yield Case(
             f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
             lambda v=speed: ratio("a.h.", v),
-            expected,
-            6e-4,
-            "1",
+            Expected(expected, 6e-4, "1"),
             "section 2.3, recomputed: sum of ci m v / (m v + vi)",
             printed=printed,
             erratum=(
@@ -149,9 +147,11 @@ def _velocity() -> Iterator[Case]:
         yield Case(
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),
-            100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
-            0.01,
-            "%",
+            Expected(
+                100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
+                0.01,
+                "%",
+            ),
             "closed form for an exponential T: sum of ci m v / (m v + vi); section 2.3, recomputed",
             printed=0,
             erratum="Section 2.3 takes 0.2 mm/s for the steady state; it is 15 to 44 % above.",
@@ -164,9 +164,7 @@ def _forces() -> Iterator[Case]:
         yield Case(
             f"2.4.3: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
             lambda o=offset, n=name: simulated(o, n),
-            expected,
-            digits(expected),
-            "N",
+            Expected(expected, digits(expected), "N"),
             "section 2.4.3, recomputed with steps of 0.1 ms",
             printed=printed,
             erratum=(
@@ -183,9 +181,7 @@ def _forces() -> Iterator[Case]:
         yield Case(
             f"2.4.3: {name}, a.h.",
             measure,
-            expected,
-            tolerance,
-            "1",
+            Expected(expected, tolerance, "1"),
             "section 2.4.3, recomputed",
             printed=printed,
             erratum=erratum,
@@ -223,18 +219,14 @@ def _sinusoid() -> Iterator[Case]:
         yield Case(
             f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm",
             lambda c=cycle: peak(c),
-            expected,
-            0.006,
-            "N",
+            Expected(expected, 0.006, "N"),
             "Figure 2-4, recomputed",
             reason=DIGITS,
         )
     yield Case(
         "Figure 2-4: least force by Eq. 2.3, which pulls where contact is lost",
         lambda: float(sinusoid()[1].min()),
-        -0.12,
-        0.006,
-        "N",
+        Expected(-0.12, 0.006, "N"),
         "Figure 2-4, recomputed",
         reason=DIGITS,
     )

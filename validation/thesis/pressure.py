@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
 from fefinger.validation.thesis.lumped import DIGITS, digits
 from numpy.typing import NDArray
@@ -145,9 +145,7 @@ def _ball() -> Iterator[Case]:
             yield Case(
                 f"A.3: {name} of the ball at 0.59 mm, {ball_name}",
                 partial(ball_quantity, ball_name, index),
-                expected[index],
-                digits(expected[index]),
-                unit,
+                Expected(expected[index], digits(expected[index]), unit),
                 "section A.3, recomputed; p0 = 3 P / (2 pi a²)",
                 printed=1.8 if force else None,
                 erratum=(
@@ -167,9 +165,7 @@ def _ratios() -> Iterator[Case]:
                 yield Case(
                     f"3.2: lumped over integrated force at {depth:g} mm, {subject}, b {reading}",
                     partial(lumped_ratio, subject, reading, depth),
-                    expected,
-                    0.006 if reading == "relaxed" else 0.06,
-                    "1",
+                    Expected(expected, 0.006 if reading == "relaxed" else 0.06, "1"),
                     "section 3.2, recomputed: Eq. 2.1 over Eq. 3.16",
                     erratum=(
                         "Both chapters describe one finger, so this should be 1. The printed b of "
@@ -188,9 +184,7 @@ def _profiles() -> Iterator[Case]:
                 yield Case(
                     f"Figure 3-4: {name} at {newtons:g} N quasi-static, means, b {reading}",
                     partial(profile, reading, newtons, index),
-                    values[index],
-                    0.06 if unit == "kPa" else 0.006,
-                    unit,
+                    Expected(values[index], 0.06 if unit == "kPa" else 0.006, unit),
                     "section 3.2, recomputed",
                     reason=DIGITS,
                 )
@@ -199,9 +193,7 @@ def _profiles() -> Iterator[Case]:
             yield Case(
                 f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
                 partial(modulus_at, subject, reading),
-                expected,
-                0.6,
-                "kPa",
+                Expected(expected, 0.6, "kPa"),
                 "recomputed; section 3.2.1 has typically 234 kPa",
                 reason=DIGITS,
             )
@@ -209,9 +201,7 @@ def _profiles() -> Iterator[Case]:
         yield Case(
             f"3.2: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[0],
-            expected,
-            0.06,
-            "1/mm",
+            Expected(expected, 0.06, "1/mm"),
             "section 3.2, recomputed",
             printed=pawluk_quasistatic()[subject].m,
             erratum="The m of Table 3.2 is not that of Table 2.1: x^(3/2) adds to the slope.",
@@ -221,9 +211,7 @@ def _profiles() -> Iterator[Case]:
         yield Case(
             f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[1],
-            expected,
-            6e-4,
-            "1",
+            Expected(expected, 6e-4, "1"),
             "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
             reason=DIGITS,
         )
@@ -235,9 +223,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.peak_at_force(c / 1e3, 20.0)),
-            peak,
-            6e-4,
-            "1",
+            Expected(peak, 6e-4, "1"),
             "section 3.6, recomputed: Eq. 3.23",
             printed=0.3 if flat else None,
             erratum=(
@@ -251,9 +237,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: relative contact radius, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.contact_radius(c / 1e3)),
-            radius,
-            6e-4,
-            "1",
+            Expected(radius, 6e-4, "1"),
             "Eq. 3.25, recomputed; Figure 3-10",
             reason=DIGITS,
         )
@@ -261,9 +245,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
             lambda f=force: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
-            expected,
-            6e-4,
-            "1",
+            Expected(expected, 6e-4, "1"),
             "section 3.6, recomputed",
             reason=DIGITS,
         )
@@ -287,9 +269,7 @@ def _readings() -> Iterator[Case]:
         yield Case(
             f"3.6: relative peak pressure of a plate {name}",
             lambda m=measure: float(m()),
-            expected,
-            tolerance,
-            "1",
+            Expected(expected, tolerance, "1"),
             "section 3.6, recomputed",
             reason=DIGITS,
         )
@@ -310,18 +290,14 @@ def _others() -> Iterator[Case]:
         yield Case(
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
             lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),
-            1.0,
-            1e-10,
-            "1",
+            Expected(1.0, 1e-10, "1"),
             "(8/3) sqrt(R) x^(3/2) t(x) against quadrature of Eq. 3.15",
             reason="quadrature of 60 points",
         )
     yield Case(
         "3.2: error of 234 kPa when a cover of 1 MPa is taken for rigid",
         lambda: 100 * (1 - 0.75 * series_modulus((234.0, 0.5), (SENSOR, 0.5)) / 234.0),
-        19.0,
-        0.5,
-        "%",
+        Expected(19.0, 0.5, "%"),
         "section 3.2.1",
         reason="half of the printed last digit",
     )
@@ -332,9 +308,7 @@ def _others() -> Iterator[Case]:
             goodwin.torsional_friction(0.5, hertz.force, hertz.contact_radius)
             / torque_by_quadrature(0.5, hertz)
         ),
-        1.0,
-        1e-5,
-        "1",
+        Expected(1.0, 1e-5, "1"),
         "quadrature of mu p r",
         reason="200 points across the square root at the rim",
     )
@@ -342,9 +316,7 @@ def _others() -> Iterator[Case]:
     yield Case(
         "3.5: contact radius at a depth, soft over stiff",
         lambda: softer.contact_radius / hertz.contact_radius,
-        1.0,
-        1e-12,
-        "1",
+        Expected(1.0, 1e-12, "1"),
         "section 3.5: compliance changes the pressure alone, curvature also the radius",
         reason="rounding of the arithmetic",
     )

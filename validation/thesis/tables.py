@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.relaxation import Prony
@@ -113,9 +113,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             name,
             lambda c=column: float(np.mean(c)),
-            printed,
-            tolerance,
-            "1",
+            Expected(printed, tolerance, "1"),
             "last row of the table; of the printed column, not of a fit: its data are not public",
             reason="half a unit of the last printed digit",
         )
@@ -129,9 +127,7 @@ def _normalization() -> Iterator[Case]:
             yield Case(
                 f"{table}: G(0), {subject}",
                 lambda s=f"{table} {subject}": float(prony(s).relaxation(0.0)),
-                1.0,
-                1e-12,
-                "1",
+                Expected(1.0, 1e-12, "1"),
                 "Eq. 2.2, which divides by the sum of c",
                 printed=printed,
                 erratum=(
@@ -148,9 +144,7 @@ def _means(table: str, means: dict[str, tuple[float, float, str]]) -> Iterator[C
         yield Case(
             f"Table {table}: mean of {column}",
             lambda t=table, c=column: float(np.mean(columns(t)[c])),
-            expected,
-            tolerance,
-            unit,
+            Expected(expected, tolerance, unit),
             "mean of the printed column" if wrong else f"Table {table}, last row",
             printed=14 if wrong else None,
             erratum="The column 15, 12, 14, 17, 15 has the mean 14.6, not 14." if wrong else "",
@@ -166,9 +160,7 @@ def _correlations() -> Iterator[Case]:
         yield Case(
             f"Table 2.1: correlation of m and {name}",
             lambda c=column: correlation("m", c)[0],
-            r,
-            0.0015,
-            "1",
+            Expected(r, 0.0015, "1"),
             "section 2.4.1, recomputed",
             printed=printed,
             erratum="The table gives -0.798, which rounds to -0.80." if column == "w" else "",
@@ -177,9 +169,7 @@ def _correlations() -> Iterator[Case]:
         yield Case(
             f"Table 2.1: p of the correlation of m and {name}",
             lambda c=column: correlation("m", c)[1],
-            p,
-            0.002,
-            "1",
+            Expected(p, 0.002, "1"),
             "recomputed: two-sided, n = 4",
             printed=0.05,
             erratum=(
@@ -196,9 +186,7 @@ def _creep() -> Iterator[Case]:
             yield Case(
                 f"Creep weight k{index + 1}, {source}",
                 lambda s=source, i=index: float(prony(s).creep()[1][i]),
-                expected,
-                1e-4,
-                "1",
+                Expected(expected, 1e-4, "1"),
                 "recomputed: residues of 1 / (s G(s))",
                 reason="four digits of the recomputation",
             )
@@ -207,9 +195,7 @@ def _creep() -> Iterator[Case]:
             yield Case(
                 f"Creep: a / a(0) at {1e3 * time:g} ms of a step force, {source}",
                 lambda s=source, t=time: growth(prony(s), t),
-                expected,
-                6e-4,
-                "1",
+                Expected(expected, 6e-4, "1"),
                 "recomputed: a³ follows J(t)",
                 reason="three digits of the recomputation",
             )

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.case import Case, Outcome
+from fefinger.validation.case import Case, Expected, Outcome
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import held_out, runs, scenes, study
 from fefinger.validation.tradeoff import rules as tradeoff_rules
@@ -105,18 +105,14 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             "stated errors: largest change since the report",
             _changed_since,
-            0.0,
-            0.01,
-            "1",
+            Expected(0.0, 0.01, "1"),
             "reports/tradeoff.json, which the planner reads",
         )
     data: Callable[[], dict[str, Any]] = committed if quick else fresh
     yield Case(
         "margins of the stated errors, derived again",
         lambda: rederived(committed()["rules"]),
-        0.0,
-        1e-9,
-        "1",
+        Expected(0.0, 1e-9, "1"),
         "the presses of the same report",
     )
     yield from _held_out(data)
@@ -130,9 +126,7 @@ def _campaign() -> Iterator[Case]:
         yield Case(
             f"{kind} {name}: runs that are missing",
             partial(_made, own),
-            0.0,
-            0.0,
-            "runs",
+            Expected(0.0, 0.0, "runs"),
             f"the campaign: {len(own)} runs",
         )
 
@@ -149,9 +143,7 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         return Case(
             name,
             lambda: float(data()["summary"][key]),
-            expected,
-            tolerance,
-            "1",
+            Expected(expected, tolerance, "1"),
             source,
         )
 
@@ -162,9 +154,7 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
             yield Case(
                 f"stated error kept by {whose}: {said}",
                 lambda key=key, quantity=quantity: float(data()["summary"][key][quantity]),
-                1.0,
-                0.05,
-                "1",
+                Expected(1.0, 0.05, "1"),
                 "95 % of the scenes",
             )
     yield from _cost(data)
@@ -186,9 +176,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield Case(
         share,
         lambda: float(data()["summary"]["within_1.2"]),
-        known["summary"]["within_1.2"],
-        AS_REPORTED,
-        "1",
+        Expected(known["summary"]["within_1.2"], AS_REPORTED, "1"),
         "what the report says",
         wanted=held_out.KEPT,
         shortfall=(
@@ -201,9 +189,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield Case(
         f"{share}: how much smaller than that of an oracle",
         lambda: max(0.0, reached - float(data()["summary"]["within_1.2"])),
-        0.0,
-        AS_THE_ORACLE,
-        "1",
+        Expected(0.0, AS_THE_ORACLE, "1"),
         f"an oracle that states every actual error {over:.2g} times too large, as the planner does "
         "in the median with that of the cheapest that will do",
         reason="what the planner states is too large by a factor that varies",
