@@ -89,7 +89,7 @@ def motion() -> Array:
 def end_organs(finger: Condensed) -> Sites:
     """Return EACH sites of every type, under the vertices of the pad nearest to the plate."""
     on_pad = finger.patch
-    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.travel)[:EACH]]
+    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.projected)[:EACH]]
     points, normals = finger.solid.space.points[near], finger.solid.normals[near]
     depths = np.repeat(list(TYPES.values()), EACH)
     outward = np.tile(normals, (len(TYPES), 1))
@@ -242,11 +242,11 @@ def _agreement(finger: Condensed) -> list[Figure]:
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", prescribed.time[:2], depth[:2])
-    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
+    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.projected, memory, few)  # compiles
     for method in (step_compiled.march, march):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()
-        history = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
+        history = method(finger.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
         seconds.append((time.thread_time() - begun) / len(depth))
         answers.append(history.pressure)
     error = np.abs(answers[0] - answers[1]).max(axis=1)

@@ -103,7 +103,7 @@ def contact(solid: body.Body, finger: Finger) -> float:
 
     def pressed() -> Any:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
-        return march(small.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
+        return march(small.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
 
     return best(pressed)[1]
 

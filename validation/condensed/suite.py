@@ -186,7 +186,7 @@ def swept(resolution: str) -> tuple[float, float, float]:
         for k, depth in enumerate(depths.tolist()):
             pressures[k] = pressed.step_contact(depth, DT).pressure
             if not runs:
-                free = on_pad.gap - depth * on_pad.travel
+                free = on_pad.gap - depth * on_pad.projected
                 gaps = free + pressed.flexibility @ pressed.elastic
                 deepest = max(deepest, float(-gaps.min() / np.abs(free).max()))
         runs.append(pressures)

@@ -67,12 +67,12 @@ def pressed(relaxing: Prony, control: str, time: Array, value: Array) -> History
     memory = Relaxation(np.array(relaxing.weights), np.array(relaxing.v), len(patch.vertices))
     share = 1.0 if control == "depth" else 0.25  # of the whole body's force
     prescribed = Prescribed(control, time, share * value)
-    return march(layer.flexibility, patch.gap, patch.travel, memory, prescribed)
+    return march(layer.flexibility, patch.gap, patch.projected, memory, prescribed)
 
 
 def force(history: History) -> Array:
     """Return the force (n_t,) on the whole layer in mN."""
-    return np.asarray(4 * history.pressure @ body().patch.travel)
+    return np.asarray(4 * history.pressure @ body().patch.projected)
 
 
 @cache

@@ -61,7 +61,7 @@ def squeezed(name: str, poisson: float) -> tuple[Array, Array]:
     results = []
     for depth in SQUEEZES:
         state = solver.find(state, Target("depth", float(depth), pressed.body.at_rest))
-        force = float(solver.contact.travel @ state.pressure)
+        force = float(solver.contact.projected @ state.pressure)
         results.append((force, stretches(state.values, pressed.body)[0]))
     forces, wide = np.array(results).T
     return forces, wide
@@ -85,7 +85,7 @@ def _through(pressed: Cube, times: Array, depth: Callable[[float], float]) -> Ar
     forces: list[float] = []
 
     def keep(_: int, state: State) -> None:
-        forces.append(float(pressed.equilibrium.contact.travel @ state.pressure))
+        forces.append(float(pressed.equilibrium.contact.projected @ state.pressure))
 
     history = StressHistory(pressed.body, {1: SERIES})
     follow(pressed.equilibrium, history, Path("depth", times, depth), keep)

@@ -82,7 +82,7 @@ def balance() -> tuple[float, float]:
     reactions, fixed = np.zeros_like(inner), on.finger.system.fixed
     reactions[fixed] = (inner - loads @ state.pressure)[fixed]
     total = reactions[: on.finger.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    force = float(on.contact.travel @ state.pressure)
+    force = float(on.contact.projected @ state.pressure)
     across = np.cross([0.0, 1.0, 0.0], on.touch.axis)
     return float(-total @ on.touch.axis / force - 1), float(total @ across / force)
 
@@ -95,7 +95,7 @@ def approach() -> float:
     """
     on, depths = plate(), SHALLOW * np.array([1.0, 2.0])
     expected = np.array([_small(on, depth) for depth in depths])
-    forces = np.array([on.contact.travel @ state.pressure for state in on.at(depths)])
+    forces = np.array([on.contact.projected @ state.pressure for state in on.at(depths)])
     apart = np.abs(forces / expected - 1)
     return float(np.log(apart[1] / apart[0]) / np.log(expected[1] / expected[0]))
 
@@ -106,7 +106,7 @@ def _small(on: PressedFinger, depth: float) -> float:
     gap = on.contact.at(State(rest, np.zeros(len(on.contact)), depth))
     loads = gap.loads.toarray()
     flexibility = loads.T @ on.finger.system.solve(loads)
-    return float(on.contact.travel @ Complementarity(flexibility).solve(gap.gaps))
+    return float(on.contact.projected @ Complementarity(flexibility).solve(gap.gaps))
 
 
 def tilted(tilt: float) -> Response:

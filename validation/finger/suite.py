@@ -62,12 +62,12 @@ def pressed(
     touch = placement.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)
     small = reduce(whole, on_pad, strain_at(whole.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.projected)
     loads = on_pad.loads @ pressure
     reactions = np.zeros(whole.space.n_unknowns)
     reactions[whole.system.fixed] = whole.system.reactions(whole.system.solve(loads), loads)
     total = reactions[: whole.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    return Balance(touch.axis, float(on_pad.travel @ pressure), total)
+    return Balance(touch.axis, float(on_pad.projected @ pressure), total)
 
 
 def balance(resolution: str, bone: str | Hard = RIGID) -> tuple[float, float]:

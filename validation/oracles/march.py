@@ -10,7 +10,7 @@ from fefinger.support.arrays import Array
 def march(
     flexibility: Array,
     gap: Array,
-    travel: Array,
+    projected: Array,
     relaxation: Relaxation,
     prescribed: Prescribed,
 ) -> History:
@@ -26,9 +26,11 @@ def march(
         g, past = relaxation.history(step)
         free = gap - flexibility @ past / g
         if prescribed.control == "depth":
-            depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
+            depth, pressure, count = float(target), g * solver.solve(free - target * projected), 1
         else:
-            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth, peak)
+            depth, pressure, count = depth_at(
+                solver, g, free, projected, float(target), depth, peak
+            )
         elastic = (pressure - past) / g
         relaxation.advance(step, elastic)
         depths.append(depth)

@@ -108,7 +108,7 @@ class HalfSpaceQuarter:
                 )
                 field[away, :2, column] += (outward / r)[:, None] * offset
                 field[away, 2, column] += down
-        field *= self.patch.travel
+        field *= self.patch.projected
         return np.asarray(field.reshape(-1, len(self.patch.vertices))[self.fixed])
 
     def forces(self, prony: Prony, time: Array, depth: Array) -> Array:
@@ -117,12 +117,12 @@ class HalfSpaceQuarter:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
         prescribed = Prescribed("depth", time, depth)
         history = step_compiled.march(
-            self.flexibility, self.patch.gap, self.patch.travel, memory, prescribed
+            self.flexibility, self.patch.gap, self.patch.projected, memory, prescribed
         )
-        if (history.pressure[:, self.patch.edge] > 0).any():
+        if (history.pressure[:, self.patch.border] > 0).any():
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)
-        return 4 * np.asarray(history.pressure @ self.patch.travel)
+        return 4 * np.asarray(history.pressure @ self.patch.projected)
 
 
 def _graded(a: float, cells: int, even: float) -> Array:

@@ -104,7 +104,7 @@ class Hemisphere:
         forces: list[float] = []
 
         def keep(_: int, state: State) -> None:
-            forces.append(4e-3 * float(self.contact.travel @ state.pressure))
+            forces.append(4e-3 * float(self.contact.projected @ state.pressure))
 
         follow(solver, history, Path("depth", times, lambda t: min(rate * t, DEPTH)), keep)
         return np.array(forces), solver

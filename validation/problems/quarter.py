@@ -104,7 +104,7 @@ class Quarter:
 
     def pressed(self, depth: float) -> "Pressed":
         """Return the contact at a depth in mm."""
-        free = self.patch.gap - depth * self.patch.travel + self.patch.loads.T @ self.unloaded
+        free = self.patch.gap - depth * self.patch.projected + self.patch.loads.T @ self.unloaded
         return Pressed(self, Complementarity(self.flexibility).solve(free))
 
 
@@ -118,7 +118,7 @@ class Pressed:
     @property
     def force(self) -> float:
         """The force on the whole body in mN."""
-        return 4 * float(self.body.patch.travel @ self.pressure)
+        return 4 * float(self.body.patch.projected @ self.pressure)
 
     @property
     def area(self) -> float:

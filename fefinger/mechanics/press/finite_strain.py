@@ -133,7 +133,7 @@ class _Recorder:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = body.space.node_points
         on = contact.on
-        self.rim = on.edge | np.isin(on.vertices, placement.border(body))
+        self.rim = on.border | np.isin(on.vertices, placement.border(body))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -182,7 +182,7 @@ def _steps(
         history = _on_candidates(press, elements, contact, steps, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact.on, pressed, history.depth)
-        if not (pressed & contact.on.edge).any():
+        if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))
@@ -240,5 +240,5 @@ def _check_contact(body: Solid, on: Candidates, pressed: NDArray[np.bool_], dept
     placement.check_inside(body, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(limits.unresolved(float(depth.max())))
-    if (pressed & on.rim).any():
+    if (pressed & on.obstacle_border).any():
         raise InputError(limits.rim_reached(len(pressed)))

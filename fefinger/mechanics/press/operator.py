@@ -114,7 +114,7 @@ def reduced(
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
         digest.update(np.ascontiguousarray(array).tobytes())
-    names = ("flexibility", "strain", "approach")
+    names = ("flexibility", "strain", "normal_displacement")
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)

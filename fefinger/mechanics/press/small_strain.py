@@ -115,7 +115,7 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
             history = march(
                 reduced.flexibility,
                 candidates.gap,
-                candidates.travel,
+                candidates.projected,
                 relaxation,
                 prescribed,
                 report,
@@ -126,9 +126,9 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
         placement.check_inside(body, candidates.vertices[pressed], deepest)
         if not pressed.any():
             raise InputError(limits.unresolved(deepest))
-        if (pressed & candidates.rim).any():
+        if (pressed & candidates.obstacle_border).any():
             raise InputError(limits.rim_reached(len(candidates.vertices)))
-        if not (pressed & candidates.edge).any():
+        if not (pressed & candidates.border).any():
             return reduced, history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))

@@ -95,7 +95,7 @@ class Rolling:
         prony, nothing = finger.prony, np.zeros(2 * n)
         factors = np.array(prony.weights[1:]) / prony.weights[0]
         self._memory = step_compiled.pad_state(nothing, nothing, factors, np.array(prony.v))
-        self._along = -every[1].moment[chosen, 1] / every[1].travel[chosen]
+        self._along = -every[1].moment[chosen, 1] / every[1].projected[chosen]
         self._strain = np.zeros(6 * len(sites.points))
         strain = self._strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)

@@ -175,7 +175,7 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     on = patch(space, top, np.zeros_like(space.points), obstacle, 1.5)
     moved = system.solve(on.loads.toarray())
     flexibility = on.loads.T @ moved
-    pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.travel)
+    pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.projected)
     gap = on.clearance(np.array([0.3]), (on.places.T @ moved @ pressure)[None])
     number = np.full(len(space.points), -1)
     number[on.neighborhood.vertices] = np.arange(len(on.neighborhood.vertices))
