@@ -9,7 +9,7 @@ Verdict = Literal["pass", "documented", "short", "fail"]
 
 
 @dataclass(frozen=True)
-class Told:
+class Noted:
     """A value with a sentence on it, which the page shows under the case."""
 
     value: float
@@ -32,14 +32,14 @@ class Expected:
 class Case:
     """One comparison of a computed number with its expected value.
 
-    measure: gives fefinger's value, or what is Told of it; source: the equation, table, program or
-    second method behind `expected`; printed: a published value, kept beside the right one; erratum:
-    a sentence on why the two differ; wanted: what fefinger aims at where `expected` is only what is
-    known of it; shortfall: a sentence on why it is missed; reason: why this tolerance.
+    measure: gives fefinger's value, or it with a note (`Noted`); source: the equation, table,
+    program or second method behind `expected`; printed: a published value beside the right one;
+    erratum: a sentence on why the two differ; wanted: what fefinger aims at where `expected` is
+    only what is known of it; shortfall: a sentence on why it is missed; reason: why this tolerance.
     """
 
     name: str
-    measure: Callable[[], float | Told]
+    measure: Callable[[], float | Noted]
     expected: Expected
     source: str
     printed: float | None = None
@@ -53,13 +53,13 @@ class Case:
 class Outcome:
     """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN.
 
-    `told` is the sentence of the measure on its value.
+    `note` is the sentence of the measure on its value.
     """
 
     case: Case
     value: float
     failure: str = ""
-    told: str = ""
+    note: str = ""
 
     @property
     def verdict(self) -> Verdict:

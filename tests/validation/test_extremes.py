@@ -358,7 +358,7 @@ def test_the_suite_has_its_trials_and_tells_what_came_out():
     quick = suites.cases("extremes", quick=True)
     (outcome,) = (suites._measured(quick[0]),)
     assert outcome.verdict == "pass"
-    assert outcome.told.startswith(("answered: ", "refused: "))
+    assert outcome.note.startswith(("answered: ", "refused: "))
 
 
 def test_the_page_says_how_the_trials_ended_from_their_record_alone():
@@ -369,7 +369,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         "nerve, pace: fast": ("answered, but finite: 3 > 0", 1e6, "fail"),
     }
     cases = [
-        {"name": name, "told": said, "value": value, "verdict": verdict}
+        {"name": name, "note": said, "value": value, "verdict": verdict}
         for name, (said, value, verdict) in told.items()
     ]
     found = drawings.finding(cases)

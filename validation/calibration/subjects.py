@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import calibrated, rows
-from fefinger.validation.case import Case, Expected, Told
+from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.problems.chain import Array
 
 from fefinger.calibration import pad_radius as pad
@@ -144,7 +144,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     )
 
 
-def first_stiffness(subject: str) -> Told:
+def first_stiffness(subject: str) -> Noted:
     """Return b in N/mm of the line through stiffness against force, moved by a new press.
 
     Over the forces that the new press reaches.
@@ -156,10 +156,10 @@ def first_stiffness(subject: str) -> Told:
         line(force, stiffness(c, 1.0, calibration.prony, force)) for c in (one, calibration.curve)
     )
     note = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
-    return Told(calibration.residuals["b"] + new[1] - old[1], note)
+    return Noted(calibration.residuals["b"] + new[1] - old[1], note)
 
 
-def radius_again(subject: str) -> Told:
+def radius_again(subject: str) -> Noted:
     """Return the R in mm of the report, times what a new press makes of it.
 
     Over the depth that both reach: the deeper the frames, the smaller R.
@@ -173,7 +173,7 @@ def radius_again(subject: str) -> Told:
     note = (
         f"Compared to {deep:.2f} mm, where the shorter press ends, of {calibration.deepest:.2f} mm."
     )
-    return Told(calibration.residuals["array radius"] * new / old, note)
+    return Noted(calibration.residuals["array radius"] * new / old, note)
 
 
 def line_sd(wanted: Bulk) -> tuple[float, float]:
@@ -219,13 +219,13 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     return replace(one, q=one.q + np.log(factor))
 
 
-def on_standard(subject: str) -> Told:
+def on_standard(subject: str) -> Noted:
     """Return the largest relative distance of the force on the standard mesh from the report."""
     row = json.loads(report(STANDARD))["rows"][subject]
     depth, force, reported = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
     off = np.abs(force / reported - 1)[depth > depth[-1] / 3].max()
     values = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
-    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
+    return Noted(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
 
 
 def again(subject: str) -> float:

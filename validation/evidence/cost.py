@@ -60,7 +60,7 @@ def row(mesh: str, subject: str, tissue: str, indenter: Indenter, depth: float) 
     started = time.process_time()
     response = solid.respond(pressed)
     spent, seconds = time.process_time() - started, response.seconds
-    share = spent / sum(seconds.values())  # stages are told in wall time
+    share = spent / sum(seconds.values())  # stages are in wall time
     steps = int(response.numbers["steps"])
     return {
         "mesh": mesh,

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case, Expected, Told
+from fefinger.validation.case import Case, Expected, Noted
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -50,13 +50,13 @@ def strains(resolution: str, name: str) -> Array:
     return np.asarray(small.strain @ pressure).reshape(2, len(points), 6)
 
 
-def apart(name: str) -> Told:
+def apart(name: str) -> Noted:
     """Return by how much the two meshes differ in %, RMS over the organs, recovered."""
     coarse, standard = (strains(resolution, name) for resolution in ("coarse", "standard"))
     size = np.linalg.norm(standard, axis=2)
     each = 100 * np.linalg.norm(coarse - standard, axis=2) / size
     recovered, cells = np.sqrt(np.mean(each**2, axis=1))
-    return Told(float(recovered), f"As it stands in the cells: {cells:.2g} %.")
+    return Noted(float(recovered), f"As it stands in the cells: {cells:.2g} %.")
 
 
 def cases() -> Iterator[Case]:

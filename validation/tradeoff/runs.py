@@ -156,7 +156,7 @@ def _at_first(run: Run) -> Iterator[None]:
     """
     finger, touch = run.scene.finger, refinement_location(run.scene.indenter)
     if MECHANICS[run.mechanics].meshed:
-        with suppress(InputError):  # told by the run itself
+        with suppress(InputError):  # the run itself says so
             ready(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:

@@ -57,7 +57,7 @@ RULES = (
     "contact area was corrected all runs were made again, on another mesh of the other finger; the "
     "rules are as before. With six meshes compared 94 % of the errors of pressure were kept, and "
     "with twelve, which are taken since, 95 %: those of the highest pressure on the coarse mesh of "
-    "another finger are told too small by a fifth. When the weighted gaps of `solid` were changed, "
+    "another finger are stated too small by a fifth. When the weighted gaps of `solid` changed, "
     "which had not seen facets fold, its runs were made again. Two dozens of twelve meshes then "
     "made the picks take 2.2 and 3.5 times the least time; twenty-four are compared since."
 )
@@ -240,9 +240,9 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
 
 def finding() -> dict[str, Any]:
     """Return the text of the report: the verdict on the held-out scenes, and tables."""
-    from fefinger.validation.tradeoff import told
+    from fefinger.validation.tradeoff import texts
 
-    return told.finding(committed())
+    return texts.finding(committed())
 
 
 def figures() -> Iterator[tuple[str, Any]]:
