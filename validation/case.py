@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Self
 
 
 Verdict = Literal["pass", "documented", "short", "fail"]
@@ -26,6 +26,11 @@ class Expected:
     value: float
     tolerance: float
     unit: str
+
+    @classmethod
+    def between(cls, low: float, high: float, unit: str) -> Self:
+        """Return the middle of two limits, with half of their distance as the tolerance."""
+        return cls((low + high) / 2, (high - low) / 2, unit)
 
 
 @dataclass(frozen=True)

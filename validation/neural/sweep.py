@@ -4,12 +4,10 @@ The end organ is in its steady state, A [H(0) - Re(H(f) exp(i w t))], so that no
 input stands between the equations of the thesis and the current.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case, Expected
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
@@ -194,17 +192,3 @@ def retracting(organ: Organ, membrane: Membrane, frequency: float, currents: Arr
 def tallest(organ: Organ, frequency: float) -> float:
     """Return the largest current that an amplitude of 1 gives at a frequency."""
     return float(current(organ, frequency, np.arange(1000) / 1000).max())
-
-
-def claim(
-    name: str,
-    measure: Callable[[], float],
-    limits: tuple[float, float],
-    unit: str,
-    source: str,
-    reason: str,
-) -> Case:
-    """Return the case that a claim makes of a number: it lies between two limits."""
-    low, high = limits
-    middle, half = (low + high) / 2, (high - low) / 2
-    return Case(name, measure, Expected(middle, half, unit), source, reason=reason)
