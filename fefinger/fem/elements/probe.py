@@ -144,17 +144,13 @@ def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:
     return around(space.points[space.vertices], points, margin=8 * INSIDE)
 
 
-def _inverse_jacobians(space: Space) -> Array:
-    """Gradients (n_cells, 3, 3) of the reference coordinates, one per row."""
-    corners = space.points[space.vertices]
-    return np.asarray(np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)))
-
-
 def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
     """Gradient (9 n, n_unknowns) at reference coordinates `local` (n, 3) of `cells` (n,)."""
     element, n_local = space.scalar.elem, space.nodes.shape[1]
     reference = np.array([element.lbasis(local.T, i)[1] for i in range(n_local)])
-    gradients = np.einsum("kjp,pjd->pkd", reference, _inverse_jacobians(space)[cells])
+    corners = space.points[space.vertices[cells]]
+    inverse = np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2))
+    gradients = np.einsum("kjp,pjd->pkd", reference, inverse)
     block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, n_local))
     rows = np.arange(9 * len(cells)).reshape(len(cells), 3, 3, 1)
     unknowns = 3 * space.nodes[cells][:, None, None, :] + np.arange(3)[:, None, None]

@@ -138,7 +138,8 @@ def dissect(
         pieces.append((pivots, outer, parts))
         return len(pieces) - 1
 
-    root = divide(np.arange(len(unknowns)), _members(unknowns), last)
+    members = np.unique(unknowns)
+    root = divide(np.arange(len(unknowns)), members[members >= 0], last)
     if len(last):
         pieces.append((last, NOTHING, (root,)))
     order = np.concatenate([pivots for pivots, _, _ in pieces])
@@ -256,11 +257,6 @@ def _halved(
             halves = [cells[order[:cut]], cells[order[cut:]]]
             before, after = real & (first < cut), real & (last >= cut)
     return halves, [members[before], members[after]], members[before & after]
-
-
-def _members(unknowns: Integers) -> Integers:
-    members = np.unique(unknowns)
-    return members[members >= 0]
 
 
 @njit(cache=True)
