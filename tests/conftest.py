@@ -20,8 +20,8 @@ from fefinger.results.plan_text import trust
 from fefinger.results.records import Fields, Pad, Plan, Refusal, Response, Rung, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import RampHold
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 

@@ -14,7 +14,8 @@ from fefinger.mechanics.press import population
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.pages import report
 from fefinger.scene import builtin, library
-from fefinger.scene.indenter import STANDARD, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 

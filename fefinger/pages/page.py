@@ -19,7 +19,10 @@ def render(template: str, **values: Any) -> str:
     from jinja2 import Environment
 
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"percent": _percent, "number": _number}
+    environment.filters |= {
+        "percent": lambda value: f"{100 * value:.2g} %",
+        "number": lambda value: f"{value:.3g}",
+    }
     page = environment.from_string(resources.files(TEMPLATES).joinpath(template).read_text("utf-8"))
     return page.render(css=source("report.css"), **values)
 
@@ -43,7 +46,7 @@ def svg(drawn: Any) -> str:
 
 def png(data: bytes) -> str:
     """Return the bytes of a PNG file as the source of a picture in a page."""
-    return "data:image/png;base64," + _base64(data)
+    return "data:image/png;base64," + base64.b64encode(data).decode("ascii")
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -53,15 +56,3 @@ def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]
             yield from flat(value, f"{prefix}{name}.")
         elif value != "":
             yield f"{prefix}{name}", str(value)
-
-
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}"

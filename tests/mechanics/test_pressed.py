@@ -17,8 +17,9 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Sphere, direction
-from fefinger.scene.motion import ForceRampHold, Ramp, RampHold, Sampled, Trapezoid
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, Sampled, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.checks import InputError

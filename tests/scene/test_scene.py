@@ -11,8 +11,8 @@ from fefinger.validation.problems import published
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
-from fefinger.scene.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.scene.motions import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
 from fefinger.scene.population import Scatter
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue

@@ -15,6 +15,7 @@ from fefinger.validation.extremes.nerve import MEMBRANES, _checked
 from fefinger.validation.extremes.scenes import answered, ramp
 from fefinger.validation.extremes.theory import _creep, _pad, _spring, _step
 from fefinger.validation.extremes.trial import THEORY, TookTooLongError, Trial, ending, limited
+from fefinger.validation.oracles.sphere import Sphere
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +26,6 @@ from fefinger.mechanics.situation import Situation
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
-from fefinger.theory.contact.sphere import Sphere
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
@@ -366,7 +366,7 @@ def test_the_suite_has_its_trials_and_tells_what_came_out():
     quick = suites.cases("extremes", quick=True)
     (outcome,) = (suites._measured(quick[0]),)
     assert outcome.verdict == "pass"
-    assert outcome.told.startswith(("answered: ", "refused: "))
+    assert outcome.note.startswith(("answered: ", "refused: "))
 
 
 def test_the_page_says_how_the_trials_ended_from_their_record_alone():
@@ -377,7 +377,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         "nerve, pace: fast": ("answered, but finite: 3 > 0", 1e6, "fail"),
     }
     cases = [
-        {"name": name, "told": said, "value": value, "verdict": verdict}
+        {"name": name, "note": said, "value": value, "verdict": verdict}
         for name, (said, value, verdict) in told.items()
     ]
     found = drawings.finding(cases)

@@ -19,8 +19,8 @@ from fefinger.mechanics import hertz
 from fefinger.results.records import Pad
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp, RampHold, Sinusoid
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp, RampHold, Sinusoid
 from fefinger.scene.scene import Scene
 
 

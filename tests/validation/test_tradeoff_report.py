@@ -22,8 +22,8 @@ from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Bar, Cylinder, Flat, Sphere
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Bar, Cylinder, Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 
 

@@ -5,8 +5,8 @@ import re
 
 from fefinger.result import Result
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Sphere
-from fefinger.scene.motion import Sinusoid
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Sinusoid
 from fefinger.view.titles import titles
 
 

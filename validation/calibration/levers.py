@@ -1,7 +1,7 @@
 """Causes of differences in R, m and c0 b of the thesis's fit of the frames of a slow press.
 
 One lever at a time: in the finger (its modulus and exponent are fitted to the force again), in the
-array and its reading, and in the force that the fit is told to share with Table 2.1.
+array and its reading, and in the force that the fit has to share with Table 2.1.
 """
 
 import math

@@ -23,8 +23,8 @@ from fefinger.mechanics.evidence.table import LUMPED, SOLID, TRADEOFF, read
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony

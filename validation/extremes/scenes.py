@@ -15,11 +15,12 @@ from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
-from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
-from fefinger.scene.motion import (
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
     ForceRampHold,
     ForceRampSinusoid,
-    Motion,
     Ramp,
     RampHold,
     RampSinusoid,

@@ -7,16 +7,11 @@ from numpy.random import Generator
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.library import calibrated_name
-from fefinger.scene.motion import (
-    ForceRampHold,
-    Motion,
-    RampHold,
-    RampSinusoid,
-    Sinusoid,
-    Trapezoid,
-)
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceRampHold, RampHold, RampSinusoid, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 
 

@@ -14,8 +14,8 @@ from fefinger.mechanics.press.elastic_press import solve
 from fefinger.mechanics.press.problem import Press
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Sphere
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Stages

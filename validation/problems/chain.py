@@ -14,8 +14,9 @@ from fefinger.mechanics import hertz, layered, linear, solid
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony

@@ -10,8 +10,10 @@ import numpy as np
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.scene.motion import Motion, Ramp, RampHold, Sinusoid, Trapezoid
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import Ramp, RampHold, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.theory.relaxation import Prony
 

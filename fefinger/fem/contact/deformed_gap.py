@@ -66,7 +66,7 @@ class DeformedGap:
     def steepness(self) -> Array:
         """The mean t / m (n,) of phi'."""
         slopes = self.contact.integrated(self.contact.hats * self._slope[:, None])
-        return np.asarray(slopes / self.contact.travel)
+        return np.asarray(slopes / self.contact.projected)
 
     @cached_property
     def loads(self) -> sparse.csc_matrix:
@@ -86,7 +86,7 @@ class DeformedGap:
     def fold_stiffness(self) -> Array:
         """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
         mean = self.contact.integrated(self.contact.hats * self._fall[:, None])
-        return np.asarray(self._multipliers * mean / self.contact.travel)
+        return np.asarray(self._multipliers * mean / self.contact.projected)
 
     def stiffness(self) -> sparse.csr_matrix:
         """Contribution of phi'' to the tangent: the integral of -phi'' psi lambda (grad g . v)².
@@ -158,7 +158,7 @@ class ContactSurface:
         return len(self.on.vertices)
 
     @cached_property
-    def travel(self) -> Array:
+    def projected(self) -> Array:
         """The integrals m (n,) mm² of the hats: closure of the gaps per mm of travel."""
         return self.integrated(self.hats)
 

@@ -70,7 +70,7 @@ class CarriedPress:
     def force(self) -> Array:
         """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
-        return np.asarray(unit * self.pressure @ self.contact.travel)
+        return np.asarray(unit * self.pressure @ self.contact.projected)
 
     @cached_property
     def elastic(self) -> ElasticForce:
@@ -87,7 +87,7 @@ class CarriedPress:
         """Pressure (n_t, n_candidates) kPa: none pulls, and they bear the force."""
         pushing = np.maximum(shares.stress @ self.pressure, 0.0)
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
-        borne = unit * pushing @ self.contact.travel
+        borne = unit * pushing @ self.contact.projected
         factor = np.divide(shares.force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * pushing)
 

@@ -21,8 +21,9 @@ from fefinger.mechanics.press.pad import whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import areas_of_steps
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.scene.indenter import STANDARD, Indenter
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motions import Ramp
 from fefinger.support import cache
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Stages
@@ -98,7 +99,7 @@ def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
         with stages.stage("reference"):
             plate = placement.obstacle(STANDARD, body)
             fields.append(reference_state(whole, elements, plate).values)
-    pressure, travel = history.pressure, history.contact.travel
+    pressure, travel = history.pressure, history.contact.projected
     force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     pad, column = whole_pad(body, history.contact.neighborhood)
     return ElasticPress(

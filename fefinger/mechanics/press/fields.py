@@ -16,7 +16,7 @@ VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
     """Solve for the whole body at some of the times."""
     contact, on_pad, original = history.contact, history.reduced.patch, press.body.original
-    force = contact.pressure @ on_pad.travel
+    force = contact.pressure @ on_pad.projected
     frames = frames_of(contact.depth, int(np.argmax(force)))
     loads = on_pad.loads @ contact.elastic[frames].T
     unknowns = press.method.unknowns(press.body, np.asarray(loads))

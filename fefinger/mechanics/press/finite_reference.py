@@ -49,7 +49,7 @@ def reference_state(press: Press, elements: Continuum, plate: Obstacle) -> State
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
-    if (states[-1].pressure[contact.on.edge] > 0).any():
+    if (states[-1].pressure[contact.on.border] > 0).any():
         message = "reference press: contact left its patch; the pad is much flatter than expected"
         raise ConvergenceError(message)
     return states[-1]

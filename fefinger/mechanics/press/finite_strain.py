@@ -40,7 +40,7 @@ from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
@@ -155,7 +155,7 @@ class _Recorder:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = body.space.node_points
         on = contact.on
-        self.rim = on.edge | np.isin(on.vertices, placement.border(body))
+        self.rim = on.border | np.isin(on.vertices, placement.border(body))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -222,7 +222,7 @@ def follow_course(
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact.on, pressed, history.depth)
-        if not (pressed & contact.on.edge).any():
+        if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))
@@ -275,5 +275,5 @@ def _check_contact(body: Solid, on: Candidates, pressed: NDArray[np.bool_], dept
     placement.check_inside(body, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(limits.unresolved(float(depth.max())))
-    if (pressed & on.rim).any():
+    if (pressed & on.obstacle_border).any():
         raise InputError(limits.rim_reached(len(pressed)))

@@ -39,7 +39,8 @@ from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
@@ -109,10 +110,10 @@ class Condensed:
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
-        gap, travel = self.patch.gap, self.patch.travel
-        self._memory = step_compiled.pad_state(gap, travel, weights, np.array(prony.v), tolerance)
+        gap, areas = self.patch.gap, self.patch.projected
+        self._memory = step_compiled.pad_state(gap, areas, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
-        nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
+        nothing = np.empty((len(areas), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
@@ -300,8 +301,10 @@ def _reduced_to_candidates(
             reduced = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:
             break
-        pressure = Complementarity(reduced.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
-        if not (pressure[on_pad.edge & ~on_pad.rim] > 0).any():
+        pressure = Complementarity(reduced.flexibility).solve(
+            on_pad.gap - deepest * on_pad.projected
+        )
+        if not (pressure[on_pad.border & ~on_pad.obstacle_border] > 0).any():
             break
     if reduced is None:
         message = (
@@ -339,13 +342,15 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> st
     areas = np.bincount(column, pad.areas, minlength=count)
     first = first_moments(pad)
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
-    edge = on_pad.edge | np.isin(on_pad.vertices, placement.border(solid))
+    edge = on_pad.border | np.isin(on_pad.vertices, placement.border(solid))
     kind = np.float32 if precision == "single" else np.float64
     return step_compiled.Output(
         areas=np.asarray(areas, dtype=np.float64),
         moments=np.array(moments),
         limits=np.select(
-            [on_pad.rim, edge], [lcp_compiled.TURNED, lcp_compiled.BEYOND], lcp_compiled.DONE
+            [on_pad.obstacle_border, edge],
+            [lcp_compiled.TURNED, lcp_compiled.BEYOND],
+            lcp_compiled.DONE,
         ),
         elastic=np.zeros(count),
         rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),

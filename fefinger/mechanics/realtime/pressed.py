@@ -25,8 +25,9 @@ from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, number
 from fefinger.support.progress import Progress, Stages
@@ -86,7 +87,7 @@ class Pressed:
         rows, columns = zip(*VOIGT, strict=True)
         strain = carried.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
-        self._pressure, self._travel = carried.pressure, carried.contact.travel
+        self._pressure, self._travel = carried.pressure, carried.contact.projected
         self._area = table.bounded(table.area)
         pad, column = whole_pad(press.body, carried.contact.neighborhood)
         seen = np.eye(len(self._travel))

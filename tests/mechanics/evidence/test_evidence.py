@@ -15,7 +15,7 @@ from fefinger.mechanics.evidence import machine, reports, table
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.build import SETTINGS
-from fefinger.scene.motion import Ramp
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue
 from fefinger.support.text import percent

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.problems import published
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
@@ -23,8 +23,8 @@ from fefinger.pipeline import run
 from fefinger.results.records import Response
 from fefinger.scene.ask import SOLVERS
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.checks import InputError

@@ -12,10 +12,10 @@ from fefinger.mechanics.press.load_steps import (
 )
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import (
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
     ForceRampHold,
     ForceSampled,
-    Motion,
     Ramp,
     RampHold,
     RampSinusoid,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.theory.contact import elastic
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
@@ -43,8 +42,6 @@ def ramp_and_hold(
     sampled at `sample_rate` Hz, with white noise on position and force; without noise if `seed` is
     None.
     """
-    sizes = {"speed": speed, "peak_force": peak_force, "hold": hold, "sample_rate": sample_rate}
-    elastic.require_positive("ramp_and_hold", **sizes)
     depth = _depth_at(spring, prony, speed, peak_force)
     end = (LEAD + depth) / speed
     time = np.arange(0.0, end + hold, 1.0 / sample_rate)

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.sphere import Sphere
 
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.sphere import Sphere
 
 
 SIZES = pytest.mark.parametrize("ratio", [0.02, 0.3, 0.6, 0.9])
@@ -100,10 +100,6 @@ def test_pressure_and_surface_at_the_axis_and_the_edge():
     assert float(s.displacement(a * (1 + 1e-9))) == pytest.approx(float(s.displacement(a)))
 
 
-def test_what_is_out_of_range_is_refused():
-    with pytest.raises(ValueError, match=r"at most 0\.9 R"):
-        press(0.91)
+def test_a_sphere_deeper_than_linear_theory_reaches_is_refused():
     with pytest.raises(ValueError, match=r"at most 1\.32 R"):
         Sphere.at_depth(5.0, 7.0, modulus=34.0, poisson=0.45)
-    with pytest.raises(ValueError, match="radius above 0"):
-        Sphere(radius=-5.0, contact_radius=1.0, modulus=34.0, poisson=0.45)

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory.contact import elastic
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -35,9 +34,6 @@ def operating_stiffness(
     selects that form.
     """
     preload = np.asarray(preload, float)
-    if not np.all((preload >= 0) & np.isfinite(preload)):
-        msg = "operating_stiffness: expected preloads >= 0 N"
-        raise ValueError(msg)
     return spring.stiffness(preload if printed else preload / prony.long_time)
 
 
@@ -60,7 +56,7 @@ def impedance(
 
 def decibel(z: ArrayLike) -> NDArray[np.float64]:
     """Return 20 log10 |Z| (Eq. 2.10, with the modulus that the print leaves out)."""
-    return 20.0 * np.log10(elastic.numbers("decibel", "magnitudes", np.abs(z), above=0.0))
+    return 20.0 * np.log10(np.abs(z))
 
 
 def phase(z: ArrayLike) -> NDArray[np.float64]:

@@ -11,8 +11,8 @@ from fefinger.results.candidate import Candidate
 from fefinger.results.plan_text import SAID
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles import ergonomics
+from fefinger.validation.oracles.ergonomics import dissipation, tap, vibration
 
 from fefinger.scene import library
-from fefinger.theory.lumped import ergonomics
 from fefinger.theory.lumped import spring as lumped
-from fefinger.theory.lumped.ergonomics import dissipation, tap, vibration
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -131,17 +131,3 @@ def test_the_fraction_does_depend_on_the_offset_a_little():
     lost = [d.loading + d.unloading for d in (shallow, deep)]
     assert lost[1] / lost[0] == pytest.approx(scale, rel=5e-3)
     assert scale == pytest.approx(11.2 / 0.48, rel=5e-3)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: dissipation([0, 1], [0, 1], [0, 0]), "nothing touches"),
-        (lambda: dissipation([0, 1], [0, 1], [0]), "one shape"),
-        (lambda: vibration(*AH, offset=1, peak_to_peak=0.1, frequency=0.1), "2 cycles"),
-        (lambda: tap(*AH, depth=0, speed=1), "depth and speed above 0"),
-    ],
-)
-def test_what_cannot_be_used_gets_a_sentence(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

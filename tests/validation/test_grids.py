@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import quarter
 
-from fefinger.fem.elements.grids import quarter
 from fefinger.fem.elements.spaces import Space
 
 
