@@ -258,14 +258,14 @@ PUBLISHED = "maeno1998"
 """Set that gives the values that a finger with tissue values of its own leaves out."""
 
 
-def default_tissue(subject: str | None, *, given: bool) -> str:
+def default_tissue(subject: object, *, given: bool) -> str:
     """Name of the tissue set of a finger that names none: that which was fitted to the subject.
 
     Of other fingers, that which was fitted to the means; where values are `given`, PUBLISHED.
     """
     if given:
         return PUBLISHED
-    return calibrated_name(subject if subject is not None and subject in _FITTED else MEANS)
+    return calibrated_name(subject if isinstance(subject, str) and subject in _FITTED else MEANS)
 
 
 TISSUE_SETS = {
