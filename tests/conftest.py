@@ -130,7 +130,7 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
     motion = RampHold(speed=60, depth=DEPTH, hold=5)
     scene = Scene(
         name="synthetic",
-        finger=Finger.subject("a.h."),
+        finger=Finger.subject("a.h.", tissue="maeno1998"),
         indenter=Flat(30.0),
         motion=motion,
         ask=ask,

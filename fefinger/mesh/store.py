@@ -67,9 +67,9 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
     return ""
 
 
-def sha256(finger: "Finger") -> str | None:
+def sha256(finger: "Finger", touch: Touch = None) -> str | None:
     """SHA-256 of the mesh file of a scene's finger; None if it is neither shipped nor cached."""
-    recipe = Recipe.of(finger)
+    recipe = Recipe.of(finger, touch)
     sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
     try:
         return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])

@@ -139,9 +139,9 @@ def test_a_force_that_is_read_in_steps_is_of_a_sensor_within_its_range(tmp_path,
 def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
     found = targets.record(write(tmp_path / "press.csv", trial()), "coarse")
     deep = found.position.max() - found.lumped.spring.x0
-    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep))
+    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep, tissue="maeno1998"))
     with pytest.raises(InputError, match=r"press of less than .* mm, the tissue under the pad"):
-        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep))
+        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):

@@ -16,7 +16,7 @@ from fefinger.mesh.store import ready
 from fefinger.support.checks import InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 TISSUES = constitutive.tissues(FINGER)
 
 

@@ -23,7 +23,7 @@ from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 HELD = hard_parts.fixed_facets(FINGER)
 DEPTH = 0.6
 
@@ -203,7 +203,9 @@ def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounde
     subject: str, at: tuple[float, float]
 ) -> None:
     scene = ff.Scene(
-        finger=ff.Finger.subject(subject), indenter=ff.Sphere(5, at=at), motion=ff.Ramp(60, 0.3)
+        finger=ff.Finger.subject(subject, tissue="maeno1998"),
+        indenter=ff.Sphere(5, at=at),
+        motion=ff.Ramp(60, 0.3),
     )
     assert linear.unmeshable(Situation.of(scene)) == ()
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import hertz, linear
@@ -11,7 +12,6 @@ from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Touch, turned
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Sites
-from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.hertz import Hertz
@@ -19,7 +19,7 @@ from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.")
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
 ASK = ff.Ask(fields=False)
 PRONY = FINGER.prony
 BODY = hertz.HalfSpace(14.0, *hertz.tissue(FINGER))
@@ -194,7 +194,7 @@ def test_a_place_beyond_the_pad_is_beyond_its_ability():
 
 
 def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
-    plan = ff.explain(builtin.load("flat-press"))
+    plan = ff.explain(published.load("flat-press"))
     assert plan.mechanics == "linear"
     rung = next(rung for rung in plan.rungs if rung.mechanics == "hertz")
     assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
@@ -250,7 +250,7 @@ def test_on_homogeneous_tissue_the_finite_elements_agree_within_the_stated_error
 
 
 def test_spikes_do_not_depend_on_the_number_of_contact_radii(monkeypatch):
-    asked = builtin.load("press-to-1N", {"ask.fields": False})
+    asked = published.load("press-to-1N", {"ask.fields": False})
     counts = []
     for count in (64, 256):
         monkeypatch.setattr(ting, "radius_nodes", lambda deepest, n=count: radius_nodes(deepest, n))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.evidence import layered as evidence_layered
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger import mechanics
@@ -19,7 +20,7 @@ from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.relaxation import hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.")
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
 ASK = ff.Ask(fields=False)
 STACK = layered.stack(FINGER)
 BODY = Layered.to_depth(STACK, 14.0, 1.0)
@@ -85,7 +86,7 @@ def test_loading_is_the_integral_of_the_relaxation_over_contacts_solved_one_by_o
 
 def test_a_light_touch_agrees_with_the_finite_elements_and_deep_ones_feel_the_flat_bone():
     """A finger is narrower than a flat stack: 6 % at 0.1 mm and 35 % at 0.5 mm (finding)."""
-    coarse = ff.Finger.subject("a.h.", resolution="coarse")
+    coarse = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     press = scene(finger=coarse, motion=ff.RampHold(20, 0.5, hold=0.05))
     mine, theirs = layered.respond(press), linear.respond(press)
     rising = slice(1, int(np.argmax(theirs.depth)) + 1)
@@ -137,9 +138,11 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
 
 
 def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
-    rungs = ("lumped", "hertz", "layered", "condensed", "linear", "solid")
+    rungs = ("lumped", "hertz", "layered", "condensed", "pressed", "linear", "solid")
     assert mechanics.names() == rungs
-    rungs = ff.explain(builtin.load("sphere-press", {"ask.fields": False, "ask.spikes": []})).rungs
+    rungs = ff.explain(
+        published.load("sphere-press", {"ask.fields": False, "ask.spikes": []})
+    ).rungs
     seconds = {rung.mechanics: rung.seconds for rung in rungs if np.isfinite(rung.seconds)}
     assert seconds["hertz"] < seconds["layered"] < seconds["linear"]
     assert layered.coarser(scene()) is None

@@ -30,7 +30,7 @@ from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 PRESS = ff.RampHold(speed=60, depth=1.0, hold=0.5)
 ASK = ff.Ask(fields=False)
 

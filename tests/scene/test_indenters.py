@@ -41,7 +41,7 @@ EXTENT = {"pressure": False, "strain": False, "fields": False}
 
 def scene(indenter: Indenter, **requested: object) -> ff.Scene:
     return ff.Scene(
-        finger=ff.Finger.subject("a.h.", resolution="coarse"),
+        finger=ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
         indenter=indenter,
         motion=ff.Ramp(60, 0.6),
         ask=ff.Ask(**({"fields": False} | requested)),

@@ -103,7 +103,7 @@ def test_what_is_identified_is_what_was_put_in():
     ids=lambda motion: motion.kind,
 )
 def test_a_press_carries_to_a_motion_as_a_direct_answer_has_it(motion):
-    finger = Finger.subject("a.h.")
+    finger = Finger.subject("a.h.", tissue="maeno1998")
     ask = Ask(fields=False)
     scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=ask)
     relaxed = tradeoff_scenes.press("flat-30")

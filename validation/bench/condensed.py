@@ -19,6 +19,7 @@ from fefinger.validation.bench import superlu
 from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.oracles.march import march
+from fefinger.validation.problems import published
 from numpy.typing import NDArray
 
 from fefinger.fem.body import body
@@ -34,7 +35,6 @@ from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import ready
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
-from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 
@@ -57,7 +57,7 @@ ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
     load = os.getloadavg()[0]
-    finger = replace(builtin.load("flat-press").finger, resolution="standard")
+    finger = replace(published.load("flat-press").finger, resolution="standard")
     rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))

@@ -173,7 +173,7 @@ def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[floa
 
 def of_fingers(subject: str) -> list[dict[str, float | str]]:
     """Return the levers in the finger of a subject, on the coarse mesh."""
-    start = Work(Finger.subject(subject, resolution="coarse"), None).finger
+    start = Work(Finger.subject(subject, resolution="coarse", tissue="maeno1998"), None).finger
     tried = (of_finger(*each) for each in fingers(start))
     return [asdict(each) for each in tried if each is not None]
 

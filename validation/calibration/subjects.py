@@ -207,7 +207,7 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     """Return the curve of a new press of the calibrated finger."""
     calibration = calibrated(subject)
     radius = calibration.finger["pad_radius"]
-    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius)
+    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius, tissue="maeno1998")
     exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
     relaxed = replace(
         finger,

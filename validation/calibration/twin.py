@@ -69,7 +69,7 @@ def finger(mesh: str = COARSE) -> Finger:
 
 def start() -> Finger:
     """Start of the calibration of the twin: a finger with a pad radius a fourth too large."""
-    return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED)
+    return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED, tissue="maeno1998")
 
 
 @cache

@@ -9,6 +9,7 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.condensed import drawings
 from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.problems import published
 from fefinger.validation.problems.half_space import HalfSpaceQuarter
 from numpy.typing import NDArray
 
@@ -17,7 +18,6 @@ from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.press import small_strain
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -59,7 +59,7 @@ BLOCK = {"radius": 100.0, "contact": 1.0, "modulus": 100.0}
 @cache
 def finger(resolution: str) -> Finger:
     """Return the finger of flat-press on a mesh."""
-    return replace(builtin.load("flat-press").finger, resolution=resolution)
+    return replace(published.load("flat-press").finger, resolution=resolution)
 
 
 def pressed_finger(resolution: str, name: str) -> Finger:

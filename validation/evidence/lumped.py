@@ -46,7 +46,7 @@ EARLY = 0.3
 
 def row(subject: str, angle: float, depth: Array, force: Array, source: str) -> dict[str, Any]:
     """Return b, m of relaxed force in N against depth in mm, the misfit, and whose finger it is."""
-    finger = Finger.subject(subject)
+    finger = Finger.subject(subject, tissue="maeno1998")
     b, m = spring(depth, force)
     off = np.abs(law((b, m), depth) - force).max() / force.max()
     return {

@@ -250,7 +250,7 @@ def _places() -> Iterator[Row]:
 
 def _touching(weights: tuple[float, ...], radius: float) -> Findings:
     """Return the invariants of a ball at a place of a facet, and that a nudge changes little."""
-    mesh = ready(Finger.subject(SUBJECT, resolution="coarse"), half=True)
+    mesh = ready(Finger.subject(SUBJECT, resolution="coarse", tissue="maeno1998"), half=True)
     corners = mesh.points[mesh.facets["pad"]]
     middle = corners.mean(axis=1)
     chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]

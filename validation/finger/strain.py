@@ -6,6 +6,7 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
+from fefinger.validation.problems import published
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -20,7 +21,6 @@ from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import ready
-from fefinger.scene import builtin
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 
@@ -34,7 +34,7 @@ INDENTERS: dict[str, Indenter] = {"plate at 30 degrees": Flat(30), "ball of 5 mm
 @cache
 def strains(resolution: str, name: str) -> Array:
     """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
-    scene = replace(builtin.load("flat-press"), indenter=INDENTERS[name])
+    scene = replace(published.load("flat-press"), indenter=INDENTERS[name])
     finger = replace(scene.finger, resolution=resolution)
     mesh = ready(finger, half=True, touch=refinement_location(scene.indenter))
     whole = body(mesh, tissues(finger), fixed_facets(finger))

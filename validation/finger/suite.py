@@ -11,6 +11,7 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.finger import causes, strain
 from fefinger.validation.finger import figures as finger_figures
 from fefinger.validation.finger import solid as finger_solid
+from fefinger.validation.problems import published
 from numpy.typing import NDArray
 
 from fefinger.afferents import fire
@@ -24,7 +25,6 @@ from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
 from fefinger.mesh.store import ready
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.scene.finger import RIGID
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
@@ -55,7 +55,7 @@ def pressed(
     resolution: str, depth: float, bone: str | Hard = RIGID, nail: Hard | None = None
 ) -> Balance:
     """Return the press of relaxed tissue; an elastic bone is held at its cut, not all around."""
-    finger = builtin.load("flat-press").finger
+    finger = published.load("flat-press").finger
     finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
     mesh = with_nail(finger, ready(finger, half=True))
     whole = body(mesh, tissues(finger), fixed_facets(finger))
@@ -86,7 +86,9 @@ def yielding(resolution: str, bone: str | Hard = BONE_TISSUE, nail: Hard | None 
 
 def peak(resolution: str) -> float:
     """Return the relative change of the peak force of `solid` by a bone that does not relax."""
-    scene = builtin.load("flat-press", {"ask.fields": False, "ask.strain": False, "ask.spikes": []})
+    scene = published.load(
+        "flat-press", {"ask.fields": False, "ask.strain": False, "ask.spikes": []}
+    )
     motion, forces = Ramp(60, DEPTH), []
     for bone in (RIGID, BONE_TISSUE):
         finger = replace(scene.finger, resolution=resolution, bone=bone)
@@ -97,7 +99,7 @@ def peak(resolution: str) -> float:
 @cache
 def ramp(resolution: str, angle: float = 30.0, tilt: float = 0.0) -> Response:
     """Return the response to a slow ramp of DEPTH."""
-    scene = builtin.load("flat-press")
+    scene = published.load("flat-press")
     ask_of_scene = replace(scene.ask, spikes=(), fields=False)
     finger = replace(scene.finger, resolution=resolution)
     press = Scene(
@@ -125,7 +127,7 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
 
     `solid` answers on the coarse mesh.
     """
-    scene = builtin.load("flat-press", {"ask.fields": False})
+    scene = published.load("flat-press", {"ask.fields": False})
     if mechanics == solid.name:
         scene = replace(scene, finger=replace(scene.finger, resolution=QUICK))
     solver = {linear.name: small_strain, solid.name: finite_strain}[mechanics]

@@ -79,7 +79,7 @@ def profile(
     mechanics: str, curvature: float, force: float, kind: str = "SAI", softer: float = 1.0
 ) -> Profile:
     """Return the answer of units on a line across the finger to a force that is held."""
-    finger = Finger.subject("a.h.", resolution="coarse")
+    finger = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     finger = replace(
         finger,
         skin=replace(finger.skin, modulus=softer * finger.skin.modulus),
@@ -92,7 +92,7 @@ def profile(
 @cache
 def pressed(mechanics: str, depth: float, kind: str) -> Profile:
     """Return the answer of units on a line across the finger to a plate pressed to a depth."""
-    finger = Finger.subject("a.h.", resolution="coarse")
+    finger = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     return _answer(mechanics, finger, Flat(), RampHold(20.0, depth, hold=0.8, corner=0.01), kind)
 
 

@@ -64,7 +64,7 @@ def deepest(finger: Finger, press: str) -> float:
 
 def scene(subject: str, press: str, resolution: str = "standard", *, relaxed: bool = True) -> Scene:
     """Return the ramp of a press, of relaxed tissue or of one that relaxes."""
-    finger = Finger.subject(subject, resolution=resolution)
+    finger = Finger.subject(subject, resolution=resolution, tissue="maeno1998")
     if relaxed:
         finger = replace(finger, prony=Prony((1.0,), ()))
     motion = Ramp(SPEED, deepest(finger, press), corner=0.0)

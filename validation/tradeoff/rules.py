@@ -396,7 +396,7 @@ def rules() -> dict[str, Any]:
     """Return all that the planner reads."""
     presses, moved = {name: row(name) for name in scenes.BASE}, motions()
     finger = scenes.finger("flat-30")
-    measured = [finger, *(Finger.subject(name) for name in FINGERS)]
+    measured = [finger, *(Finger.subject(name, tissue="maeno1998") for name in FINGERS)]
     shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
         "quantities": tradeoff.MEANT,

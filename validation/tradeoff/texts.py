@@ -101,7 +101,7 @@ def _stated() -> dict[str, Any]:
     rows = []
     for candidate in CANDIDATES:
         mesh = Candidate.of(candidate).resolution or "standard"
-        finger = Finger.subject("a.h.", resolution=mesh)
+        finger = Finger.subject("a.h.", resolution=mesh, tissue="maeno1998")
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
         estimates = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]

@@ -142,7 +142,8 @@ class ContactSurface:
     """Contact candidates of a pad at finite deformation, and the obstacle.
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
-    at_rest (n_near, 3) mm: the undeformed positions of the neighborhood.
+    at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
+    of the candidates.
     """
 
     obstacle: Obstacle
@@ -150,6 +151,7 @@ class ContactSurface:
     neighborhood: Neighborhood
     at_rest: Array
     n_unknowns: int
+    reach: float
 
     def __len__(self) -> int:
         """Return the number of candidates."""
@@ -213,4 +215,5 @@ def contact_surface(
     """
     on = candidates(space, triangles, normals, obstacle, reach, rings=1)
     around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
-    return ContactSurface(obstacle, on, around, space.points[around.vertices], space.n_unknowns)
+    at_rest = space.points[around.vertices]
+    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach)

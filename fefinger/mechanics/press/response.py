@@ -76,7 +76,8 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         if press.pressure:
             pad, column = whole_pad(press.body, seen)
             pressure = on_seen(pressure, seen)[:, column]
-            area, middle = steps.bounded(_areas(history, pad, column)), centroid(pad, pressure)
+            area = steps.bounded(areas_of_steps(history, pad, column))
+            middle = centroid(pad, pressure)
             gap = steps.smooth(history.gap)[:, column]
             moment = whole_moment(steps.smooth(history.moment), half)
         by_force = press.motion.control == "force"
@@ -178,8 +179,8 @@ def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, A
     return pressure, force
 
 
-def _areas(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
-    """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
+def areas_of_steps(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
+    """Contact areas (n,) mm² of the whole, deformed finger at the steps."""
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow

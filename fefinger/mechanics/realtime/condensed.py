@@ -10,7 +10,6 @@ indenter is placed in about a second, and then no array is made from one step to
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal, cast
 
@@ -34,6 +33,7 @@ from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
+from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import ready
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
@@ -49,25 +49,6 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 Array = NDArray[np.float64]
-
-
-@dataclass(slots=True)
-class Step:
-    """What a step gives; the arrays are those of the finger, and change with its next step.
-
-    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
-    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
-    zz xy yz xz of the tensor. contact_area mm² is what the vertices under pressure stand for: it
-    jumps with each of them, where `Response.contact_area` follows the rim within an element.
-    """
-
-    depth: float
-    force: float
-    contact_area: float
-    x: float
-    y: float
-    pressure: Array
-    strain: NDArray[np.floating]
 
 
 class Condensed:

@@ -14,7 +14,7 @@ from fefinger.support.checks import InputError
 
 
 def pressed(subject: str, depth: float, angle: float = 0.0) -> ff.Scene:
-    finger = ff.Finger.subject(subject, resolution="coarse")
+    finger = ff.Finger.subject(subject, resolution="coarse", tissue="maeno1998")
     ask = ff.Ask(pressure=False, strain=False, fields=False)
     motion = ff.Ramp(60.0, depth, corner=0.0)
     return ff.Scene(finger=finger, indenter=ff.Flat(angle), motion=motion, ask=ask)
