@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mesh import store, vtu
+from fefinger.mesh import shipped, store, vtu
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
@@ -21,7 +21,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
     """Return the smallest shipped half."""
-    return vtu.read(store.data_folder() / "ah-coarse.vtu")
+    return vtu.read(shipped.data_folder() / "ah-coarse.vtu")
 
 
 @pytest.fixture

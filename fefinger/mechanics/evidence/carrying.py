@@ -59,7 +59,7 @@ def _largest(quantity: str) -> float:
 
 def at_hand(case: Situation) -> bool:
     """Return whether the press of a scene is shipped or cached, to its depth or force."""
-    depth, force = deepest_at_hand(case.finger, case.indenter)
+    depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)
     reached = depth if case.motion.control == "depth" else force
     return reached > 0 and reached >= case.peak * (1 - 1e-9)
 

@@ -14,10 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
+from fefinger.mechanics.press.continuation import continued
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mesh.store import data_folder, sha256
+from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
+from fefinger.scene.motion import Motion
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
@@ -56,10 +59,11 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str) -> str:
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
-def deepest_at_hand(finger: Finger, indenter: Indenter) -> tuple[float, float]:
+def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
     """Depth in mm and force in N up to which a press is shipped or cached; 0, 0 where none is."""
+    long = continued(finger, indenter, motion)
     try:
-        source = sha256(finger, refinement_location(indenter))
+        source = sha256(finger, refinement_location(indenter), continued=long)
     except InputError:  # no mesh can be made for a finger of this size
         source = None
     if source is None:

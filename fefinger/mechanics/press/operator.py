@@ -23,6 +23,7 @@ from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import Method
+from fefinger.mesh.extend import CONTINUED
 from fefinger.mesh.store import ready
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
@@ -37,9 +38,15 @@ ARRAYS = ("order", "table", "rest", "values", "matrix")
 
 
 def operator(
-    finger: Finger, *, half: bool, progress: Callable[[float], None] = lambda fraction: None
+    finger: Finger,
+    *,
+    half: bool,
+    continued: bool = False,
+    progress: Callable[[float], None] = lambda fraction: None,
 ) -> Operator:
     """Return the operator of a finger, or of half of it, from the cache or built and put there.
+
+    `continued`: of the finger that is longer behind its proximal cut.
 
     Raises
     ------
@@ -50,7 +57,7 @@ def operator(
     for reason in (*yielding(finger), *apart(finger)):
         message = f"{reason}; use the mechanics 'solid'"
         raise InputError(message)
-    mesh = ready(finger, half=True)
+    mesh = ready(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
@@ -189,7 +196,9 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 METHOD = Method(
-    lambda finger, mesh, solver, report: operator(finger, half=mesh.half, progress=report),
+    lambda finger, mesh, solver, report: operator(
+        finger, half=mesh.half, continued=CONTINUED in mesh.recipe, progress=report
+    ),
     reduction.reduce,
     reduction.displaced,
     lambda indenter: None,

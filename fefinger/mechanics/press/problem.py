@@ -10,6 +10,7 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.continuation import FORCE_DEPTH, continued
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.notes import of_finger
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites
@@ -36,9 +37,6 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 
 
 ATTEMPTS = 4
-
-
-FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finger's thickness
 
 
 @dataclass(frozen=True)
@@ -115,7 +113,8 @@ class Press:
         with stages.stage("mesh"):
             # Scenes that are their own mirror image are solved on half a finger.
             half = scene.indenter.mirrored
-            mesh = ready(finger, half=half, touch=method.touch(scene.indenter))
+            touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
+            mesh = ready(finger, half=half, touch=touch, continued=long)
         with stages.stage("factor") as report:
             body = method.body(finger, mesh, ask.solver, report)
         obstacle = placement.obstacle(scene.indenter, body)
