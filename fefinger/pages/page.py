@@ -16,15 +16,16 @@ PLAIN = " !$'()*+,-./:;=?@[]_{}|~"
 
 def render(template: str, **values: Any) -> str:
     """Return the page that a file of `templates/` makes of `values`, with the style sheet in it."""
-    from jinja2 import Environment
+    from jinja2 import Environment, FunctionLoader
 
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = Environment(
+        loader=FunctionLoader(source), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters |= {
         "percent": lambda value: f"{100 * value:.2g} %",
         "number": lambda value: f"{value:.3g}",
     }
-    page = environment.from_string(resources.files(TEMPLATES).joinpath(template).read_text("utf-8"))
-    return page.render(css=source("report.css"), **values)
+    return environment.get_template(template).render(css=source("report.css"), **values)
 
 
 def source(name: str) -> str:

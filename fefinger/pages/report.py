@@ -36,6 +36,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
     html = page.render(
         "report.html",
+        title=result.scene.name,
         scene=result.scene,
         answer=answer(result),
         touch=_touch(result),
