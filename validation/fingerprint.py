@@ -310,23 +310,23 @@ def record(*, quick: bool) -> Fingerprint:
     with _alone() as folder, threadpool_limits(1, user_api="blas"):
         tables = {name: _table(name) for name in _scenes()}
         for name, table in tables.items():
-            with _told(f"{name}: plan"):
+            with _reported(f"{name}: plan"):
                 _plan(made, name, Scene.from_dict(table))
         for name, table in tables.items():  # measures the machine, on which a plan may depend
-            with _told(f"{name}: ladder"):
+            with _reported(f"{name}: ladder"):
                 _ladder(made, name, Scene.from_dict(table))
         for name, table in tables.items():
             for mechanics in MECHANICS[:-1] if quick else MECHANICS:
-                with _told(f"{name}: {mechanics}"):
+                with _reported(f"{name}: {mechanics}"):
                     _answer(made, name, table, mechanics)
-        with _told("messages"):
+        with _reported("messages"):
             _messages(made, tables["flat-press"], folder)
         drawn = [entry for entry in _json("cache")["entries"] if entry["kind"] == "meshes"]
         if drawn:
             message = f"fingerprint: expected shipped meshes alone, but these were drawn: {drawn}"
             raise RuntimeError(message)
         if not quick:
-            with _told("suites"):
+            with _reported("suites"):
                 _suites(made)
     return made
 
@@ -347,7 +347,7 @@ def _alone() -> Iterator[Path]:
 
 
 @contextmanager
-def _told(what: str) -> Iterator[None]:
+def _reported(what: str) -> Iterator[None]:
     """Say on standard error how much CPU time the work inside took."""
     before = sum(os.times()[:4])
     yield
@@ -438,7 +438,7 @@ def _answer(made: Fingerprint, name: str, table: Tables, mechanics: str) -> None
 
 
 def _messages(made: Fingerprint, table: Tables, folder: Path) -> None:
-    """Record what unusable scenes and command lines are told."""
+    """Record the messages for unusable scenes and command lines."""
     for changes in BAD_TABLES:
         label = _label("messages", "scene", json.dumps(changes))
         try:

@@ -75,12 +75,12 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
     return ""
 
 
-def sha256(finger: "Finger", *, continued: bool = False) -> str | None:
+def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) -> str | None:
     """Source hash of the mesh of a scene's finger; None if it is neither shipped nor cached.
 
     That is the SHA-256 of its file, or follows from it for the continued finger.
     """
-    recipe = Recipe.of(finger)
+    recipe = Recipe.of(finger, touch)
     sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
     try:
         source = str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])

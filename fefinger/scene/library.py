@@ -21,6 +21,9 @@ PAWLUK = "Pawluk (1997), A Viscoelastic Model of the Human Fingerpad, PhD thesis
 
 # Subjects of the thesis
 
+MEANS = "means"
+"""Row of the tables for whom the thesis did not measure."""
+
 
 @dataclass(frozen=True)
 class Lumped:
@@ -101,7 +104,7 @@ def pawluk_quasistatic() -> dict[str, Quasistatic]:
 
 def subjects() -> tuple[str, ...]:
     """Names of the subjects of the thesis; f.c. has no width and thickness."""
-    return tuple(name for name in pawluk_relaxation() if name != "means")
+    return tuple(name for name in pawluk_relaxation() if name != MEANS)
 
 
 # Tissue sets
@@ -178,8 +181,9 @@ _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ..
     "d.s.": (7.301, 2.25, 15.87, (0.2908, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7965)),
     "a.h.": (4.582, 2.866, 17.14, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823)),
     "p.w.": (4.856, 2.16, 21.72, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7526)),
+    MEANS: (5.654, 3.608, 17.28, (0.2648, 0.4134, 0.1771, 0.1447), (228.3, 14.43, 0.7324)),
 }
-"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
+"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
 SKIN_RATIO = 102.4 / 34
 """Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
@@ -241,6 +245,32 @@ def calibrated_pw() -> TissueSet:
     return _calibrated("p.w.")
 
 
+def calibrated_means() -> TissueSet:
+    """Fit of the model to the mean curves of the subjects, not a measurement; see `calibrated_dp`.
+
+    Fitted on the standard mesh of a finger of 14 by 11 mm (confidence low;
+    `reports/calibrated-means.json`).
+    """
+    return _calibrated(MEANS)
+
+
+PUBLISHED = "maeno1998"
+"""Set that gives the values that a finger with tissue values of its own leaves out."""
+
+
+def default_tissue(subject: object, *, given: bool) -> str:
+    """Name of the tissue set of a finger that names none: that which was fitted to the subject.
+
+    Of other fingers, that which was fitted to the means; where values are `given`, PUBLISHED.
+    """
+    if given:
+        return PUBLISHED
+    # Values of another type are refused later, with a sentence.
+    if isinstance(subject, str) and subject in _FITTED:
+        return calibrated_name(subject)
+    return calibrated_name(MEANS)
+
+
 TISSUE_SETS = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
@@ -249,6 +279,7 @@ TISSUE_SETS = {
     "calibrated_ds": calibrated_ds,
     "calibrated_ah": calibrated_ah,
     "calibrated_pw": calibrated_pw,
+    "calibrated_means": calibrated_means,
 }
 
 

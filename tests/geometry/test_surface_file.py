@@ -263,7 +263,7 @@ def test_a_simple_surface_does_not_cross_itself_and_a_folded_one_does() -> None:
 
 def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
     path = written(egg(), tmp_path / "scan.stl")
-    finger = ff.Finger.from_surface(path, pad_radius=12.0)
+    finger = ff.Finger.from_surface(path, pad_radius=12.0, tissue="maeno1998")
     assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
     assert finger.surface == str(path)
     toml = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n[motion]\nkind = "ramp"\n'
@@ -275,9 +275,9 @@ def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
 
 def test_missing_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"finger\.surface: .*'none\.stl', which does not exist"):
-        ff.Finger.from_surface("none.stl")
+        ff.Finger.from_surface("none.stl", tissue="maeno1998")
     path = written(egg(), tmp_path / "scan.stl")
     with pytest.raises(InputError, match=r"finger\.bone_surface: .*'none\.stl', which does not"):
-        ff.Finger.from_surface(path, bone_surface="none.stl")
+        ff.Finger.from_surface(path, bone_surface="none.stl", tissue="maeno1998")
     with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
-        ff.Finger(14, 10, bone_surface=str(path))
+        ff.Finger(14, 10, bone_surface=str(path), tissue="maeno1998")

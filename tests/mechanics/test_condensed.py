@@ -19,7 +19,7 @@ from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 STIFFER = replace(FINGER, skin=replace(FINGER.skin, modulus=3 * FINGER.skin.modulus))
 WAVE = ff.RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=2)
 PRESSES = {

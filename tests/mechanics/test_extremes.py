@@ -23,7 +23,7 @@ from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 HELD = hard_parts.fixed_facets(FINGER)
 DEPTH = 0.6
 
@@ -41,13 +41,13 @@ def pressed(finger: Body, touch: Obstacle, depth: float) -> tuple[float, float, 
     """Return the force, and how far forces and moments are from balance, relative to it."""
     on_pad = patch(finger.space, finger.pad, finger.normals, touch, 1.0)
     small = reduce(finger, on_pad, strain_at(finger.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.projected)
     loads = on_pad.loads @ pressure
     reactions = np.zeros(finger.space.n_unknowns)
     held = finger.system.fixed
     reactions[held] = finger.system.reactions(finger.system.solve(loads), loads)
     nodes = reactions[: finger.space.n_displacements].reshape(-1, 3)
-    force = float(on_pad.travel @ pressure)
+    force = float(on_pad.projected @ pressure)
     moment = np.cross(finger.space.node_points, nodes).sum(axis=0) + pressure @ on_pad.moment
     if finger.half:
         moment = moment[1:2]  # the other half balances the rest
@@ -221,7 +221,9 @@ def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounde
     subject: str, at: tuple[float, float]
 ) -> None:
     scene = ff.Scene(
-        finger=ff.Finger.subject(subject), indenter=ff.Sphere(5, at=at), motion=ff.Ramp(60, 0.3)
+        finger=ff.Finger.subject(subject, tissue="maeno1998"),
+        indenter=ff.Sphere(5, at=at),
+        motion=ff.Ramp(60, 0.3),
     )
     assert linear.unmeshable(Situation.of(scene)) == ()
 

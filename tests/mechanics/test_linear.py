@@ -30,7 +30,7 @@ from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 PRESS = ff.RampHold(speed=60, depth=1.0, hold=0.5)
 ASK = ff.Ask(fields=False)
 
@@ -61,12 +61,12 @@ def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
     touch = placement.obstacle(indenter, half)
     on_pad = patch(half.space, half.pad, half.normals, touch, 1.0)
     small = reduce(half, on_pad, strain_at(half.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.projected)
     loads = on_pad.loads @ pressure
     reactions = np.zeros(half.space.n_unknowns)
     reactions[half.system.fixed] = half.system.reactions(half.system.solve(loads), loads)
     total = reactions[: half.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    force = float(on_pad.travel @ pressure)
+    force = float(on_pad.projected @ pressure)
     assert force > 0
     assert pressure.min() >= 0
     assert -total @ touch.axis == pytest.approx(force, rel=1e-6)

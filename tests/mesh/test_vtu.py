@@ -107,7 +107,7 @@ def test_sidecar_of_something_else_is_refused(
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
 def test_hash_in_a_damaged_sidecar_counts_as_none(no_cache: Path, text: str) -> None:
-    finger = Finger(15, 11)
+    finger = Finger(15, 11, tissue="maeno1998")
     sidecar = store.cached_path(Recipe.of(finger)).with_suffix(".json")
     sidecar.parent.mkdir(parents=True)
     sidecar.write_text(text)

@@ -47,7 +47,7 @@ def test_relaxation_of_both_chapters_belongs_to_the_same_subjects():
 
 @pytest.mark.parametrize("name", [name for name in library.subjects() if name != "f.c."])
 def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
-    finger = Finger.subject(name)
+    finger = Finger.subject(name, tissue="maeno1998")
     bulk = library.pawluk_bulk()[name]
     assert (finger.width, finger.thickness) == (bulk.width, bulk.thickness)
     assert finger.prony == library.pawluk_relaxation()[name]
@@ -55,14 +55,14 @@ def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
 
 
 def test_the_subject_without_a_size_works_once_it_is_given():
-    finger = Finger.subject("f.c.", width=15, thickness=11)
+    finger = Finger.subject("f.c.", width=15, thickness=11, tissue="maeno1998")
     assert (finger.width, finger.pad_radius) == (15, 15)
     with pytest.raises(InputError, match="give width and thickness"):
-        Finger.subject("f.c.", width=15)
+        Finger.subject("f.c.", width=15, tissue="maeno1998")
 
 
 def test_a_finger_of_nobody_has_the_mean_relaxation_and_radius():
-    finger = Finger(14, 11)
+    finger = Finger(14, 11, tissue="maeno1998")
     assert finger.prony == library.pawluk_relaxation()["means"]
     assert finger.pad_radius == 14.6
     assert finger.subject_name is None

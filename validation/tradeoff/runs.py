@@ -28,8 +28,8 @@ from fefinger.mesh.store import ready
 from fefinger.results import pressure as pressures
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
@@ -156,7 +156,7 @@ def _at_first(run: Run) -> Iterator[None]:
     """
     finger, touch = run.scene.finger, refinement_location(run.scene.indenter)
     if MECHANICS[run.mechanics].meshed:
-        with suppress(InputError):  # told by the run itself
+        with suppress(InputError):  # the run itself says so
             ready(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:

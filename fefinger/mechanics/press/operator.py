@@ -14,7 +14,6 @@ from scipy import sparse
 from fefinger.fem import condensation as reduction
 from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
-from fefinger.fem.contact import step_compiled
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Array
@@ -122,7 +121,7 @@ def reduced(
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
         digest.update(np.ascontiguousarray(array).tobytes())
-    names = ("flexibility", "strain", "approach")
+    names = ("flexibility", "strain", "normal_displacement")
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
@@ -201,7 +200,6 @@ METHOD = Method(
         finger, half=mesh.half, continued=CONTINUED in mesh.recipe, progress=report
     ),
     reduction.reduce,
-    step_compiled.march,
     reduction.displaced,
     lambda indenter: None,
 )

@@ -7,7 +7,6 @@ from typing import Any, Self
 
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
@@ -22,7 +21,8 @@ from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -44,13 +44,12 @@ class Method:
     """How a mechanics builds a body and solves it.
 
     body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
-    reduce and march as in `fem.body` and `fem.contact.viscoelastic`; unknowns(body, loads) gives
-    the displacement under loads on the pad; touch(indenter) where the mesh is fine.
+    reduce as in `fem.body`; unknowns(body, loads) gives the displacement under loads on the pad;
+    touch(indenter) where the mesh is fine.
     """
 
     body: Callable[..., Any]
     reduce: Callable[..., Reduced]
-    march: Callable[..., History]
     unknowns: Callable[[Any, Array], Array]
     touch: Callable[[Indenter], float | tuple[float, float] | None]
 

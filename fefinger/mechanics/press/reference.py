@@ -26,9 +26,9 @@ def reference_press(
         candidates = patch(body.space, body.pad, body.normals, plate.obstacle, reach)
         probe = recovered_strain_at(body.space, central.points, body.planes)
         reduced = method.reduce(body, candidates, probe)
-    free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
+    free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
-    if (pressure[reduced.patch.edge] > 0).any():
+    if (pressure[reduced.patch.border] > 0).any():
         message = "reference press: contact left its patch; the pad is much flatter than expected"
         raise ConvergenceError(message)
     strain = tensors((reduced.strain @ pressure).reshape(-1, 6))

@@ -9,7 +9,8 @@ import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
@@ -43,7 +44,6 @@ def _factored(
 WHOLE_MESH = Method(
     _factored,
     reduce,
-    march,
     lambda body, loads: body.system.solve(loads),
     refinement_location,
 )
@@ -112,10 +112,10 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
             np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
         )
         with stages.stage("contact") as report:
-            history = method.march(
+            history = march(
                 reduced.flexibility,
                 candidates.gap,
-                candidates.travel,
+                candidates.projected,
                 relaxation,
                 prescribed,
                 report,
@@ -126,9 +126,9 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
         placement.check_inside(body, candidates.vertices[pressed], deepest)
         if not pressed.any():
             raise InputError(limits.unresolved(deepest))
-        if (pressed & candidates.rim).any():
+        if (pressed & candidates.obstacle_border).any():
             raise InputError(limits.rim_reached(len(candidates.vertices)))
-        if not (pressed & candidates.edge).any():
+        if not (pressed & candidates.border).any():
             return reduced, history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))

@@ -16,7 +16,7 @@ from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.support.progress import Stages
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 LEAN = ff.Ask(pressure=False, strain=False, fields=False)
 
 
