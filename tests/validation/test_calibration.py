@@ -38,10 +38,8 @@ def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
     assert finger.pad_radius == kept.pad_radius
     assert finger.skin.law == finger.subcutaneous.law == "demiray"
     assert finger.skin.thickness == 1.0
-    own = library.TISSUE_SETS[library.calibrated_name(subject)]
-    assert f"on the {calibrated(subject).finger['resolution']} mesh" in " ".join(
-        own.__doc__.split()
-    )
+    source = library.tissue_set(library.calibrated_name(subject)).source
+    assert f"on the {calibrated(subject).finger['resolution']} mesh" in source
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
