@@ -21,6 +21,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
 from fefinger.results.candidate import MESHED, Candidate
 from fefinger.results.records import Refusal, Rung, Settings
+from fefinger.scene import builtin
 from fefinger.support import package_data, text
 from fefinger.support.checks import InputError
 
@@ -86,7 +87,7 @@ def asked(**changes):
 
 @pytest.mark.usefixtures("four")
 def test_a_scene_may_be_named_as_for_a_run():
-    named, given = "flat-press", published.load("flat-press")
+    named, given = "flat-press", builtin.load("flat-press")
     assert ff.explain(named) == ff.explain(given)
     assert ff.choose(named) == ff.choose(given)
 

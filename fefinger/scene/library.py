@@ -224,17 +224,14 @@ PUBLISHED = "maeno1998"
 """Set that gives the values that a finger with tissue values of its own leaves out."""
 
 
-def default_tissue(subject: str | None, *, given: bool) -> str:
+def default_tissue(subject: object, *, given: bool) -> str:
     """Name of the tissue set of a finger that names none: that which was fitted to the subject.
 
     Of other fingers, that which was fitted to the means; where values are `given`, PUBLISHED.
     """
     if given:
         return PUBLISHED
-    # Values of another type are refused later, with a sentence.
-    if isinstance(subject, str) and subject in _FITTED:
-        return calibrated_name(subject)
-    return calibrated_name(MEANS)
+    return calibrated_name(subject if isinstance(subject, str) and subject in _FITTED else MEANS)
 
 
 TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {

@@ -25,4 +25,4 @@ def test_every_mechanics_has_its_traits() -> None:
     assert mechanics.names() == tuple(MECHANICS)
     assert [mechanics.get(name).name for name in MECHANICS] == list(MECHANICS)
     assert MESHED == ("condensed", "pressed", "linear", "solid")
-    assert [name for name, traits in MECHANICS.items() if traits.finite] == ["solid"]
+    assert [name for name, traits in MECHANICS.items() if traits.finite] == ["pressed", "solid"]

@@ -43,7 +43,7 @@ def test_the_relaxation_of_a_layer_stays_with_it_as_in_python():
             {"skin": replace(skin, prony=prony), "subcutaneous": replace(pulp, prony=prony)},
         ),
     ):
-        scene = scene_of(**given)
+        scene = scene_of(tissue=FINGER.tissue, **given)
         assert scene.finger == replace(FINGER, **parts)
         assert Scene.from_toml(scene.to_toml()) == scene
 

@@ -23,7 +23,7 @@ from fefinger.support.progress import Stages
 
 SUBJECTS = ("a.h.", "d.p.", "d.s.", "p.w.")
 OBJECTS = {"flat-30": Flat(30), "ball-5": Sphere(radius=5)}
-PARTS = (0.2, 0.16, 0.12)
+PARTS = (0.2, 0.16, 0.12, 0.09, 0.07)
 """Depths over the thickness, the deepest that can be solved of which is shipped."""
 
 
