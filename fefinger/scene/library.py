@@ -207,12 +207,13 @@ def _calibrated(subject: str) -> TissueSet:
     """
     modulus, exponent, radius, c, v = _FITTED[subject]
     mesh = "standard" if subject in ("a.h.", MEANS) else "coarse"
+    report = CALIBRATED if subject != MEANS else "calibrated-means.json"
     skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
     return TissueSet(
         skin=skin,
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
         source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Table 2.1 of "
-        f"{PAWLUK} by `fefinger calibrate` (reports/{CALIBRATED}): a fit of a model, not a "
+        f"{PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
         "measurement of tissue",
         confidence="low",
         pad_radius=radius,
