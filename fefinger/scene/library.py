@@ -232,7 +232,10 @@ def default_tissue(subject: object, *, given: bool) -> str:
     """
     if given:
         return PUBLISHED
-    return calibrated_name(subject if isinstance(subject, str) and subject in _FITTED else MEANS)
+    # Values of another type are refused later, with a sentence.
+    if isinstance(subject, str) and subject in _FITTED:
+        return calibrated_name(subject)
+    return calibrated_name(MEANS)
 
 
 TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
