@@ -34,7 +34,7 @@ from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.realtime.step import Step
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
@@ -255,7 +255,7 @@ class Condensed:
         return problem.Press(
             mechanics=condensed.name,
             method=operator.METHOD,
-            mesh=ready(self.finger, half=self.solid.half),
+            mesh=load_or_build(self.finger, half=self.solid.half),
             body=self.solid,
             finger=self.finger,
             obstacle=cast(Obstacle, self._touch),  # small strain asks for its axis and gap alone
