@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fefinger.scene.indenter import Ellipsoid as Ellipsoid
     from fefinger.scene.indenter import Flat as Flat
     from fefinger.scene.indenter import Grating as Grating
+    from fefinger.scene.indenter import Pin as Pin
     from fefinger.scene.indenter import Relief as Relief
     from fefinger.scene.indenter import Sphere as Sphere
     from fefinger.scene.motion import ForceRamp as ForceRamp
@@ -68,7 +69,16 @@ _HOMES = {
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
-    "scene.indenter": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
+    "scene.indenter": (
+        "Bar",
+        "Cylinder",
+        "Ellipsoid",
+        "Flat",
+        "Grating",
+        "Pin",
+        "Relief",
+        "Sphere",
+    ),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motion": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
