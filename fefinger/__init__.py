@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from fefinger.scene.motion import Sampled as Sampled
     from fefinger.scene.motion import Sinusoid as Sinusoid
     from fefinger.scene.motion import Trapezoid as Trapezoid
+    from fefinger.scene.motion import Vibration as Vibration
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
@@ -81,7 +82,8 @@ _HOMES = {
     ),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motion": (
-        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
+        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration"),
+        "Sampled",
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         "ForceSampled",
     ),

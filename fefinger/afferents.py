@@ -29,10 +29,11 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
+def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
     """Spikes of the population that `ask` describes, or of one unit of each of its types.
 
-    Further options as in `neural.units.simulate_units`.
+    Those before `since` s do not count. Further options as in `neural.units.simulate_units`, or
+    `neural.recorded_simulation.simulate_recorded`, by the family of `ask.afferents`.
 
     Raises
     ------
@@ -53,7 +54,16 @@ def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
         trains = _thesis(ask, response.time, strain, sites, reference, units | options)
-    return replace(trains, notes=notes + trains.notes)
+    return _counted(replace(trains, notes=notes + trains.notes), since)
+
+
+def _counted(trains: "SpikeTrains", since: float) -> "SpikeTrains":
+    """Leave out the spikes before a time in s."""
+    if since <= trains.t_start:
+        return trains
+    note = f"Spikes count from {since:.6g} s on; those before it are left out."
+    times = tuple(each[each >= since] for each in trains.times)
+    return replace(trains, times=times, t_start=since, notes=(note, *trains.notes))
 
 
 def _recorded(
@@ -102,7 +112,8 @@ def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
     mesh = f"the mesh is {finger.mesh}"
     try:
-        notes = _count_changes(spikes, fire(lean.ask, mechanics.respond(lean)), mesh)
+        coarse = fire(lean.ask, mechanics.respond(lean), since=scene.motion.recorded_from)
+        notes = _count_changes(spikes, coarse, mesh)
     except Exception as error:  # Whatever it is, the answer itself is finished.
         notes = (f"Spike counts could not be checked when {mesh}: {error}",)
     return replace(spikes, notes=spikes.notes + notes)

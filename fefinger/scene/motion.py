@@ -28,6 +28,9 @@ LIMITS: dict[str, dict[str, Any]] = {
     "speed": {"above": 0, "unit": "mm/s"},
     "loading_rate": {"above": 0, "unit": "N/s"},
     "depth": {"above": 0, "unit": "mm"},
+    "preload": {"above": 0, "unit": "mm"},
+    "held": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
+    "seconds": {"above": 0, "at_most": LONGEST, "unit": "s"},
     "force": {"above": 0, "unit": "N"},
     "hold": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
     "settle": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
@@ -40,6 +43,10 @@ LIMITS: dict[str, dict[str, Any]] = {
 CORNER = 0.01
 """Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
 part of the motion is."""
+
+APPROACH = 10.0
+"""Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
+vibration begins."""
 
 _AS_LONG_AS_FITS: Any = None
 
@@ -118,6 +125,11 @@ class Motion(ABC):
     def moving(self) -> tuple[tuple[float, float], ...]:
         """Intervals (t0, t1) in s in which the depth or the force changes."""
         return self.trajectory.moving
+
+    @property
+    def recorded_from(self) -> float:
+        """Time in s from which spikes count: after the preparation of an experiment."""
+        return 0.0
 
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
@@ -279,6 +291,40 @@ class Sinusoid(Motion):
 
 @final
 @dataclass(frozen=True)
+class Vibration(Motion):
+    """A preload of `preload` mm, held for `held` s, then a sine about it for `seconds`.
+
+    The experiment of vibrotaction: spikes count from the start of the sine, when the units have
+    adapted to the preload. The sine (whole cycles of `amplitude` mm at `frequency` Hz, one or more)
+    starts upward; its amplitude rises over `corner` s.
+    """
+
+    kind = "vibration"
+    control = "depth"
+
+    preload: float
+    _: KW_ONLY
+    amplitude: float
+    frequency: float
+    seconds: float = 1.0
+    held: float = 120.0
+    corner: float = _AS_LONG_AS_FITS
+
+    @property
+    def shape(self) -> shapes.RampSinusoidShape:
+        """A line, a rest and a sine."""
+        base = shapes.RampHoldShape(APPROACH, self.preload, self.held, self.corner)
+        cycles = max(1, round(self.seconds * self.frequency))
+        return shapes.RampSinusoidShape(self.control, base, self.amplitude, self.frequency, cycles)
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.shape.base.trajectory().duration
+
+
+@final
+@dataclass(frozen=True)
 class Sampled(SampledMotion):
     """Depths in mm at times in s, joined by straight lines, rounded only if a corner is given.
 
@@ -417,6 +463,7 @@ MOTIONS: dict[str, type[Motion]] = {
         RampSinusoid,
         Sinusoid,
         Trapezoid,
+        Vibration,
         Sampled,
         ForceRamp,
         ForceRampHold,
