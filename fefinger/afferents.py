@@ -25,6 +25,12 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
 
 
+RECORDED = (
+    "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. Its "
+    "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
+)
+"""Note on every result with units of the family `recorded`."""
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -79,7 +85,8 @@ def _recorded(
     lengths = {kind: unit.length for kind, unit in units.items()}
     x_in = driven_displacements(strain, sites.normals, sites.types, drives, lengths)
     rule = "max" if layout is None or layout.rule is None else layout.rule
-    return simulate_recorded(time, x_in, rule=rule, **options)
+    trains = simulate_recorded(time, x_in, rule=rule, **options)
+    return replace(trains, notes=(RECORDED, *trains.notes))
 
 
 def _thesis(

@@ -124,7 +124,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
 }
 """Fitted parameters and the range of the search; their logarithms are what is varied."""
 
-MEDIAN, SHAPE, SPHERES = 0.15, 0.3, 2.0
+MEDIAN, SHAPE, SPHERES = 0.15, 1.0, 2.0
 """Weights of the median unit (its 1 - R²), of the mean squared deviation of the logarithms of the
 thresholds up to a constant, and of the relative RMS error under spheres, beside 1 - R² of the
 population."""

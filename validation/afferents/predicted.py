@@ -14,6 +14,7 @@ from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.neural.recorded import fitted
 from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.statistics import interval_variation
+from fefinger.neural.variation import Variation
 from fefinger.plan import choose, settled
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import Relief
@@ -66,6 +67,15 @@ def under_pin(kind: str, time: Array, depth: Array) -> Array:
     return fire(kind, time, x[:, None])[0]
 
 
+def population_under_pin(kind: str, time: Array, depth: Array, count: int = 8) -> list[Array]:
+    """Spike times of units of a type with the fitted spread under a pin that follows a depth."""
+    x = np.tile(np.interp(depth, DEPTH, pin_table(kind))[:, None], count)
+    vary = Variation(seed=1, spread=None, noise=None)
+    return list(
+        simulate_recorded(time, x, types=(kind,) * count, variation=vary, check=False).times
+    )
+
+
 def trapezoid(depth: float, speed: float, hold: float) -> tuple[Array, Array]:
     """Time in s and depth in mm of a ramp, a hold and a retreat, and a rest of 0.3 s."""
     motion = Trapezoid(speed, depth, hold=hold)
@@ -92,17 +102,27 @@ def adaptation(depth: float) -> float:
     return 1.0 - between(times, start + 11.5, start + 12.5) / first
 
 
+REACH = 1.0
+"""mm on either side of a unit's middle over which its end organs lie: a field of some 4 mm
+(Johansson 1978) less the millimeter on either side over which skin spreads strain."""
+
+
 @cache
 def spheres() -> tuple[Array, Array]:
-    """SAI impulses and recorded rates (n,) by curvature and distance, in the order of the data."""
+    """SAI impulses and recorded rates (n,) by curvature and distance, in the order of the data.
+
+    A unit has end organs in its middle and REACH away on either side; the best of them drives it.
+    """
     points = data.table("curvature_distance_SAI")
     computed = np.empty(len(points))
     for curvature in np.unique(points[:, 0]):
         of = points[:, 0] == curvature
+        organs = np.abs(points[of, 1] + np.array([[0.0], [-REACH], [REACH]]))
         time, driven = experiments.under_sphere(
-            curvature, 0.147, points[of, 1], drive="compressive", organ=DEPTHS["SAI"]
+            curvature, 0.147, organs.ravel(), drive="compressive", organ=DEPTHS["SAI"]
         )
-        times = fire("SAI", time, inputs("SAI", driven))
+        best = driven.reshape(len(time), *organs.shape).max(axis=1)
+        times = fire("SAI", time, inputs("SAI", best))
         computed[of] = [np.count_nonzero(each < 1.0) for each in times]
     return computed, points[:, 2]
 
@@ -281,3 +301,21 @@ def variation(depth: float = 1.0) -> float:
     time, moved = trapezoid(depth, 20.0, 6.0)
     times = under_pin("SAI", time, moved)
     return float(interval_variation(times[(times > 1.0) & (times < 6.0)]))
+
+
+def stretched(size: float, seconds: float) -> Array:
+    """Spike times of the SAII unit whose skin is stretched by a size within some seconds."""
+    time = np.linspace(0.0, 2.0, 2001)
+    x = inputs("SAII", size * np.minimum(time / seconds, 1.0))
+    return fire("SAII", time, x[:, None])[0]
+
+
+def stretch_threshold() -> float:
+    """Smallest slow stretch at which the SAII unit fires."""
+    sizes = np.arange(0.0005, 0.02, 0.0005)
+    return float(next((size for size in sizes if len(stretched(size, 0.5))), np.nan))
+
+
+def stretch_rate() -> float:
+    """Rate in Hz of the SAII unit in the last half of a stretch by 6.4 % at 64 %/s."""
+    return between(stretched(0.064, 0.1), 0.05, 0.1)
