@@ -3,8 +3,8 @@
 Every experiment is pressed through the mechanics of the package. A macaque fingertip stands for all
 of them: 10 mm wide, 8 mm thick, with an effective pad radius of 10 mm and the tissue of maeno1998.
 Its size is an estimate from the look of published fingertips (confidence low). End organs of SAI
-and FAI are 0.5 mm deep, the base of the epidermis of macaques (confidence low), those of SAII and
-FAII as in people.
+are 0.6 mm deep, at the base of the ridges of an epidermis thinner than that of people (confidence
+low), those of the other types as in people.
 """
 
 from functools import cache
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 MACAQUE = Finger(width=10.0, thickness=8.0, pad_radius=10.0, resolution="standard")
 """The fingertip of the experiments."""
 
-DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {"SAI": 0.5, "FAI": 0.5}
+DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {"SAI": 0.6, "FAI": 0.5}
 """Depths in mm of the end organs."""
 
 PROBE = Pin(1.0)

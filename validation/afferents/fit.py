@@ -261,15 +261,16 @@ def errors(task: Task, best: Array, step: float = 0.1) -> Array:
     Differences over a tenth bridge the steps of counted spikes; the variance of the residuals is
     that of the fit. Capped at 10: a parameter with an error of 1 or more is not identified.
     """
-    slopes = np.array(
-        [
-            (task.residuals(best + step * way) - task.residuals(best - step * way)) / (2 * step)
-            for way in np.eye(len(best))
-        ]
-    ).T
+    low, high = np.log(list(FREE[task.kind].values())).T
+    slopes = []
+    for way in np.eye(len(best)):
+        ends = [np.clip(best + sign * step * way, low, high) for sign in (1, -1)]
+        change = task.residuals(ends[0]) - task.residuals(ends[1])
+        slopes.append(change / float(np.sum(ends[0] - ends[1])))
+    jacobian = np.array(slopes).T
     rest = task.residuals(best)
     variance = float(rest @ rest) / (len(rest) - len(best))
-    covariance = variance * np.linalg.pinv(slopes.T @ slopes, rcond=1e-9)
+    covariance = variance * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9)
     return np.minimum(np.sqrt(np.diag(covariance)), 10.0)
 
 
