@@ -33,7 +33,7 @@ def pressed():
 
 
 def test_a_scene_says_its_family_and_keeps_it_in_toml():
-    scene = ff.Scene(motion=PRESS, ask=ff.Ask(spikes=("SAI",), afferents="recorded"))
+    scene = ff.Scene(finger=FINGER, motion=PRESS, ask=ff.Ask(spikes=("SAI",), afferents="recorded"))
     assert ff.Scene.from_toml(scene.to_toml()) == scene
     assert ff.Ask().afferents == FAMILIES[0]
     with pytest.raises(InputError, match=r"ask.afferents: .*'thesis'.*'recorded'"):
@@ -77,9 +77,7 @@ def test_spikes_before_a_time_do_not_count(pressed):
     record = fired_record(late)
     span = late.t_stop - late.t_start
     assert record["afferents"] == "recorded"
-    assert record["spikes"] == {
-        kind: len(times) for kind, times in zip(TYPES, late.times, strict=True)
-    }
+    assert record["spikes"] == dict(zip(TYPES, late.count().tolist(), strict=True))
     assert record["rates_Hz"]["SAI"] == pytest.approx(len(late.times[0]) / span)
 
 

@@ -265,7 +265,7 @@ def field_width(kind: str, depth: float, part: float, units: int = 6) -> float:
                 population=Places(
                     places=tuple((0.0, float(y)) for y in places), branched=True, seed=seed
                 ),
-                depths={"SAI": DEPTHS["SAI"], "FAI": DEPTHS["FAI"]},
+                depths={"SAI": DEPTHS["SAI"]},
                 fields=False,
                 pressure=False,
                 rel_error=1.0,
