@@ -59,7 +59,7 @@ class TrainRecord:
     depths: NDArray[np.float64] | None = None
     seed: int | None = None
     notes: tuple[str, ...] = ()
-    family: str = FAMILIES[0]
+    family: str = "thesis"
 
     def __post_init__(self) -> None:
         """Check the family, that names are different, and that every field has all units."""
