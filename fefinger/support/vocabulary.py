@@ -7,9 +7,9 @@ The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/ge
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 """Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
 
-FAMILIES = ("thesis", "recorded")
-"""Families of afferents, the default first: `thesis`, the chain of Pawluk (1997) with its
-Hodgkin-Huxley membrane, and `recorded`, fitted to recorded responses (`neural/recorded.py`)."""
+FAMILIES = ("recorded", "thesis")
+"""Families of afferents, the default first: `recorded`, fitted to recorded responses
+(`neural/recorded.py`), and `thesis`, the chain of Pawluk (1997) with its squid membrane."""
 
 DRIVES = ("compressive", "tensile", "tangent", "energy", "von_mises")
 """Components of the strain at an end organ that can drive it."""

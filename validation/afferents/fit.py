@@ -1,8 +1,8 @@
 """Fit the parameters of the family `recorded`: `python -m fefinger.validation.afferents.fit`.
 
-Each type is fitted by itself, through the mechanics of `experiments.py`, by differential evolution
-from a seed (and from the parameters in the file, unless `--fresh`) and a simplex from there: some
-ten minutes a type on one core. What is fitted: rates of
+Each type is fitted by itself, through the mechanics of `experiments.py`, about the parameters in
+the file: random units about them from a seed, and a simplex from the best of these; some five
+minutes a type on one core. What is fitted: rates of
 vibrations (`vibration_rates.csv`) of SAI, FAI and FAII, as the mean of a population and, with less
 weight, as its median unit; shapes of the threshold curves of FAI and FAII (`thresholds_units.csv`);
 rates of SAI under spheres (`curvature_SAI.csv`). What is not fitted is said where it is set, in
@@ -22,7 +22,7 @@ import numpy as np
 from fefinger.validation.afferents import data, experiments
 from fefinger.validation.afferents.vibration import SEED, Probed, determination, fit_of_rates
 from numpy.typing import NDArray
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import minimize
 
 from fefinger.neural import recorded
 from fefinger.neural import recorded_compiled as compiled
@@ -94,8 +94,8 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "spread": (0.1, 1.0),
     },
     "FAI": {
-        "gain": (10.0, 3000.0),
-        "corner": (5.0, 150.0),
+        "gain": (10.0, 5000.0),
+        "corner": (5.0, 30.0),
         "negative": (0.02, 1.0),
         "largest": (2.0, 100.0),
         "adapting": (0.1, 1.0),
@@ -122,15 +122,17 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "spread": (0.3, 1.3),
     },
 }
-"""Fitted parameters and the range of the search; their logarithms are what is varied."""
+"""Fitted parameters and the range of the search; their logarithms are what is varied. The corner of
+FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency."""
 
 MEDIAN, SHAPE, SPHERES = 0.15, 1.0, 2.0
 """Weights of the median unit (its 1 - R²), of the mean squared deviation of the logarithms of the
 thresholds up to a constant, and of the relative RMS error under spheres, beside 1 - R² of the
 population."""
 
-GENERATIONS, MEMBERS, ITERATIONS = 40, 5, 400
-"""Size of the search."""
+DRAWS, WIDTH, ITERATIONS = 120, 0.5, 500
+"""Size of the search: random units about the start, the standard deviation of their logarithms,
+and evaluations of the simplex that begins with the best of them."""
 
 
 @dataclass(frozen=True)
@@ -214,45 +216,26 @@ class Task:
         return counts.astype(float)
 
 
-def fit(task: Task, say: Callable[[str], None], *, generations: int, start: Array | None) -> Array:
-    """Logarithms of the fitted parameters of a type; `start` joins the first generation."""
-    bounds = [tuple(np.log(each)) for each in FREE[task.kind].values()]
-    count = [0]
-
-    def told(best: Array, convergence: float) -> None:
-        count[0] += 1
-        if count[0] % 5 == 0:
-            say(f"{task.kind}: generation {count[0]}, loss {task.loss(best):.4f}")
-
-    found = differential_evolution(
-        task.loss,
-        bounds,
-        maxiter=generations,
-        popsize=MEMBERS,
-        rng=np.random.default_rng(1),
-        init="sobol",
-        x0=start,
-        polish=False,
-        callback=told,
-    )
-    options = {"maxfev": ITERATIONS, "initial_simplex": _simplex(found.x), "adaptive": True}
-    near = minimize(task.loss, found.x, method="Nelder-Mead", bounds=bounds, options=options)
-    say(f"{task.kind}: loss {near.fun:.4f} after {near.nfev} more evaluations")
-    return np.asarray(near.x if near.fun < found.fun else found.x)
+def fit(task: Task, start: Array, say: Callable[[str], None]) -> Array:
+    """Logarithms of the fitted parameters of a type, searched for about a start."""
+    low, high = np.log(list(FREE[task.kind].values())).T
+    draws = start + WIDTH * np.random.default_rng(0).normal(size=(DRAWS, len(start)))
+    tried = np.clip(np.vstack([start, draws]), low, high)
+    losses = np.array([task.loss(each) for each in tried])
+    best = np.argsort(losses)[: len(start) + 1]
+    say(f"{task.kind}: loss {losses[0]:.4f} at the start, {losses[best[0]]:.4f} of the draws")
+    options = {"maxfev": ITERATIONS, "initial_simplex": tried[best], "adaptive": True}
+    bounds = list(zip(low, high, strict=True))
+    start = tried[best[0]]
+    found = minimize(task.loss, start, method="Nelder-Mead", bounds=bounds, options=options)
+    say(f"{task.kind}: loss {found.fun:.4f} after {found.nfev} evaluations of the simplex")
+    return np.asarray(found.x)
 
 
-def stored(kind: str, contents: dict[str, Any]) -> Array | None:
-    """Logarithms of the parameters in the file, within the ranges of the search; None without."""
-    table = contents["types"].get(kind, {})
-    if not isinstance(table.get("gain"), dict):
-        return None
-    ranges = FREE[kind].items()
+def stored(kind: str, contents: dict[str, Any]) -> Array:
+    """Logarithms of the parameters in the file, within the ranges of the search."""
+    table, ranges = contents["types"][kind], FREE[kind].items()
     return np.log([np.clip(table[name]["value"], *limits) for name, limits in ranges])
-
-
-def _simplex(start: Array) -> Array:
-    """Return a simplex of steps of a tenth about a start."""
-    return np.vstack([start, start + 0.1 * np.eye(len(start))])
 
 
 def errors(task: Task, best: Array, step: float = 0.1) -> Array:
@@ -315,8 +298,6 @@ def main() -> None:
     """Fit the types named, or all, and write the file of parameters."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("types", nargs="*", default=list(DRIVES))
-    parser.add_argument("--generations", type=int, default=GENERATIONS)
-    parser.add_argument("--fresh", action="store_true", help="do not start from the file")
     chosen = parser.parse_args()
     say = partial(print, flush=True)
     path = Path(recorded.__file__).with_name(recorded.FILE)
@@ -328,8 +309,7 @@ def main() -> None:
             contents["types"][kind] = table(task, np.empty(0))
             write(path, contents)
             continue
-        start = None if chosen.fresh else stored(kind, contents)
-        best = fit(task, say, generations=chosen.generations, start=start)
+        best = fit(task, stored(kind, contents), say)
         contents["types"][kind] = table(task, best)
         computed, rates = fit_of_rates(task.probed(task.unit(best)))
         say(f"{kind}: R² of the rates {determination(computed, rates):.3f}")
