@@ -177,7 +177,7 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
 
 def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> list[Figure]:
     """Time the steps with a unit behind every end organ."""
-    units, fired = finger.afferents(membrane=membrane), 0
+    units, fired = finger.afferents(family="thesis", membrane=membrane), 0
     seconds = np.empty(STEPS)
     _warm(finger)
     units.step(finger.step(DEPTH / 2, DT).strain, DT)
