@@ -412,7 +412,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = reports.MESH_SECONDS["coarse"]
+    build = reports.MORPH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "of it for what is built once and kept" in made.sentence
 

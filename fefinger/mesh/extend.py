@@ -11,12 +11,15 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.geometry.facets import interfaces
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, faces, volumes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
+
+Regions = NDArray[np.int8]
 
 LENGTH, LAYERS = 9.0, 4
 """Length in mm of the continuation along x, and the number of its layers of cells."""
@@ -94,7 +97,7 @@ def _extruded(mesh: FingerMesh, ring: Integers) -> tuple[Array, Array]:
 
 def _prisms(
     mesh: FingerMesh, section: Integers, ring: Integers, points: Array
-) -> tuple[Integers, Integers]:
+) -> tuple[Integers, Regions]:
     """Divide the prisms behind the triangles of the section (k, 3) into tetrahedra, with regions.
 
     The diagonal of a side runs from the vertex that comes first in the ring to the later layer, so
@@ -118,7 +121,7 @@ def _prisms(
     return cells, np.tile(_regions_before(mesh, section), 3 * LAYERS)
 
 
-def _regions_before(mesh: FingerMesh, section: Integers) -> Integers:
+def _regions_before(mesh: FingerMesh, section: Integers) -> Regions:
     """Return the region of the cell that each of the triangles (k, 3) of a boundary belongs to."""
     count = len(mesh.points)
 
@@ -132,7 +135,7 @@ def _regions_before(mesh: FingerMesh, section: Integers) -> Integers:
 
 
 def _facets(
-    mesh: FingerMesh, points: Array, cells: Integers, region: Integers
+    mesh: FingerMesh, points: Array, cells: Integers, region: Regions
 ) -> dict[str, Integers]:
     """Return the facet sets of mesh and continuation; the cut is the last layer."""
     triangles, inner, outer = interfaces(cells, region)

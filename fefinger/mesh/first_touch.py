@@ -69,7 +69,7 @@ def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool 
     skin = shape.skin.project(below, free=np.tile([False, False, True], (len(y), 1)))
     if continued:
         slope = extend.palmar_slope(shape.skin.normals(skin[len(y) // 2 :][:1])[0])
-        skin += [-extend.LENGTH, 0.0, extend.rise(slope, extend.LENGTH)]
+        skin += np.array([-extend.LENGTH, 0.0, float(extend.rise(slope, extend.LENGTH))])
     return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)
 
 

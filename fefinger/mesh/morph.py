@@ -16,25 +16,29 @@ from scipy.interpolate import PchipInterpolator
 
 from fefinger.geometry.facets import interfaces
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
-from fefinger.mesh import smooth
+from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import ON_SHELLS, bone_of_volume, record, supports
 from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.shell import Shell
+from fefinger.mesh.shipped import STRETCH
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 
 
 Free = NDArray[np.bool_]
-Stations = Callable[[Array], Array]
+Pair = tuple[float, float]
+Stations = Callable[[Array, Array], Array]
+"""New x of points at x and at a height, over that of the section: -1 on the palm, 1 on the back."""
+
+BONE_SHELL = ON_SHELLS.index("bone")
+
+LEAST = 1e-9
+"""Size in mm of a section that counts as a point."""
 
 APART = 1.0
 """Least distance in mm between the stations that a map is fixed at."""
-
-STRETCH = 1.15
-"""Largest ratio of facet sizes to the template's, in the fine half of the pad: a mesh beyond it is
-coarser than its resolution says."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ def finished(made: Draft, target: Shape, recipe: Recipe, *, name: str = "finger"
     )
     bone = template.cells[template.region == BONE]
     share = volumes(template.points, bone).sum() / made.source.volumes["bone"]
-    on_bone = (made.constraints.surface == ON_SHELLS.index("bone"))[:, None] & free
+    on_bone = (made.constraints.surface == BONE_SHELL)[:, None] & free
     points = bone_of_volume(target, points, bone, on_bone, share * target.volumes["bone"])
     mesh = record(
         target, recipe, points, template.cells, template.region, template.facets, name=name
@@ -131,11 +135,13 @@ def extension(points: Array, cells: Integers, moves: Array, held: Free) -> Array
 
 def carried(points: Array, source: Shell, target: Shell, stations: Stations) -> Array:
     """Return points (n, 3) on a shell moved to their stations on another, at the same angle."""
-    x = stations(points[:, 0])
-    pairs = zip(source.heights(points[:, 0]), target.heights(x), strict=True)
-    # At the tip, where all sections shrink to a point, any ratio is right.
-    side, low, high = (np.maximum(to, 1e-9) / np.maximum(at, 1e-9) for at, to in pairs)
+    sizes = source.heights(points[:, 0])
     height = points[:, 2] - source.middle
+    above = height / np.maximum(np.where(height < 0.0, sizes[1], sizes[2]), LEAST)
+    x = stations(points[:, 0], above)
+    # At the tip, where all sections shrink to a point, any ratio is right.
+    pairs = zip(sizes, target.heights(x), strict=True)
+    side, low, high = (np.maximum(to, LEAST) / np.maximum(at, LEAST) for at, to in pairs)
     height *= np.where(height < 0.0, low, high)
     return np.column_stack([x, points[:, 1] * side, target.middle + height])
 
@@ -175,21 +181,41 @@ def _surface_moves(
 
 
 def _stations(source: Shape, target: Shape, touch: Touch) -> Iterator[Stations]:
-    """Yield the map of x along each shell: cut, touches, nail and tip stay what they are."""
-    pairs = zip(source.sections, target.sections, strict=True)
+    """Yield the map of x along each shell: cut, touches, nail and tip stay what they are.
+
+    Touches are on the palm and the nail is on the back; between them the map changes smoothly.
+    """
     touches = [np.zeros((2, 3))]
     if touch is not None:
         touches.append(np.stack([touch_point(shape, touch) for shape in (source, target)]))
+    nail = [(source.nail.start, target.nail.start), (source.nail.end, target.nail.end)]
+    pairs = zip(source.sections, target.sections, strict=True)
     for number, (one, other) in enumerate(pairs):
-        knots = [(source.cut, target.cut), (one.tip, other.tip)]
-        wanted = [_feet(source, target, number, points) for points in touches]
-        nail = [(source.nail.start, target.nail.start), (source.nail.end, target.nail.end)]
-        for knot in ((*wanted, *nail), (*wanted, nail[0]), ())[number]:
-            apart = np.subtract(knots, knot)
-            if np.abs(apart).min() > APART and (apart[:, 0] * apart[:, 1] > 0.0).all():
-                knots.append(knot)
-        x, moved = np.array(sorted(knots)).T
-        yield PchipInterpolator(x, moved, extrapolate=True)
+        ends = [(source.cut, target.cut), (one.tip, other.tip)]
+        feet = [_feet(source, target, number, points) for points in touches]
+        bone = number == BONE_SHELL
+        yield _blended(_map(ends, [] if bone else feet), _map(ends, [] if bone else nail))
+
+
+def _map(ends: list[Pair], knots: list[Pair]) -> Callable[[Array], Array]:
+    """Return an increasing map with the given values, without knots close to one another."""
+    chosen = list(ends)
+    for knot in knots:
+        apart = np.subtract(chosen, knot)
+        if np.abs(apart).min() > APART and (apart[:, 0] * apart[:, 1] > 0.0).all():
+            chosen.append(knot)
+    x, moved = np.array(sorted(chosen)).T
+    return PchipInterpolator(x, moved, extrapolate=True)
+
+
+def _blended(palm: Callable[[Array], Array], back: Callable[[Array], Array]) -> Stations:
+    """Return the map that is `palm` well below the widest level and `back` well above it."""
+
+    def stations(x: Array, above: Array) -> Array:
+        share = finger_shape.smooth(above + 0.5)
+        return np.asarray((1.0 - share) * palm(x) + share * back(x))
+
+    return stations
 
 
 def _feet(source: Shape, target: Shape, number: int, points: Array) -> tuple[float, float]:

@@ -9,6 +9,11 @@ from typing import Any
 from fefinger.mesh.recipe import Recipe, Touch
 
 
+STRETCH = 1.15
+"""Largest ratio of facet sizes to the template's, in the fine half of the pad: a mesh beyond it is
+coarser than its resolution says."""
+
+
 def shipped_path(recipe: Recipe) -> Path | None:
     """Return the file of the shipped mesh of a recipe, or None."""
     wanted = recipe.to_dict()
@@ -22,6 +27,16 @@ def templates(resolution: str, touch: Touch) -> list[Path]:
         for recipe, path in _shipped(data_folder())
         if recipe["resolution"] == resolution and recipe.get("touch") == touch
     ]
+
+
+def has_template(recipe: Recipe) -> bool:
+    """Whether a shipped mesh can be morphed to a recipe, as far as its width tells."""
+    return any(
+        shipped["resolution"] == recipe.resolution
+        and shipped.get("touch") == recipe.touch
+        and recipe.width <= STRETCH * shipped["width"]
+        for shipped, _ in _shipped(data_folder())
+    )
 
 
 def data_folder() -> Path:

@@ -10,7 +10,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import vtu
 from fefinger.mesh.extend import continued_source, extended
 from fefinger.mesh.recipe import Recipe, Touch
-from fefinger.mesh.shipped import shipped_path
+from fefinger.mesh.shipped import has_template, shipped_path
 from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
 from fefinger.support.checks import InputError
@@ -47,6 +47,11 @@ def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     """Whether the mesh of a scene's finger is shipped or cached, so that it need not be built."""
     recipe = Recipe.of(finger, touch)
     return shipped_path(recipe) is not None or os.path.isfile(cached_path(recipe))
+
+
+def morphed(finger: "Finger", touch: Touch = None) -> bool:
+    """Whether the mesh of a finger is expected to be a morph of a shipped one, made in a second."""
+    return has_template(Recipe.of(finger, touch))
 
 
 def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:

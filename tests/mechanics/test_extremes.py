@@ -154,6 +154,13 @@ def test_a_mesh_that_cannot_be_solved_on_is_refused(
         solid(fault(mesh), 136, 80)
 
 
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the continuation behind the cut, which contact would meet much deeper."""
+    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: False)
+
+
+@pytest.mark.usefixtures("short")
 def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
     asked = ff.Ask(fields=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
@@ -161,12 +168,23 @@ def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
         linear.respond(deep)
 
 
-@pytest.mark.usefixtures("few_steps")
+@pytest.mark.usefixtures("few_steps", "short")
 def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut() -> None:
     asked = ff.Ask(fields=False, strain=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
     with pytest.raises(InputError, match=r"at a depth of 1\.\d+ mm it reaches the proximal cut"):
         finite.respond(deep)
+
+
+@pytest.mark.usefixtures("few_steps")
+def test_finite_strain_answers_the_same_press_on_the_continued_finger() -> None:
+    asked = ff.Ask(fields=False, strain=False)
+    flat, steeper = (
+        ff.Scene(finger=FINGER, indenter=ff.Flat(angle), motion=ff.Ramp(60, 2.0), ask=asked)
+        for angle in (0, 10)
+    )
+    force = [finite.respond(each).force[-1] for each in (flat, steeper)]
+    assert 0.8 < force[0] / force[1] < 1.25
 
 
 def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:

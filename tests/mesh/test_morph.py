@@ -13,7 +13,7 @@ from fefinger.mesh.finish import supports
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import MIN_DIHEDRAL, dihedral_angles
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shipped import data_folder, shipped_path
+from fefinger.mesh.shipped import data_folder, has_template, shipped_path
 from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import ConvergenceError
 
@@ -82,7 +82,7 @@ def test_an_ellipsoidal_map_of_a_shell_is_exact() -> None:
         dorsal_ratio=stretched(shell.dorsal_ratio, (c / b) ** 2),
     )
     pad = mesh.points[np.unique(mesh.facets["pad"])]
-    there = morph.carried(pad, shell, other, lambda x: a * x)
+    there = morph.carried(pad, shell, other, lambda x, _: a * x)
     assert there == pytest.approx(factors * pad, abs=1e-6)
 
 
@@ -185,3 +185,19 @@ def test_smoothing_leaves_a_mesh_that_is_good_enough_alone() -> None:
     least = morph._wanted(mesh)
     moved = smooth.improve(mesh.points, mesh.cells, held, wanted=least, pinned=np.array([], int))
     assert np.array_equal(moved, mesh.points)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "expected"),
+    [
+        *((recipe, True) for recipe in NEW.values()),
+        (Recipe(25, 19, 25), False),
+        (Recipe(14.2, 10.1, 14.0, touch=(4.0, 2.0)), False),
+        (Recipe(14.2, 10.1, 14.0, touch=75.0), False),
+        (Recipe(17, 13, 17, resolution="fine"), False),
+    ],
+)
+def test_whether_a_morph_is_expected_follows_from_size_and_touch(
+    recipe: Recipe, expected: bool
+) -> None:
+    assert has_template(recipe) is expected

@@ -10,7 +10,7 @@ from fefinger.validation.pressed import drawings
 from fefinger.validation.pressed.measure import compared
 from fefinger.validation.pressed.scenes import drawn
 
-from fefinger.mechanics.evidence.carrying import REPORT
+from fefinger.mechanics.evidence.carrying import MARGIN, REPORT
 from fefinger.mechanics.evidence.table import read
 
 
@@ -39,9 +39,9 @@ def errors(name: str, phase: str, quantity: str) -> list[float]:
 
 
 def stated(phase: str, quantity: str) -> float:
-    """Return the stated error: the largest of the rules."""
+    """Return the stated error: the largest of the rules, with a margin."""
     phases = (phase,) if phase != "retreat" else ("loading", "retreat")
-    return max(max(errors("rules", each, quantity)) for each in phases)
+    return MARGIN * max(max(errors("rules", each, quantity)) for each in phases)
 
 
 def share_held(phase: str, quantity: str) -> Noted:
