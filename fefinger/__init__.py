@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from fefinger.scene.indenters import Ellipsoid as Ellipsoid
     from fefinger.scene.indenters import Flat as Flat
     from fefinger.scene.indenters import Grating as Grating
+    from fefinger.scene.indenters import Pin as Pin
     from fefinger.scene.indenters import Relief as Relief
     from fefinger.scene.indenters import Sphere as Sphere
     from fefinger.scene.motions import ForceRamp as ForceRamp
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import Sampled as Sampled
     from fefinger.scene.motions import Sinusoid as Sinusoid
     from fefinger.scene.motions import Trapezoid as Trapezoid
+    from fefinger.scene.motions import Vibration as Vibration
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
@@ -69,10 +71,12 @@ _HOMES = {
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
-    "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Relief", "Sphere"),
+    "scene.indenters": (
+        *("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Pin", "Relief", "Sphere"),
+    ),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
-        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Sampled"),
+        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         "ForceSampled",
     ),

@@ -25,27 +25,28 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
 
 
+RECORDED = (
+    "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. Its "
+    "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
+)
+"""Note on every result with units of the family `recorded`."""
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
+def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
     """Spikes of the population that `ask` describes, or of one unit of each of its types.
 
-    Further options as in `neural.units.simulate_units`.
+    Those before `since` s do not count. Further options as in `neural.units.simulate_units`, or
+    `neural.recorded_simulation.simulate_recorded`, by the family of `ask.afferents`.
 
     Raises
     ------
     InputError
         A response without strain, or without the end organs of the population.
     """
-    from fefinger.neural.afferents import equivalent_displacements
-    from fefinger.neural.units import simulate_units
-
     strain, sites, reference = _strain_at_sites(ask, response)
-    x_in = equivalent_displacements(
-        strain, sites.normals, sites.types, reference, drives=ask.drives
-    )
     units: dict[str, Any] = {
         "types": sites.types,
         "unit": np.arange(len(sites.types)),
@@ -54,9 +55,57 @@ def fire(ask: "Ask", response: "Response", **options: Any) -> "SpikeTrains":
     }
     notes: tuple[str, ...] = ()
     if ask.population is not None:
-        units, notes = _population(ask.population, ask.spikes, sites)
-    trains = simulate_units(response.time, x_in, generator=ask.generator, **units, **options)
-    return replace(trains, notes=notes + trains.notes)
+        units, notes = _population(ask, ask.population, sites)
+    if ask.afferents == "recorded":
+        trains = _recorded(ask.population, response.time, strain, sites, units | options)
+    else:
+        trains = _thesis(ask, response.time, strain, sites, reference, units | options)
+    return _counted(replace(trains, notes=notes + trains.notes), since)
+
+
+def _counted(trains: "SpikeTrains", since: float) -> "SpikeTrains":
+    """Leave out the spikes before a time in s."""
+    if since <= trains.t_start:
+        return trains
+    note = f"Spikes count from {since:.6g} s on; those before it are left out."
+    times = tuple(each[each >= since] for each in trains.times)
+    return replace(trains, times=times, t_start=since, notes=(note, *trains.notes))
+
+
+def _recorded(
+    layout: Layout | None, time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
+) -> "SpikeTrains":
+    """Spikes of units of the family `recorded`."""
+    from fefinger.neural.afferents import driven_displacements
+    from fefinger.neural.recorded import fitted
+    from fefinger.neural.recorded_simulation import simulate_recorded
+
+    units = fitted()
+    drives = {kind: unit.drive for kind, unit in units.items()}
+    lengths = {kind: unit.length for kind, unit in units.items()}
+    x_in = driven_displacements(strain, sites.normals, sites.types, drives, lengths)
+    rule = "max" if layout is None or layout.rule is None else layout.rule
+    trains = simulate_recorded(time, x_in, rule=rule, **options)
+    return replace(trains, notes=(RECORDED, *trains.notes))
+
+
+def _thesis(
+    ask: "Ask",
+    time: Array,
+    strain: Array,
+    sites: "Sites",
+    reference: "Reference",
+    options: dict[str, Any],
+) -> "SpikeTrains":
+    """Spikes of units of the family `thesis`."""
+    from fefinger.neural.afferents import equivalent_displacements
+    from fefinger.neural.units import simulate_units
+
+    x_in = equivalent_displacements(
+        strain, sites.normals, sites.types, reference, drives=ask.drives
+    )
+    rule = "mean" if ask.population is None else ask.population.rule or "mean"
+    return simulate_units(time, x_in, generator=ask.generator, rule=rule, **options)
 
 
 def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene") -> "SpikeTrains":
@@ -70,7 +119,8 @@ def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
     mesh = f"the mesh is {finger.mesh}"
     try:
-        notes = _count_changes(spikes, fire(lean.ask, mechanics.respond(lean)), mesh)
+        coarse = fire(lean.ask, mechanics.respond(lean), since=scene.motion.recorded_from)
+        notes = _count_changes(spikes, coarse, mesh)
     except Exception as error:  # Whatever it is, the answer itself is finished.
         notes = (f"Spike counts could not be checked when {mesh}: {error}",)
     return replace(spikes, notes=spikes.notes + notes)
@@ -97,9 +147,9 @@ def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, R
 
 
 def _population(
-    layout: Layout, kinds: Sequence[str], sites: "Sites"
+    ask: "Ask", layout: Layout, sites: "Sites"
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Options of `simulate_units` for the units of a population, and notes on places left out.
+    """Options of the simulation of the units of a population, and notes on places left out.
 
     A unit is where its end organs are in the mean.
     """
@@ -116,13 +166,13 @@ def _population(
         noise=layout.noise,
         numbers=tuple(numbers.tolist()),
     )
-    names, notes = _grid_names(layout, kinds, types, numbers)
+    names, notes = _grid_names(layout, ask.spikes, types, numbers)
+    alike = ask.afferents == "thesis" and not (layout.spread or layout.noise)
     units = {
         "types": types,
         "unit": sites.unit,
-        "rule": layout.rule,
         "delays": delays(types, layout.distance),
-        "variation": variation if layout.random else None,
+        "variation": None if alike else variation,
         "names": names,
         "positions": np.add.reduceat(sites.points, first) / count[:, None],
         "depths": sites.depths[first],

@@ -61,7 +61,8 @@ def run(
     except Stopped as stop:  # without spikes: their trains need the whole motion
         raise Stopped(str(stop), Result.of(scene, plan, stop.reached)) from stop
     with stages.stage("neural"):
-        spikes = fire(scene.ask, response) if scene.ask.spikes else None
+        since = scene.motion.recorded_from
+        spikes = fire(scene.ask, response, since=since) if scene.ask.spikes else None
     if spikes is not None:
         with stages.stage("mesh check"):
             spikes = with_mesh_check(spikes, chosen, planned)

@@ -139,7 +139,8 @@ def _rung(candidate: Candidate, case: Situation, refusals: tuple[Refusal, ...]) 
     errors = others(candidate, case)
     if case.motion.control == "force" and math.isfinite(error):
         errors = force_control.errors(errors, error, case)
-    errors |= spikes(candidate, case) if ask.spikes else {}
+    # Errors of spikes were measured with the membranes of the family `thesis`.
+    errors |= spikes(candidate, case) if ask.spikes and ask.afferents == "thesis" else {}
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors)
 
 

@@ -28,6 +28,7 @@ PRESS = ff.RampHold(speed=20, depth=0.6, hold=0.2, corner=0.01)
 
 
 def asked(layout, spikes=("SAI", "FAI"), **options):
+    options = {"afferents": "thesis", **options}
     return ff.Ask(spikes=spikes, population=layout, fields=False, pressure=False, **options)
 
 
@@ -227,6 +228,7 @@ def test_scenes_with_populations_go_to_toml_and_back():
 @pytest.fixture(scope="module")
 def answered():
     overrides = {"finger.resolution": "coarse", "ask.population.radius": 2.5}
+    overrides |= {"ask.afferents": "thesis"}
     return ff.run(published.load("population-press", overrides), mechanics="hertz")
 
 

@@ -134,7 +134,7 @@ def test_spikes_are_trusted_as_far_as_they_were_right_in_the_base_scenes(name):
     known = [row["candidates"].get(name.replace("fine", "standard")) for row in report]
     count, first = (max(r["spikes"][k] for r in known if r) for k in ("count", "first_ms"))
     mechanics_, mesh = Candidate.of(name).mechanics, Candidate.of(name).resolution
-    asked = {"spikes": ["SAI"], "rel_error": 0.99}
+    asked = {"spikes": ["SAI"], "afferents": "thesis", "rel_error": 0.99}
     like = replace(scene(**asked).finger, resolution=mesh or "auto")
     found = plan.choose(replace(scene(**asked, fields=False), finger=like), mechanics_)
     told = f"spike counts were within {text.percent(count)}, first ones "

@@ -65,9 +65,23 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
         "final_force_N": None if force is None else float(force[-1]),
         "contact_area_mm2": None if area is None else float(area[peak]),
         "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
+        **({} if result.spikes is None else fired_record(result.spikes)),
         "seconds": seconds,
         "files": files,
     }
+
+
+def fired_record(trains: "SpikeTrains") -> dict[str, Any]:
+    """Family of the afferents, spikes of each type, and mean rate in Hz of its units.
+
+    Rates are over the time in which spikes count.
+    """
+    counts = dict.fromkeys(trains.types, 0)
+    for kind, times in zip(trains.types, trains.times, strict=True):
+        counts[kind] += len(times)
+    span = trains.t_stop - trains.t_start
+    rates = {kind: n / span / trains.types.count(kind) for kind, n in counts.items()}
+    return {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
 
 
 def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -> str:
@@ -84,7 +98,8 @@ def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -
         rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm² at the peak"))
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.spikes is not None:
-        rows.append(("spikes", result.spikes.summary()))
+        fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
+        rows.append(("spikes", fired))
     if result.plan.trust:
         rows.append(("trust", result.plan.trust))
     times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())

@@ -17,6 +17,11 @@ from fefinger.commands.options import json_option, output_option
 )
 @click.option("--corners", is_flag=True, help="Take straight lines between samples as exact.")
 @click.option("--tolerance", type=float, metavar="MS", help="Allowed error of spike times in ms.")
+@click.option(
+    "--afferents",
+    metavar="FAMILY",
+    help="thesis, or recorded: fitted to recorded units.",
+)
 @output_option("spikes.csv and spikes.npz")
 @json_option
 def spikes(
@@ -25,6 +30,7 @@ def spikes(
     length: float | None,
     corners: bool,
     tolerance: float | None,
+    afferents: str | None,
     output: str | None,
     as_json: bool,
 ) -> None:
@@ -34,14 +40,23 @@ def spikes(
     displacement_um or strain, such as left_displacement_mm. Each drives a unit of every TYPE
     (repeatable, by default all four); one named FAI_displacement_mm drives a unit of FAI alone.
     Displacement is positive into the skin. Strain is positive where it excites: compression for
-    SAI and FAII, stretch of the skin for SAII and FAI.
+    SAI and FAII, stretch of the skin for SAII and FAI. For the afferents recorded it is that of a
+    pin 1 mm wide.
     """
     from fefinger.neural import series
     from fefinger.support import outputs
+    from fefinger.support.vocabulary import FAMILIES
 
     signals = series.read(source)
     with outputs.output(output) as folder:
-        trains = series.fire(signals, types, length=length, corners=corners, tolerance=tolerance)
+        trains = series.fire(
+            signals,
+            types,
+            length=length,
+            corners=corners,
+            tolerance=tolerance,
+            family=FAMILIES[0] if afferents is None else afferents,
+        )
         files: list[str] = []
         try:
             files = [] if folder is None else series.save(trains, folder)

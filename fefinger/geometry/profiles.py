@@ -103,6 +103,29 @@ class Bar(Profile):
 
 @final
 @dataclass(frozen=True)
+class Pin(Profile):
+    """Flat end of a round pin, `width` mm across over all, with its edge rounded to `corner` mm.
+
+    The section through its axis is that of a `Bar`.
+    """
+
+    width: float
+    corner: float
+
+    def height(self, across: Array) -> Heights:
+        """Return h of flat, rounded edge and side."""
+        r = np.sqrt(np.sum(across**2, axis=-1))
+        section = np.stack([r, np.zeros_like(r)], -1)
+        h, slope, curvature = Bar(self.width, self.corner).height(section)
+        outward = across / np.where(r > 0, r, 1.0)[..., None]
+        radial = outward[..., :, None] * outward[..., None, :]
+        hoop = (slope[..., 0] / np.where(r > 0, r, 1.0))[..., None, None]
+        bend = curvature[..., :1, :1] * radial + hoop * (np.eye(2) - radial)
+        return h, slope[..., :1] * outward, bend
+
+
+@final
+@dataclass(frozen=True)
 class Grating(Profile):
     """Rounded ridges along v, `period` mm apart, `ridge` mm wide at half height, `depth` mm high.
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fefinger.scene.finger import Finger
 
 
-def ready(
+def load_or_build(
     finger: "Finger | Recipe",
     *,
     half: bool,

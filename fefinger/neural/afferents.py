@@ -143,6 +143,20 @@ def equivalent_displacements(
     """
     lengths = reference.lengths(types, drives)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}
+    return driven_displacements(strain, normals, types, chosen, lengths)
+
+
+def driven_displacements(
+    strain: ArrayLike,
+    normals: ArrayLike,
+    types: Sequence[str],
+    drives: Mapping[str, str],
+    lengths: Mapping[str, float],
+) -> Array:
+    """Convert strain at end organs to x_in (n_t, n_sites) in mm: drive times length, by type.
+
+    InputError for arrays that do not fit the types, or strain that is not finite.
+    """
     strain, normals = np.asarray(strain, float), np.asarray(normals, float)
     n = len(types)
     if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
@@ -155,9 +169,9 @@ def equivalent_displacements(
         msg = "strain: expected finite values"
         raise InputError(msg)
     x_in = np.empty(strain.shape[:2])
-    for kind, length in lengths.items():
+    for kind in dict.fromkeys(types):
         of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = length * DRIVE_BY_NAME[chosen[kind]](
+        x_in[:, of_kind] = lengths[kind] * DRIVE_BY_NAME[drives[kind]](
             strain[:, of_kind], normals[of_kind]
         )
     return x_in

@@ -159,6 +159,13 @@ def remarks(
         for name, crossings, times in zip(names, firing.stimulus_driven, firing.times, strict=True)
         if crossings > 0
     ]
+    return (*_few(blocked), *_few(driven), *coarse_remarks(time, x_in, types, names))
+
+
+def coarse_remarks(
+    time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...]
+) -> list[str]:
+    """Describe units of FAII whose input is sampled too coarsely."""
     jumps = [
         coarse_jump(time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
         for i, kind in enumerate(types)
@@ -170,7 +177,7 @@ def remarks(
         for name, jump in zip(names, jumps, strict=True)
         if jump > FAII_JUMP
     ]
-    return (*_few(blocked), *_few(driven), *_few(coarse))
+    return _few(coarse)
 
 
 def _few(sentences: list[str]) -> list[str]:

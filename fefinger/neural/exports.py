@@ -84,6 +84,7 @@ def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
     arrays["offsets"] = np.cumsum([0, *trains.count()])
     arrays["span"] = [trains.t_start, trains.t_stop]
     arrays["format"] = NPZ_FORMAT
+    arrays["family"] = trains.family
     arrays["units_of_arrays"] = [f"{name} {unit}" for name, unit in UNITS.items()]
     arrays["meanings"] = [f"{name}: {meaning}" for name, meaning in MEANINGS.items()]
     with _in_place(path) as new, open(new, "wb") as file:
@@ -117,6 +118,8 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     fields |= {name: data[name] for name in ("positions", "depths") if name in data}
     if "seed" in data:
         fields["seed"] = int(data["seed"])
+    if "family" in data:
+        fields["family"] = str(data["family"])
     pieces = np.split(data["spikes"], offsets[1:-1])
     start, stop = data["span"].tolist()
     return fields | {"times": tuple(pieces), "t_start": start, "t_stop": stop}

@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from os import PathLike
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, nearest, number, repeated
-from fefinger.support.vocabulary import TYPES
+from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPES
 
 
 if TYPE_CHECKING:
@@ -117,6 +117,7 @@ def fire(
     corners: bool = False,
     tolerance: float | None = None,
     generator: str = "saturating",
+    family: str = FAMILIES[0],
 ) -> "SpikeTrains":
     """Simulate the spikes of units that these signals drive.
 
@@ -129,7 +130,8 @@ def fire(
         Afferent types, by default all four.
     length
         Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
-        the end organ that it causes.
+        the end organ that it causes. For the family "recorded" the displacement is that of a pin 1
+        mm wide, and the length by default that of its fit.
     corners
         Take straight lines between the samples as exact, corners included. Otherwise units whose
         spike count differs for a smooth curve through the samples are noted.
@@ -138,14 +140,15 @@ def fire(
         50 us.
     generator
         As in `neural.afferents.simulate`.
+    family
+        Family of the afferents; "recorded" has neither tolerance nor generator.
 
     Raises
     ------
     InputError
         An unknown type or one given twice, a strain without a length, samples too coarse for a
-        type's fastest pole.
+        type's fastest pole, an unknown family or a choice that it does not have.
     """
-    from fefinger.neural.afferents import simulate
     from fefinger.neural.checked_signals import count_changes
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
@@ -153,17 +156,15 @@ def fire(
         msg = f"--type: expected every type once, received {', '.join(types)}; leave out repeats"
         raise InputError(msg)
     columns, kinds, names = _units(signals, types)
+    recorded = choice("--afferents", family, FAMILIES) == "recorded"
+    poles, lengths = _poles_and_lengths(recorded)
+    lengths = lengths if length is None else dict.fromkeys(TYPES, length)
+    mm = [_mm(signals, i, lengths.get(kind)) for i, kind in zip(columns, kinds, strict=True)]
     if not corners:
-        for i, kind in zip(columns, kinds, strict=True):
-            _check_sampling(signals, i, kind, _mm(signals, i, length))
-    run = partial(
-        simulate,
-        types=kinds,
-        lengths=[_mm(signals, i, length) for i in columns],
-        generator=generator,
-        names=names,
-        tolerance=None if tolerance is None else _seconds(tolerance),
-    )
+        for i, kind, each in zip(columns, kinds, mm, strict=True):
+            _check_sampling(signals, i, kind, each, poles[kind])
+    simulate = _recorded(tolerance, generator) if recorded else _thesis(tolerance, generator)
+    run = partial(simulate, types=kinds, lengths=mm, names=names)
     trains = run(signals.time, signals.drive[:, columns])
     notes = trains.notes + _starts(signals) + _signs(signals)
     if length is not None and None not in signals.lengths:
@@ -178,6 +179,41 @@ def fire(
         )
         notes += count_changes(names, trains.times, smooth.times, change)
     return replace(trains, notes=notes)
+
+
+def _poles_and_lengths(recorded: bool) -> tuple[dict[str, float], dict[str, float | None]]:
+    """Fastest pole of each type in Hz, and the length in mm of a strain where it has a default."""
+    if recorded:
+        from fefinger.neural.recorded import fitted
+
+        units = fitted()
+        return (
+            {kind: unit.corner for kind, unit in units.items()},
+            {kind: unit.length for kind, unit in units.items()},
+        )
+    from fefinger.neural.endorgans import END_ORGANS
+
+    return {kind: max(organ.poles) for kind, organ in END_ORGANS.items()}, {}
+
+
+def _recorded(tolerance: float | None, generator: str) -> "Callable[..., SpikeTrains]":
+    """Choose the simulation of the family `recorded`; InputError for a choice it does not have."""
+    from fefinger.neural.recorded_simulation import simulate_recorded
+
+    given = {"--tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
+    for name, value in given.items():
+        if value:
+            msg = f"{name}: expected none for the afferents 'recorded', which have one integrator"
+            raise InputError(msg)
+    return simulate_recorded
+
+
+def _thesis(tolerance: float | None, generator: str) -> "Callable[..., SpikeTrains]":
+    """Choose the simulation of the family `thesis`."""
+    from fefinger.neural.afferents import simulate
+
+    seconds = None if tolerance is None else _seconds(tolerance)
+    return partial(simulate, generator=generator, tolerance=seconds)
 
 
 def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
@@ -363,7 +399,7 @@ def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     return np.concatenate(times), np.concatenate(drives)
 
 
-def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> None:
+def _check_sampling(signals: Signals, column: int, kind: str, length: float, pole: float) -> None:
     """Raise InputError where velocity jumps between samples too far apart for a type's filter.
 
     Too far is more than a fifth of the period of its fastest pole. The limit of the jump is
@@ -371,10 +407,8 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float) -> 
     for SA units.
     """
     from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
-    from fefinger.neural.endorgans import END_ORGANS
 
     x = length * signals.drive[:, column]
-    pole = max(END_ORGANS[kind].poles)
     step = 0.2 / pole
     jump, limit = coarse_jump(signals.time, x, step), FAII_JUMP
     if kind.startswith("SA"):

@@ -187,7 +187,7 @@ class Afferents:
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
         if getattr(strain, "shape", None) != self._shape:
-            raise InputError(_unfit(strain, self._shape))
+            raise InputError(unfit_strain(strain, self._shape))
         if not compiled.currents(self.state, strain, 1e3 * dt):
             message = (
                 f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
@@ -220,7 +220,7 @@ def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped
     raise InputError(message)
 
 
-def _unfit(strain: object, shape: tuple[int, int]) -> str:
+def unfit_strain(strain: object, shape: tuple[int, int]) -> str:
     """Error message for a strain that is not an array of this shape."""
     return (
         f"strain: expected an array {shape} of xx yy zz xy yz xz for {shape[0]} units, received "

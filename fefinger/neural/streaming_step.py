@@ -42,7 +42,7 @@ LARGEST_STRAIN = 1e6
 
 
 @njit(cache=True)
-def _compressive(e: NDArray[np.floating]) -> float:
+def compressive_strain(e: NDArray[np.floating]) -> float:
     """Return max(0, -smallest eigenvalue) of xx yy zz xy yz xz, in trigonometric closed form."""
     xx, yy, zz = float(e[0]), float(e[1]), float(e[2])
     xy, yz, xz = float(e[3]), float(e[4]), float(e[5])
@@ -68,7 +68,7 @@ def _along(e: NDArray[np.floating], u: NDArray[np.float64], v: NDArray[np.float6
 
 
 @njit(cache=True)
-def _tangent(e: NDArray[np.floating], across: NDArray[np.float64]) -> float:
+def tangent_strain(e: NDArray[np.floating], across: NDArray[np.float64]) -> float:
     """Largest normal strain in the plane of the skin (Mohr's circle)."""
     a, b = _along(e, across[0], across[0]), _along(e, across[0], across[1])
     c = _along(e, across[1], across[1])
@@ -97,9 +97,9 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
     for i in range(len(s.x)):
         before = s.x[i]
         if s.drive[i] == 0:
-            s.x[i] = s.length[i] * _compressive(strain[i])
+            s.x[i] = s.length[i] * compressive_strain(strain[i])
         else:
-            s.x[i] = s.length[i] * _tangent(strain[i], s.across[i])
+            s.x[i] = s.length[i] * tangent_strain(strain[i], s.across[i])
         change = s.x[i] - before
         if dt == 0.0:
             s.modes[i, 0] += change

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.support.checks import InputError, names
+from fefinger.support.checks import InputError, choice, names
+from fefinger.support.vocabulary import FAMILIES
 
 
 FEW = 12
@@ -33,7 +34,9 @@ class TrainRecord:
     peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
-    notes: sentences on limits and peculiarities of the trains.
+    notes: sentences on limits and peculiarities of the trains. family: of FAMILIES. For the units
+    of "recorded" the current counts in a nominal threshold of 6.2 uA/cm², the potential in one of
+    40 mV, and there is no block.
 
     Raises
     ------
@@ -56,9 +59,11 @@ class TrainRecord:
     depths: NDArray[np.float64] | None = None
     seed: int | None = None
     notes: tuple[str, ...] = ()
+    family: str = "thesis"
 
     def __post_init__(self) -> None:
-        """Check that names are different, and that every field has all units."""
+        """Check the family, that names are different, and that every field has all units."""
+        choice("family", self.family, FAMILIES)
         n = len(names("names", self.names))
         lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven")
         counts = {field: len(getattr(self, field)) for field in lists}

@@ -103,7 +103,7 @@ class _Setup:
             steps = chord_steps(organ, time, x_in[:, columns], straight / gain, bend=bend)
             steps = np.clip(steps, dt, LONGEST)
         at = dense_times(time, steps)
-        if self.variation is None or self.variation.noise == 0.0:
+        if self.variation is None or not self.variation.noise:
             return at
         knots = self.variation.knots(float(time[0]), float(time[-1]))
         return np.unique(np.concatenate([at, knots[knots < time[-1]]]))
@@ -158,7 +158,7 @@ class _Setup:
 
     def noise(self, unit: int, at: Array, membranes: int) -> Array | float:
         """Noise current (n_at, membranes) in uA/cm² of the membranes of a unit, or 0."""
-        if self.variation is None or self.variation.noise == 0.0:
+        if self.variation is None or not self.variation.noise:
             return 0.0
         return self.variation.current(unit, at, float(at[0]), float(at[-1]), membranes)
 

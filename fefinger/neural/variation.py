@@ -22,14 +22,14 @@ class Variation:
     spread: standard deviation of the logarithm of a unit's gain (Fig. 4-2 shows that units of one
     type differ; the amount is a choice of the user). noise: standard deviation in uA/cm² of
     the independent values of membrane noise; of the noise through time, straight lines between
-    them, it is sqrt(2/3) of that. numbers: of the units, by default their places in the list; a
-    unit's draws depend on the seed and its number alone, not on the other units or the length of
-    the run.
+    them, it is sqrt(2/3) of that. None: those of the unit's type. numbers: of the units, by default
+    their places in the list; a unit's draws depend on the seed and its number alone, not on the
+    other units or the length of the run.
     """
 
     seed: int
-    spread: float = 0.0
-    noise: float = 0.0
+    spread: float | None = 0.0
+    noise: float | None = 0.0
     numbers: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -37,22 +37,25 @@ class Variation:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
             raise InputError(msg)
-        number("spread", self.spread, at_least=0.0, at_most=3.0)
-        number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
+        if self.spread is not None:
+            number("spread", self.spread, at_least=0.0, at_most=3.0)
+        if self.noise is not None:
+            number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
         for index in self.numbers or ():
             if isinstance(index, bool) or not isinstance(index, int | np.integer) or index < 0:
                 msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
                 raise InputError(msg)
 
-    def gain(self, unit: int) -> float:
-        """Random factor on the gain of a unit."""
-        return float(np.exp(self.spread * self._draw(unit, 0).normal()))
+    def gain(self, unit: int, spread: float = 0.0) -> float:
+        """Random factor on the gain of a unit, of a type with this spread."""
+        spread = spread if self.spread is None else self.spread
+        return float(np.exp(spread * self._draw(unit, 0).normal()))
 
     def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
         """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
         knots = self.knots(start, stop)
         # Drawn time by time, so that a longer run begins with the values of a shorter one.
-        values = self.noise * self._draw(unit, 1).normal(size=(len(knots), branches))
+        values = (self.noise or 0.0) * self._draw(unit, 1).normal(size=(len(knots), branches))
         return np.column_stack([np.interp(at, knots, column) for column in values.T])
 
     def knots(self, start: float, stop: float) -> Array:

@@ -65,7 +65,7 @@ def _chance(result: ResultRecord) -> list[str]:
     if spikes.seed is None:
         return [ALIKE]
     drawn = "The gains of the units or the noise of their membranes are drawn"
-    if layout is not None:
+    if layout is not None and layout.spread is not None and layout.noise is not None:
         drawn = (
             f"Drawn: the gains of the units (standard deviation of their logarithm "
             f"{layout.spread:g}) and the noise of their membranes ({layout.noise:g} uA/cm²)"

@@ -14,7 +14,7 @@ from fefinger.support.checks import (
     number,
     reject_unknown,
 )
-from fefinger.support.vocabulary import DRIVES, GENERATORS, TYPES
+from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
 
 
 SOLVERS = ("multifrontal", "single", "iterative")
@@ -46,6 +46,10 @@ class Ask:
         Component of the strain that drives a type, where it differs from the default.
     generator
         Law from the output of an end organ to its current: "saturating", or "linear" (thesis).
+    afferents
+        Family of the afferents: "thesis", the chain of the source with its squid membrane, or
+        "recorded", fitted to responses of single units. `drives` and `generator` are choices of
+        "thesis" alone.
     solver
         Linear solver of the finite elements; by default the fastest that fits in free memory.
     """
@@ -60,6 +64,7 @@ class Ask:
     depths: Mapping[str, float] = field(default_factory=dict, hash=False)
     drives: Mapping[str, str] = field(default_factory=dict, hash=False)
     generator: str = "saturating"
+    afferents: str = FAMILIES[0]
     population: Layout | None = None
     solver: str | None = None
 
@@ -81,6 +86,7 @@ class Ask:
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         choice("ask.generator", self.generator, GENERATORS)
+        choice("ask.afferents", self.afferents, FAMILIES)
         if self.solver is not None:
             choice("ask.solver", self.solver, SOLVERS)
         population: Any = self.population
@@ -92,10 +98,27 @@ class Ask:
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
             raise InputError(msg)
+        if self.afferents == "recorded":
+            _check_recorded(checked["drives"], self.generator, population)
         for name in ("depths", "drives"):
             checked[name] = Frozen(checked[name])
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+
+
+def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layout | None) -> None:
+    """Refuse choices that the family `recorded` does not have."""
+    given = {"ask.drives": drives, "ask.generator": generator != GENERATORS[0]}
+    if population is not None:
+        given["ask.population.rule"] = population.rule not in (None, *RECORDED_RULES)
+    for name, value in given.items():
+        if value:
+            msg = (
+                f"{name}: expected the default for afferents = 'recorded', whose parameters were "
+                f"fitted with it, received {value if name == 'ask.drives' else 'another'}; leave "
+                "it out, or set ask.afferents to 'thesis'"
+            )
+            raise InputError(msg)
 
 
 def _per_type(name: str, table: Any) -> dict[str, Any]:

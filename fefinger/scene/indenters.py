@@ -231,6 +231,45 @@ class Bar(Placed):
 
 @final
 @dataclass(frozen=True)
+class Pin(Placed):
+    """A round rigid pin with a flat end, `width` mm across, its edge rounded to `corner` mm.
+
+    The probe of experiments on single afferents. By default the edge is a fifth of the width.
+    """
+
+    kind = "pin"
+    sharp = True
+
+    width: float
+    corner: float | None = None
+    at: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Check the sizes and the place."""
+        self._set("width", above=0, unit="mm")
+        if self.corner is None:
+            object.__setattr__(self, "corner", self.width / 5)
+        self._set("corner", above=0, at_most=self.width / 2, unit="mm")
+        self._set_place()
+
+    @property
+    def profile(self) -> profiles.Pin:
+        """A flat disc with a rounded edge."""
+        return profiles.Pin(self.width, self.least_radius)
+
+    @property
+    def least_radius(self) -> float:
+        """The radius of its edge in mm."""
+        assert self.corner is not None
+        return self.corner
+
+    def describe(self) -> str:
+        """Return "a rigid pin", with its sizes."""
+        return f"a rigid pin {self.width:g} mm wide with an edge of {self.corner:g} mm"
+
+
+@final
+@dataclass(frozen=True)
 class Grating(PlateLike):
     """A rigid plate with rounded ridges, `period` mm apart and `depth` mm high.
 
@@ -389,5 +428,5 @@ def _turned(roll: float) -> str:
 
 INDENTERS: dict[str, type[Indenter]] = {
     indenter.kind: indenter
-    for indenter in (Flat, Sphere, Ellipsoid, Cylinder, Bar, Grating, Relief)
+    for indenter in (Flat, Sphere, Ellipsoid, Cylinder, Bar, Pin, Grating, Relief)
 }

@@ -5,7 +5,9 @@ it before relying on it. "low": an estimate that fills a gap.
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -195,63 +197,28 @@ def calibrated_name(subject: str) -> str:
 
 
 def _calibrated(subject: str) -> TissueSet:
-    """Fit of the model (Demiray's law in both layers) to a subject; not a measurement."""
+    """Fit of the model (Demiray's law in both layers) to a subject; not a measurement of tissue.
+
+    With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1
+    (confidence low: both trade against each other and against the ratio of the layers, which is a
+    prior; the reports have the uncertainties). The relaxation is that of the same table. Fitted
+    with the finger of the subject; `source` says on which mesh. At small strain the exponent has no
+    effect, and the set is too soft.
+    """
     modulus, exponent, radius, c, v = _FITTED[subject]
+    mesh = "standard" if subject in ("a.h.", MEANS) else "coarse"
+    report = CALIBRATED if subject != MEANS else "calibrated-means.json"
     skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
     return TissueSet(
         skin=skin,
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
-        source=f"fitted to the curves of subject {subject} in Table 2.1 of {PAWLUK} by `fefinger "
-        f"calibrate` (reports/{CALIBRATED}): a fit of a model, not a measurement of tissue",
+        source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Table 2.1 of "
+        f"{PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
+        "measurement of tissue",
         confidence="low",
         pad_radius=radius,
         prony=Prony(c, v),
     )
-
-
-def calibrated_dp() -> TissueSet:
-    """Fit of the model to the curves of subject d.p., not a measurement of tissue.
-
-    With modulus and exponent of Demiray's law `solid` reproduces the stiffness against force of
-    Table 2.1 (confidence low: both trade against each other and against the ratio of the layers,
-    which is a prior; `reports/calibrated.json` has the uncertainties). The relaxation is that of
-    the same table. Fitted with the finger of the subject on the coarse mesh. At small strain the
-    exponent has no effect, and the set is too soft.
-    """
-    return _calibrated("d.p.")
-
-
-def calibrated_ds() -> TissueSet:
-    """Fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the coarse mesh (confidence low).
-    """
-    return _calibrated("d.s.")
-
-
-def calibrated_ah() -> TissueSet:
-    """Fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the standard mesh (confidence low).
-    """
-    return _calibrated("a.h.")
-
-
-def calibrated_pw() -> TissueSet:
-    """Fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the coarse mesh (confidence low).
-    """
-    return _calibrated("p.w.")
-
-
-def calibrated_means() -> TissueSet:
-    """Fit of the model to the mean curves of the subjects, not a measurement; see `calibrated_dp`.
-
-    Fitted on the standard mesh of a finger of 14 by 11 mm (confidence low;
-    `reports/calibrated-means.json`).
-    """
-    return _calibrated(MEANS)
 
 
 PUBLISHED = "maeno1998"
@@ -271,15 +238,11 @@ def default_tissue(subject: object, *, given: bool) -> str:
     return calibrated_name(MEANS)
 
 
-TISSUE_SETS = {
+TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
-    "calibrated_dp": calibrated_dp,
-    "calibrated_ds": calibrated_ds,
-    "calibrated_ah": calibrated_ah,
-    "calibrated_pw": calibrated_pw,
-    "calibrated_means": calibrated_means,
+    **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
 }
 
 

@@ -28,6 +28,9 @@ LIMITS: dict[str, dict[str, Any]] = {
     "speed": {"above": 0, "unit": "mm/s"},
     "loading_rate": {"above": 0, "unit": "N/s"},
     "depth": {"above": 0, "unit": "mm"},
+    "preload": {"above": 0, "unit": "mm"},
+    "held": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
+    "seconds": {"above": 0, "at_most": LONGEST, "unit": "s"},
     "force": {"above": 0, "unit": "N"},
     "hold": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
     "settle": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
@@ -116,6 +119,11 @@ class Motion(ABC):
     def moving(self) -> tuple[tuple[float, float], ...]:
         """Intervals (t0, t1) in s in which the depth or the force changes."""
         return self.trajectory.moving
+
+    @property
+    def recorded_from(self) -> float:
+        """Time in s from which spikes count: after the preparation of an experiment."""
+        return 0.0
 
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
@@ -216,14 +224,24 @@ class RampSinusoidMotion(RampMotion):
     settle: float
 
     @property
+    def rest(self) -> float:
+        """Length of the rest in s."""
+        return self.settle
+
+    @property
+    def periods(self) -> int:
+        """Number of cycles of the sine."""
+        return self.cycles
+
+    @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *_rest_limit(self.settle), self.cycles / self.frequency
+        return self.top, *_rest_limit(self.rest), self.periods / self.frequency
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """Ramp, rest and sine; InputError for a force that would pull."""
-        longest = self.cycles / self.frequency
+        longest = self.periods / self.frequency
         if self.corner > longest:
             msg = (
                 f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
@@ -236,9 +254,9 @@ class RampSinusoidMotion(RampMotion):
                 f"received {self.amplitude:g}; a contact cannot pull"
             )
             raise InputError(msg)
-        base = self.ramp_and_rest(self.settle)
+        base = self.ramp_and_rest(self.rest)
         wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
-        return base.followed_by(wave, self.cycles)
+        return base.followed_by(wave, self.periods)
 
 
 class SinusoidMotion(Motion):

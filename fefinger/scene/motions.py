@@ -18,6 +18,11 @@ from fefinger.scene.motion import (
 )
 
 
+APPROACH = 10.0
+"""Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
+vibration begins."""
+
+
 @final
 @dataclass(frozen=True)
 class Ramp(RampMotion):
@@ -100,6 +105,53 @@ class Sinusoid(SinusoidMotion):
     amplitude: float
     frequency: float
     cycles: int
+
+
+@final
+@dataclass(frozen=True)
+class Vibration(RampSinusoidMotion):
+    """A preload of `preload` mm, held for `held` s, then a sine about it for `seconds`.
+
+    The experiment of vibrotaction: spikes count from the start of the sine, when the units have
+    adapted to the preload. The sine (whole cycles of `amplitude` mm at `frequency` Hz, one or more)
+    starts upward; its amplitude rises over `corner` s.
+    """
+
+    kind = "vibration"
+    control = "depth"
+
+    preload: float
+    _: KW_ONLY
+    amplitude: float
+    frequency: float
+    seconds: float = 1.0
+    held: float = 120.0
+    corner: float = AS_LONG_AS_FITS
+
+    @property
+    def level(self) -> float:
+        """The preload in mm."""
+        return self.preload
+
+    @property
+    def top(self) -> float:
+        """Length of the approach in s."""
+        return self.preload / APPROACH
+
+    @property
+    def rest(self) -> float:
+        """Length of the hold in s."""
+        return self.held
+
+    @property
+    def periods(self) -> int:
+        """Number of cycles: whole ones, nearest to `seconds`."""
+        return max(1, round(self.seconds * self.frequency))
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.ramp_and_rest(self.held).duration
 
 
 @final
@@ -214,6 +266,7 @@ MOTIONS: dict[str, type[Motion]] = {
         RampSinusoid,
         Sinusoid,
         Trapezoid,
+        Vibration,
         Sampled,
         ForceRamp,
         ForceRampHold,

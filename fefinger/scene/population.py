@@ -29,12 +29,14 @@ class Layout:
     branched
         True: units have the published numbers of end organs. False: one each, at their place.
     rule
-        Combination of the currents of a unit's end organs: "mean", "max" or "first".
+        Combination of a unit's end organs: "mean", "max" or "first"; None: "mean" of the currents
+        for the afferents "thesis", "max" of the inputs for "recorded", which has no "first".
     distance
         Length in mm of the nerve up to the recording site.
     spread, noise
         Standard deviations of the logarithm of the units' gains and of the membrane noise in
-        uA/cm²; 0: units of a type are identical and fire the same spikes every time.
+        uA/cm²; 0: units of a type are identical and fire the same spikes every time. None: those
+        of the recorded units for the afferents "recorded", 0 for "thesis".
     seed
         Seed of all random draws: places, end organs, gains and noise.
     """
@@ -42,29 +44,27 @@ class Layout:
     kind: ClassVar[str]
 
     branched: bool = True
-    rule: str = "mean"
+    rule: str | None = None
     distance: float = 0.0
-    spread: float = 0.0
-    noise: float = 0.0
+    spread: float | None = None
+    noise: float | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
         """Check the fields that all layouts have."""
         flag("ask.population.branched", self.branched)
-        choice("ask.population.rule", self.rule, RULES)
+        if self.rule is not None:
+            choice("ask.population.rule", self.rule, RULES)
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             msg = (
                 f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
             )
             raise InputError(msg)
         self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
-        self._number("spread", at_least=0.0, at_most=3.0)
-        self._number("noise", at_least=0.0, at_most=100.0, unit="uA/cm²")
-
-    @property
-    def random(self) -> bool:
-        """True if gains or membrane noise are random (places may be as well)."""
-        return self.spread > 0.0 or self.noise > 0.0
+        if self.spread is not None:
+            self._number("spread", at_least=0.0, at_most=3.0)
+        if self.noise is not None:
+            self._number("noise", at_least=0.0, at_most=100.0, unit="uA/cm²")
 
     def _number(self, name: str, **limits: Any) -> None:
         """Check a field that is a number and store it as a float."""

@@ -7,6 +7,10 @@ The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/ge
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 """Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
 
+FAMILIES = ("recorded", "thesis")
+"""Families of afferents, the default first: `recorded`, fitted to recorded responses
+(`neural/recorded.py`), and `thesis`, the chain of Pawluk (1997) with its squid membrane."""
+
 DRIVES = ("compressive", "tensile", "tangent", "energy", "von_mises")
 """Components of the strain at an end organ that can drive it."""
 
@@ -22,6 +26,10 @@ fires the unit and its impulse invades the others, which take over its state (th
 units reset each other: Lesniak et al. 2014, doi:10.7554/eLife.01488, and PMC4332704). It costs one
 integration per branch, the others one per unit. With one input to all branches the three agree.
 """
+
+RECORDED_RULES = ("max", "mean")
+"""The same for units of the family `recorded`, whose inputs are combined before one filter: the
+largest of the end organs at every time, or their mean."""
 
 LONGEST_RUN = 3600.0
 """Longest run with spikes in s: an hour is 72 million steps of every membrane."""

@@ -18,7 +18,7 @@ from fefinger.mechanics import solid as finite
 from fefinger.mechanics.press import hard_parts, placement
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
@@ -30,7 +30,7 @@ DEPTH = 0.6
 
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
-    return ready(FINGER, half=True)
+    return load_or_build(FINGER, half=True)
 
 
 def solid(mesh: FingerMesh, skin: float, pulp: float, poisson: float = 0.48) -> Body:

@@ -23,7 +23,7 @@ from fefinger.mechanics.press import (
     time_steps,
 )
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
@@ -42,7 +42,7 @@ def scene(**parts: object) -> ff.Scene:
 
 @pytest.fixture(scope="module")
 def half() -> Body:
-    mesh = ready(FINGER, half=True)
+    mesh = load_or_build(FINGER, half=True)
     return body(mesh, constitutive.tissues(FINGER), hard_parts.fixed_facets(FINGER))
 
 
@@ -205,7 +205,7 @@ def test_what_is_not_asked_is_none() -> None:
 
 def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
     for resolution, row in read(LINEAR)["resolutions"].items():
-        mesh = ready(replace(FINGER, resolution=resolution), half=True)
+        mesh = load_or_build(replace(FINGER, resolution=resolution), half=True)
         assert row["mesh"]["mesh_sha256"] == mesh.fingerprint
     motion = ff.RampHold(speed=60, depth=1.5, hold=5)
     pressed = linear.respond(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))

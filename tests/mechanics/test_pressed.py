@@ -242,4 +242,4 @@ def _table() -> ElasticPress:
 
     asked = scene(Ramp(60, 1.0))
     press = Press.of(asked, METHOD, Stages(), mechanics="pressed", notes=())
-    return elastic_press.ready(press, Flat(30), 1.0, Stages())
+    return elastic_press.load_or_solve(press, Flat(30), 1.0, Stages())

@@ -14,7 +14,7 @@ from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import MIN_DIHEDRAL, dihedral_angles
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shipped import data_folder, has_template, shipped_path
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import ConvergenceError
 
 
@@ -161,7 +161,7 @@ def test_a_template_that_would_be_too_coarse_is_refused() -> None:
 def test_a_shipped_mesh_is_no_morph() -> None:
     """Evidence was measured on them: their files are used as they are."""
     mesh, _ = shipped("ah-coarse")
-    assert ready(Recipe(**mesh.recipe), half=True).fingerprint == mesh.fingerprint
+    assert load_or_build(Recipe(**mesh.recipe), half=True).fingerprint == mesh.fingerprint
 
 
 def test_the_mesher_takes_over_where_no_template_is_near(monkeypatch: pytest.MonkeyPatch) -> None:

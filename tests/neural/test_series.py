@@ -2,6 +2,7 @@
 
 import csv
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,10 +10,13 @@ import pytest
 from fefinger.__main__ import main
 from fefinger.neural import series
 from fefinger.neural.afferents import simulate
+from fefinger.neural.recorded import fitted
 from fefinger.neural.trains import SpikeTrains
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
+
+fire = partial(series.fire, family="thesis")
 
 TIME = np.append(np.linspace(0, 0.1, 501), np.linspace(0.1, 0.5, 9)[1:])
 PRESS = np.where(TIME < 0.1, 0.5 * (1 - np.cos(np.pi * TIME / 0.1)), 1.0)
@@ -32,7 +36,7 @@ def press(tmp_path):
 
 
 def test_one_column_drives_a_unit_of_every_type(press):
-    trains = series.fire(series.read(press))
+    trains = fire(series.read(press))
     expected = simulate(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
     assert trains.types == trains.names == TYPES
     assert expected.count().min() > 0
@@ -52,8 +56,8 @@ def test_one_column_drives_a_unit_of_every_type(press):
 def test_units_of_the_header_are_converted(time, name, values, length, press, tmp_path):
     scale = 1e3 if time == "time_ms" else 1.0
     path = write(tmp_path / "other.csv", (name, time), values, scale * TIME)
-    other = series.fire(series.read(path), ("SAI", "FAI"), length=length)
-    expected = series.fire(series.read(press), ("SAI", "FAI"))
+    other = fire(series.read(path), ("SAI", "FAI"), length=length)
+    expected = fire(series.read(press), ("SAI", "FAI"))
     np.testing.assert_allclose(other.x_in, expected.x_in, rtol=1e-12)
     for a, b in zip(other.times, expected.times, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
@@ -62,7 +66,7 @@ def test_units_of_the_header_are_converted(time, name, values, length, press, tm
 def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
     header = ("time", "FAI_displacement_mm", "tip_displacement_mm")
     path = write(tmp_path / "two.csv", header, TIME, PRESS, 0.5 * PRESS)
-    trains = series.fire(series.read(path), ("SAI", "SAII"))
+    trains = fire(series.read(path), ("SAI", "SAII"))
     assert trains.types == ("FAI", "SAI", "SAII")
     assert trains.names == (
         *("FAI_displacement_mm", "tip_displacement_mm:SAI", "tip_displacement_mm:SAII"),
@@ -72,7 +76,7 @@ def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
 
 def test_a_series_that_starts_pressed_is_noted(tmp_path):
     path = write(tmp_path / "late.csv", ("time", "displacement_mm"), [0, 0.5], [1, 1])
-    trains = series.fire(series.read(path), ("SAI",))
+    trains = fire(series.read(path), ("SAI",))
     assert any("which is a jump from 0" in note for note in trains.notes)
 
 
@@ -88,7 +92,7 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
 )
 def test_a_column_of_the_wrong_sign_is_asked_about(name, values, question, tmp_path):
     path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
-    trains = series.fire(series.read(path), ("SAI",), length=2.0, corners=True)
+    trains = fire(series.read(path), ("SAI",), length=2.0, corners=True)
     actual = [note for note in trains.notes if "expected are positive" in note]
     assert len(actual) == (question is not None)
     assert all(question in note for note in actual)
@@ -101,8 +105,8 @@ def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, 
     wave = 0.5 * (1 - np.cos(2 * np.pi * frequency * time))
     signals = series.read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
     with pytest.raises(InputError, match=f"too coarse for {kind}"):
-        series.fire(signals, (kind,))
-    assert len(series.fire(signals, (kind,), corners=True)) == 1
+        fire(signals, (kind,))
+    assert len(fire(signals, (kind,), corners=True)) == 1
 
 
 @pytest.mark.parametrize("kind", ["SAI", "SAII"])
@@ -110,7 +114,7 @@ def test_slow_units_take_slow_signals_from_few_samples(kind, tmp_path):
     time = np.arange(0, 60, 1.0)
     wave = 0.5 * (1 - np.cos(2 * np.pi * time / 30))
     path = write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave)
-    assert len(series.fire(series.read(path), (kind,)).times[0]) > 0
+    assert len(fire(series.read(path), (kind,)).times[0]) > 0
 
 
 @pytest.mark.parametrize(
@@ -122,7 +126,7 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
     def noted(name, time, **options):
         wave = amplitude * (np.cos(0.3) - np.cos(2 * np.pi * frequency * time + 0.3))
         path = write(tmp_path / "wave.csv", ("time", name), time, wave)
-        trains = series.fire(series.read(path), (kind,), **options)
+        trains = fire(series.read(path), (kind,), **options)
         return trains.count()[0], any("a smooth curve joins" in note for note in trains.notes)
 
     count, message = noted("displacement_mm", np.arange(0, 1, 1 / rate))
@@ -136,7 +140,7 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
 def test_uneven_samples_and_jumps_are_welcome(tmp_path):
     time, x = [0, 0.1, 0.1, 0.4], [0, 0, 0.4, 0.4]
     path = write(tmp_path / "jump.csv", ("time", "displacement_mm"), time, x)
-    trains = series.fire(series.read(path))
+    trains = fire(series.read(path))
     assert trains.count().min() > 0
     assert np.all(np.concatenate(trains.times) > 0.1)
 
@@ -196,26 +200,26 @@ def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
 
 def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
     with pytest.raises(InputError, match=r"--type: expected one of .* Did you mean 'SAI'"):
-        series.fire(series.read(press), ("SA1",))
+        fire(series.read(press), ("SA1",))
     strain = series.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
     with pytest.raises(InputError, match="--length: column 'strain' is a strain"):
-        series.fire(strain)
+        fire(strain)
     with pytest.raises(InputError, match="--length: expected a finite number in mm above 0"):
-        series.fire(strain, length=-1.0)
+        fire(strain, length=-1.0)
 
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
     signals = series.read(press)
-    assert "--length is not used" in " ".join(series.fire(signals, ("SAI",), length=2.0).notes)
+    assert "--length is not used" in " ".join(fire(signals, ("SAI",), length=2.0).notes)
     with pytest.raises(InputError, match="--length: expected"):
-        series.fire(signals, ("SAI",), length=-1.0)
+        fire(signals, ("SAI",), length=-1.0)
 
 
 def test_a_type_given_twice_is_refused(press):
     with pytest.raises(
         InputError, match="--type: expected every type once, received SAI, FAI, SAI"
     ):
-        series.fire(series.read(press), ("SAI", "FAI", "SAI"))
+        fire(series.read(press), ("SAI", "FAI", "SAI"))
 
 
 def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):
@@ -265,20 +269,33 @@ def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
             tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), [0, 0.1, 0.2], [0, 0.1, 0.1]
         )
         if name == "FAIII":
-            series.fire(series.read(path), corners=True)
+            fire(series.read(path), corners=True)
             continue
         with pytest.raises(InputError, match="begins like that of an afferent type"):
-            series.fire(series.read(path), corners=True)
+            fire(series.read(path), corners=True)
 
 
 def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     head = ("time", "displacement_mm")
     path = write(tmp_path / "long.csv", head, [0, 1e5, 2e5], [0, 1, 1])
     with pytest.raises(InputError, match="at most 3600 s in one run"):
-        series.fire(series.read(path), corners=True)
+        fire(series.read(path), corners=True)
     path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
-    trains = series.fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
-    exact = series.fire(series.read(path), ("SAI",), corners=True)
+    trains = fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
+    exact = fire(series.read(path), ("SAI",), corners=True)
     np.testing.assert_allclose(trains.times[0], exact.times[0], atol=5e-5)
     with pytest.raises(InputError, match="--tolerance: expected"):
-        series.fire(series.read(path), corners=True, tolerance=0.0)
+        fire(series.read(path), corners=True, tolerance=0.0)
+
+
+def test_the_recorded_family_takes_displacements_and_strains_of_its_own_length(tmp_path, press):
+    trains = series.fire(series.read(press), ("SAI",), family="recorded")
+    assert trains.family == "recorded"
+    length = fitted()["SAI"].length
+    path = write(tmp_path / "strain.csv", ["time", "strain"], TIME, PRESS / length)
+    other = series.fire(series.read(path), ("SAI",), family="recorded")
+    assert other.times[0] == pytest.approx(trains.times[0])
+    with pytest.raises(InputError, match=r"--tolerance: expected none"):
+        series.fire(series.read(press), ("SAI",), family="recorded", tolerance=0.1)
+    with pytest.raises(InputError, match=r"--afferents: expected one of"):
+        series.fire(series.read(press), ("SAI",), family="recordd")

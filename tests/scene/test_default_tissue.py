@@ -37,7 +37,7 @@ def test_where_values_are_given_the_rest_is_published() -> None:
 def test_the_set_of_the_means_is_that_of_its_report() -> None:
     from fefinger.mechanics.evidence.table import read
 
-    row, tissue = read("calibrated-means.json"), library.calibrated_means()
+    row, tissue = read("calibrated-means.json"), library.tissue_set("calibrated_means")
     assert tissue.skin.modulus == pytest.approx(row["skin"]["modulus"], rel=1e-3)
     assert tissue.subcutaneous.exponent == pytest.approx(row["subcutaneous"]["exponent"], rel=1e-3)
     assert tissue.pad_radius == pytest.approx(row["finger"]["pad_radius"], rel=1e-3)

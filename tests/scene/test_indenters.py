@@ -33,6 +33,7 @@ OBJECTS = [
     ff.Cylinder(4.0),
     ff.Cylinder(1 / 3, roll=90, at=(-1.0, 0.5)),
     ff.Bar(3.0, 0.7, roll=-20),
+    ff.Pin(1.0, at=(0.2, 0.1)),
     ff.Grating(3.0, 1.0, 0.5, shift=0.1 + 0.2, angle=20, tilt=5, roll=45),
     RELIEF,
 ]
@@ -149,6 +150,7 @@ ANSWERS = {
     "ellipsoid": (ff.Ellipsoid((3, 2, 4)), None, None, None, 0, (9 / 4, 1), None, 1),
     "cylinder": (ff.Cylinder(4, roll=90), None, None, None, 90, None, None, 4),
     "bar": (ff.Bar(3, 0.7, at=(0, 1)), None, None, (0, 1), 0, None, None, 0.7),
+    "pin": (ff.Pin(1, at=(0, 1)), None, None, (0, 1), 0, None, None, 0.2),
     "grating": (ff.Grating(3, 1, 0.5, roll=10), (30, 0), None, None, 10, None, None, 0.346),
     "relief": (ff.Relief.of(dots, FINE, FINE, angle=9), (9, 0), None, None, 0, None, None, 1.14),
 }
@@ -163,7 +165,7 @@ def test_an_object_answers_for_itself(kind: str) -> None:
     assert (one.plate, one.flat, one.place, one.turn) == (plate, flat, place, turn)
     assert (one.hertzian, one.ball_radius) == (hertzian, ball)
     assert one.least_radius == pytest.approx(least, rel=0.05)
-    assert one.sharp == (kind in {"bar", "grating", "relief"})
+    assert one.sharp == (kind in {"bar", "pin", "grating", "relief"})
     assert one.profile.plane == (kind == "flat")
     assert one.describe().startswith("a rigid ")
 

@@ -20,6 +20,7 @@ from fefinger.scene.motions import (
     Sampled,
     Sinusoid,
     Trapezoid,
+    Vibration,
 )
 from fefinger.support.checks import InputError
 
@@ -37,6 +38,7 @@ EVERY = [
         Trapezoid(60, 1.5, hold=0, corner=corner),
         RampSinusoid(20, 1.5, settle=0.1, corner=corner, **SINE),
         RampSinusoid(20, 1.5, corner=corner, **SINE),
+        Vibration(0.5, amplitude=0.4, frequency=4, held=0.1, corner=corner),
         Sampled([0, 0.1, 0.2, 0.5, 1], [0, 1, 2, 0.5, 0.5], corner=corner),
         ForceRamp(2, 1, corner=corner),
         ForceRampHold(2, 1, hold=0.1, corner=corner),
@@ -326,3 +328,14 @@ def test_a_csv_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text
         file.write_text(text)
     with pytest.raises(InputError, match=message):
         Sampled.from_csv(file)
+
+
+def test_a_vibration_is_whole_cycles_about_a_preload_that_was_held():
+    motion = Vibration(0.5, amplitude=0.1, frequency=30.2, seconds=0.5, held=3.0, corner=0.0)
+    start = motion.recorded_from
+    assert start == pytest.approx(0.05 + 3.0)
+    assert motion.duration == pytest.approx(start + 15 / 30.2)
+    quarter = 0.25 / 30.2
+    assert motion.value([start - 1, start, start + quarter]) == pytest.approx([0.5, 0.5, 0.6])
+    assert Vibration(0.5, amplitude=0.1, frequency=0.2).duration == pytest.approx(120 + 5, abs=0.1)
+    assert RampHold(60, 1.5, hold=0.1).recorded_from == 0

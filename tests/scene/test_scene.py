@@ -32,6 +32,9 @@ MOTION_VALUES = {
     "frequency": 100 / 7,
     "cycles": 3,
     "settle": ODD,
+    "preload": ODD,
+    "held": 100 / 3,
+    "seconds": 1 / 7,
 }
 
 

@@ -129,9 +129,9 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     finger, recipe = ff.Finger.subject("a.h.", tissue="maeno1998"), Recipe(15, 11, 14)
     assert not operator_cache.at_hand(finger, half=True)
     assert not store.at_hand(ff.Finger(15, 11, tissue="maeno1998"))
-    mesh = store.ready(finger, half=True)
+    mesh = store.load_or_build(finger, half=True)
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
-    assert store.ready(recipe, half=True) is mesh
+    assert store.load_or_build(recipe, half=True) is mesh
     made = Reduced(None, np.eye(2), np.ones((6, 2)), np.ones((2, 2)))
     monkeypatch.setattr(_operator.reduction, "reduce", lambda *parts: made)
     nothing = sparse.eye(2, format="csr")
@@ -196,7 +196,7 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     finger = ff.Finger(14.2, 10.2, resolution="coarse", tissue="maeno1998")
-    shipped = store.ready(
+    shipped = store.load_or_build(
         ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"), half=True
     )
     place = store.cached_path(Recipe.of(finger))

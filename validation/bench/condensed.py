@@ -32,7 +32,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import constitutive, hard_parts, operator, operator_cache
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
@@ -99,7 +99,7 @@ def end_organs(finger: Condensed) -> Sites:
 
 def _building(finger: Finger) -> list[Figure]:
     """Build both parities, one thread, and keep them."""
-    mesh, seconds, processor = ready(finger, half=True), 0.0, time.process_time()
+    mesh, seconds, processor = load_or_build(finger, half=True), 0.0, time.process_time()
     for odd in (False, True):
         started = time.perf_counter()
         built = operator.build(finger, mesh, odd=odd)
@@ -177,7 +177,7 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
 
 def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> list[Figure]:
     """Time the steps with a unit behind every end organ."""
-    units, fired = finger.afferents(membrane=membrane), 0
+    units, fired = finger.afferents(family="thesis", membrane=membrane), 0
     seconds = np.empty(STEPS)
     _warm(finger)
     units.step(finger.step(DEPTH / 2, DT).strain, DT)

@@ -24,7 +24,7 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.press import constitutive, hard_parts, placement
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
 
@@ -47,7 +47,7 @@ def figures(progress: Progress) -> list[Figure]:
 def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(published.load("flat-press").finger, resolution=RESOLUTION)
-    mesh = ready(finger, half=True)
+    mesh = load_or_build(finger, half=True)
     tissues, held = constitutive.tissues(finger), hard_parts.fixed_facets(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system

@@ -43,6 +43,7 @@ PRESSES: dict[str, dict[str, Any]] = {
         "indenter": {"kind": "grating", "period": 4, "ridge": 2, "depth": 0.6},
         "motion.depth": 1.0,
     },
+    "pin": {"indenter": {"kind": "pin", "width": 1}, "motion.depth": 0.5},
 }
 """Indenters for which the mesh error is measured, all on the finger of flat-press."""
 

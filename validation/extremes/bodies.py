@@ -26,7 +26,7 @@ from fefinger.fem.hyperelastic.laws import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Sphere
 from fefinger.scene.motions import ForceRampHold, Ramp
@@ -250,7 +250,9 @@ def _places() -> Iterator[Row]:
 
 def _touching(weights: tuple[float, ...], radius: float) -> Findings:
     """Return the invariants of a ball at a place of a facet, and that a nudge changes little."""
-    mesh = ready(Finger.subject(SUBJECT, resolution="coarse", tissue="maeno1998"), half=True)
+    mesh = load_or_build(
+        Finger.subject(SUBJECT, resolution="coarse", tissue="maeno1998"), half=True
+    )
     corners = mesh.points[mesh.facets["pad"]]
     middle = corners.mean(axis=1)
     chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]

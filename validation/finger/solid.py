@@ -19,7 +19,7 @@ from fefinger.mechanics import solid
 from fefinger.mechanics.press import finite_strain, placement
 from fefinger.mechanics.press.constitutive import laws, tissues
 from fefinger.mechanics.press.hard_parts import fixed_facets
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenters import Flat
@@ -66,7 +66,7 @@ class PressedFinger:
 def plate() -> PressedFinger:
     """Return the finger of flat-press under its plate."""
     finger = scene("a.h.", "flat-30", "coarse").finger
-    rigid = body(ready(finger, half=True), tissues(finger), fixed_facets(finger))
+    rigid = body(load_or_build(finger, half=True), tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(Flat(30), rigid)
     contact = contact_surface(rigid.space, rigid.pad, rigid.normals, touch, REACH)
     return PressedFinger(rigid, continuum(rigid.space, laws(finger)), touch, contact)

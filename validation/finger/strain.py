@@ -20,7 +20,7 @@ from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 
@@ -36,7 +36,7 @@ def strains(resolution: str, name: str) -> Array:
     """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
     scene = replace(published.load("flat-press"), indenter=INDENTERS[name])
     finger = replace(scene.finger, resolution=resolution)
-    mesh = ready(finger, half=True, touch=refinement_location(scene.indenter))
+    mesh = load_or_build(finger, half=True, touch=refinement_location(scene.indenter))
     whole = body(mesh, tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(scene.indenter, whole)
     points = central_sites(scene.ask, scene.finger.pulp, touch.origin, touch.axis).points

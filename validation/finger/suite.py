@@ -23,7 +23,7 @@ from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain, placement, small_strain
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.finger import RIGID
 from fefinger.scene.indenters import Flat
@@ -57,7 +57,7 @@ def pressed(
     """Return the press of relaxed tissue; an elastic bone is held at its cut, not all around."""
     finger = published.load("flat-press").finger
     finger = replace(finger, resolution=resolution, bone=bone, nail=nail)
-    mesh = with_nail(finger, ready(finger, half=True))
+    mesh = with_nail(finger, load_or_build(finger, half=True))
     whole = body(mesh, tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(Flat(30), whole)
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * depth)

@@ -100,7 +100,7 @@ def _answer(
     mechanics: str, finger: Finger, touching: Indenter, motion: Motion, kind: str
 ) -> Profile:
     line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT)
-    ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line)
+    ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line, afferents="thesis")
     scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)
     trains = fire(scene.ask, get(mechanics).respond(scene))
     end = trains.t_stop

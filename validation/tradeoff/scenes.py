@@ -79,14 +79,15 @@ def press(name: str, resolution: str = "standard") -> Scene:
     """Return the ramp of relaxed tissue to the largest depth of a press."""
     relaxed = replace(finger(name, resolution), prony=Prony((1.0,), ()))
     motion = Ramp(SPEED, PRESSES[name].depth, corner=0.0)
-    ask = replace(PALE, spikes=TYPES)  # for the reference press, by which strains make spikes
+    # Spikes for the reference press, by which the strains of `thesis` make them.
+    ask = replace(PALE, spikes=TYPES, afferents="thesis")
     return Scene(name=name, finger=relaxed, indenter=PRESSES[name].indenter, motion=motion, ask=ask)
 
 
 def base(name: str, resolution: str = "standard") -> Scene:
     """Return a base scene, with the tissue that relaxes and all four afferents."""
     pressed, motion = MOTIONS[name]
-    ask = replace(PALE, spikes=TYPES)
+    ask = replace(PALE, spikes=TYPES, afferents="thesis")
     return Scene(
         name=name,
         finger=finger(pressed, resolution),

@@ -1,8 +1,8 @@
 """What `pressed` errs by beside the mesh, and what it costs: measured against `solid`.
 
 Of the scenes of the rules the largest error is taken, with a margin: they hardly depend on the
-depth, from a twentieth to a fifth of the thickness, nor on the object and the tissue. Tissue of which less
-relaxes than of all of these errs less, and not at all without relaxation.
+depth, from a twentieth to a fifth of the thickness, nor on the object and the tissue. Tissue of
+which less relaxes than of all of these errs less, and not at all without relaxation.
 """
 
 from functools import cache

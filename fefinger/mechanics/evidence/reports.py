@@ -27,6 +27,9 @@ LINEAR_RADIUS = 2.0
 LINEAR_EDGE = 1.0
 """Radius of an edge, ridge or crest in mm below which the mesh error has not been measured."""
 
+PIN_EDGE = 0.2
+"""Radius of the edge of the pin in mm for which the mesh error is measured; a pin is 1 mm wide."""
+
 FACETS = {"coarse": 0.8, "standard": 0.42, "fine": 0.3}
 """Length in mm of the facets of the pad where it is touched, by resolution."""
 
@@ -182,6 +185,8 @@ def _with_small_strain(case: Situation, mesh: float, source: str) -> tuple[float
 
 def linear_radius(case: Situation) -> float:
     """Return the smallest radius in mm for which the mesh error of `linear` is measured."""
+    if case.indenter.kind == "pin":
+        return PIN_EDGE
     return LINEAR_EDGE if case.indenter.sharp else LINEAR_RADIUS
 
 
@@ -191,6 +196,8 @@ def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
     if flat is not None:
         angles = {press: float(press[5:]) for press in presses if press.startswith("flat-")}
         return min(angles, key=lambda press: abs(angles[press] - flat.angle))
+    if indenter.kind == "pin" and "pin" in presses:
+        return "pin"
     if indenter.sharp:
         return "edge" if indenter.plate is None else "grating"
     return "sphere-5" if indenter.least_radius >= 5 else "sphere-2"

@@ -20,7 +20,7 @@ from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
-from fefinger.mechanics.press.problem import Method, Press
+from fefinger.mechanics.press.problem import Press, SolutionMethod
 from fefinger.mechanics.press.response import exact, inside
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
@@ -33,7 +33,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.one_spring import Carried, ElasticForce, carry
 
 
-METHOD: Method = replace(
+METHOD: SolutionMethod = replace(
     WHOLE_MESH,
     body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
@@ -130,10 +130,10 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     """
     motion, finger = press.motion, press.finger
     if motion.control == "depth":
-        return elastic_press.ready(press, indenter, motion.peak, stages)
+        return elastic_press.load_or_solve(press, indenter, motion.peak, stages)
     depth = 0.0
     for _ in range(TABLES):
-        table = elastic_press.ready(press, indenter, depth, stages)
+        table = elastic_press.load_or_solve(press, indenter, depth, stages)
         if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
             return table
         (low, high), (below, above) = table.force[-2:], table.depth[-2:]

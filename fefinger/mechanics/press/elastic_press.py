@@ -115,7 +115,7 @@ def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
     )
 
 
-def ready(press: Press, indenter: Indenter, least: float, stages: Stages) -> ElasticPress:
+def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages) -> ElasticPress:
     """Read or solve the elastic press of a finger under an object, to `least` mm or more.
 
     Raises

@@ -22,9 +22,9 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
-from fefinger.mechanics.press.problem import Method
+from fefinger.mechanics.press.problem import SolutionMethod
 from fefinger.mesh.extend import CONTINUED
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
@@ -57,7 +57,7 @@ def operator(
     for reason in (*yielding(finger), *apart(finger)):
         message = f"{reason}; use the mechanics 'solid'"
         raise InputError(message)
-    mesh = ready(finger, half=True, continued=continued)
+    mesh = load_or_build(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
@@ -195,7 +195,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
         yield Eliminated(front, lower, under, signs)
 
 
-METHOD = Method(
+METHOD = SolutionMethod(
     lambda finger, mesh, solver, report: operator(
         finger, half=mesh.half, continued=CONTINUED in mesh.recipe, progress=report
     ),

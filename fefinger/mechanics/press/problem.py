@@ -16,7 +16,7 @@ from fefinger.mechanics.press.notes import of_finger
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
@@ -40,7 +40,7 @@ ATTEMPTS = 4
 
 
 @dataclass(frozen=True)
-class Method:
+class SolutionMethod:
     """How a mechanics builds a body and solves it.
 
     body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
@@ -75,7 +75,7 @@ class Press:
     """
 
     mechanics: str
-    method: Method
+    method: SolutionMethod
     mesh: FingerMesh
     body: Solid
     finger: Finger
@@ -93,7 +93,7 @@ class Press:
     def of(
         cls,
         scene: Scene,
-        method: Method,
+        method: SolutionMethod,
         stages: Stages,
         *,
         mechanics: str,
@@ -114,7 +114,7 @@ class Press:
             # Scenes that are their own mirror image are solved on half a finger.
             half = scene.indenter.mirrored
             touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
-            mesh = ready(finger, half=half, touch=touch, continued=long)
+            mesh = load_or_build(finger, half=half, touch=touch, continued=long)
         with stages.stage("factor") as report:
             body = method.body(finger, mesh, ask.solver, report)
         obstacle = placement.obstacle(scene.indenter, body)

@@ -1,6 +1,6 @@
 """Contact of a finger as a linear viscoelastic body: one factor, unit loads on the pad, then time.
 
-Shared by `linear` and `condensed`, which differ in the `Method` alone.
+Shared by `linear` and `condensed`, which differ in the `SolutionMethod` alone.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
 from fefinger.mechanics.press.history import SmallStrainHistory
-from fefinger.mechanics.press.problem import Method, Press
+from fefinger.mechanics.press.problem import Press, SolutionMethod
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response
@@ -41,7 +41,7 @@ def _factored(
     return assembled(finger, mesh, solver, factored=True)
 
 
-WHOLE_MESH = Method(
+WHOLE_MESH = SolutionMethod(
     _factored,
     reduce,
     lambda body, loads: body.system.solve(loads),
@@ -56,7 +56,7 @@ def respond(
     *,
     mechanics: str,
     notes: tuple[str, ...],
-    method: Method = WHOLE_MESH,
+    method: SolutionMethod = WHOLE_MESH,
     refine: int = 1,
 ) -> Response:
     """Answer the scene; `refine` divides every time step.

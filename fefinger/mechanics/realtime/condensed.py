@@ -34,7 +34,8 @@ from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.realtime.step import Step
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
+from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
@@ -46,6 +47,7 @@ from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.vocabulary import FAMILIES
 
 
 Array = NDArray[np.float64]
@@ -139,10 +141,10 @@ class Condensed:
             stored, lost = stored + held / 2, lost + rate * held
         return self._sides * float(stored), self._sides * lost
 
-    def afferents(self, **options: Any) -> Afferents:
-        """Return one unit per site, to be stepped with the strain of every step of this finger.
+    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
+        """Return the units of the sites, to be stepped with the strain of every step.
 
-        `options` as for `neural.streaming.Afferents`.
+        `options` as for the function `afferents` of this module.
         """
         return afferents(self.finger, self.solid, self.sites, **options)
 
@@ -255,7 +257,7 @@ class Condensed:
         return problem.Press(
             mechanics=condensed.name,
             method=operator.METHOD,
-            mesh=ready(self.finger, half=self.solid.half),
+            mesh=load_or_build(self.finger, half=self.solid.half),
             body=self.solid,
             finger=self.finger,
             obstacle=cast(Obstacle, self._touch),  # small strain asks for its axis and gap alone
@@ -315,8 +317,24 @@ def _reduced_to_candidates(
     return reduced
 
 
-def afferents(finger: Finger, solid: Solid, sites: Sites, **options: Any) -> Afferents:
-    """Return one unit per site; `options` as for `neural.streaming.Afferents`."""
+def afferents(
+    finger: Finger, solid: Solid, sites: Sites, *, family: str = FAMILIES[0], **options: Any
+) -> Afferents | RecordedAfferents:
+    """Return the units of sites, of a family of afferents.
+
+    "thesis": one per site, `options` as for `neural.streaming.Afferents`. "recorded": those of the
+    sites, `options` as for `neural.recorded_streaming.RecordedAfferents`.
+
+    Raises
+    ------
+    InputError
+        An unknown family, or as the classes.
+    """
+    if choice("family", family, FAMILIES) == "recorded":
+        types = sites.types
+        if sites.unit is not None:
+            types = tuple(types[i] for i in np.unique(sites.unit, return_index=True)[1])
+        return RecordedAfferents(types, sites.normals, unit=sites.unit, **options)
     plate = _reference_plate(finger, solid, sites)
     reference = reference_press(solid, plate, operator.METHOD)
     return Afferents.of(sites.types, sites.normals, reference, **options)

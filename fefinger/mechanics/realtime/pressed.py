@@ -79,7 +79,7 @@ class Pressed:
         ask = Ask(spikes=TYPES)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
-        table = elastic_press.ready(press, indenter, self.deepest, stages)
+        table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
         self._carried = carried = CarriedPress.of(press, table)
         central = press.sites
         self.finger, self.indenter = finger, indenter

@@ -11,6 +11,7 @@ from fefinger.fem.elements.probe import inside, tensors
 from fefinger.mechanics.press import operator
 from fefinger.mechanics.realtime.condensed import afferents
 from fefinger.mechanics.realtime.rolling import Rolling
+from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene import library
@@ -67,7 +68,7 @@ class Show:
         angles = [angle for _, _, angle in SCRIPT]
         self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=self.organs)
         self.drawn = self.rolling.strains(solid.space.points[self.section])
-        self.units: Afferents = afferents(finger, solid, self.organs)
+        self.units: Afferents | RecordedAfferents = afferents(finger, solid, self.organs)
 
     def frames(self) -> Iterator[Frame]:
         """Step through the script, and stop at every frame of it."""

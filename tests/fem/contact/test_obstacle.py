@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Plane, Profile, Relief
+from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Pin, Plane, Profile, Relief
 
 
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])
@@ -23,11 +23,13 @@ PROFILES: dict[str, Profile] = {
     "cylinder": Ellipsoid((4.0, np.inf, 4.0)),
     "bar": Bar(3.0, 0.8),
     "edge": Bar(1.0, 0.5),
+    "pin": Pin(2.0, 0.6),
     "grating": Grating(2.0, 0.7, 0.4, shift=0.3),
     "wide ridges": Grating(2.0, 1.4, 0.4),
     "relief": Relief.sampled(waves, GRID, GRID),
 }
 KINKS = {"bar": (0.7, 0.7 + 0.8 * np.sin(np.radians(75))), "edge": (0.0, 0.5 * np.sin(1.309))}
+RINGS = {"pin": (0.0, 0.4, 0.4 + 0.6 * np.sin(np.radians(75)))}
 
 
 def places(name: str) -> np.ndarray:
@@ -35,6 +37,8 @@ def places(name: str) -> np.ndarray:
     found = np.random.default_rng(3).uniform(-1.6, 1.6, (300, 2))
     for kink in KINKS.get(name, ()):
         found = found[np.abs(np.abs(found[:, 0]) - kink) > 1e-3]
+    for ring in RINGS.get(name, ()):
+        found = found[np.abs(np.linalg.norm(found, axis=1) - ring) > 1e-3]
     return found
 
 

@@ -18,7 +18,7 @@ from fefinger.mechanics import LADDER, Mechanics, condensed, get, linear, solid
 from fefinger.mechanics.press import failure, hard_parts
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.pipeline import run
 from fefinger.results.records import Response
 from fefinger.scene.ask import SOLVERS
@@ -83,7 +83,7 @@ def test_a_nail_of_tissue_is_no_nail_and_a_stiff_one_moves_as_one_piece() -> Non
 
 
 def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
-    mesh = ready(FINGER, half=True)
+    mesh = load_or_build(FINGER, half=True)
     found = hard_parts.with_nail(replace(FINGER, nail=NAIL), mesh)
     nail = found.region == hard_parts.NAIL
     assert (mesh.region[nail] == 1).all()

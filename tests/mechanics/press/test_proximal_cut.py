@@ -51,9 +51,9 @@ def test_a_press_that_reached_the_cut_is_answered_on_the_continued_finger(subjec
 
 
 def test_the_gap_at_the_continued_end_is_that_of_the_mesh() -> None:
-    from fefinger.mesh.store import ready
+    from fefinger.mesh.store import load_or_build
 
-    mesh = ready(finger("a.h."), half=True, continued=True)
+    mesh = load_or_build(finger("a.h."), half=True, continued=True)
     low = mesh.points[mesh.facets["cut"].ravel(), 2].min()
     first = mesh.points[mesh.facets["pad"].ravel(), 2].min()
     assert low - first == pytest.approx(gap(finger("a.h."), ff.Flat(0.0), continued=True), abs=0.03)

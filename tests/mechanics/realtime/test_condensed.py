@@ -132,8 +132,8 @@ def test_a_step_makes_no_array() -> None:
 
 def test_compiled_steps_make_no_array_either(finger: Condensed) -> None:
     """Count what is counted: one record for every array that is passed, and none made inside."""
-    leaky = finger.afferents()
-    axons = finger.afferents(membrane=HodgkinHuxley())
+    leaky = finger.afferents(family="thesis")
+    axons = finger.afferents(family="thesis", membrane=HodgkinHuxley())
 
     def step() -> None:
         finger.step(0.5, 1e-3)

@@ -1,0 +1,222 @@
+"""Afferents that fire as recorded units do: the family `recorded`.
+
+The drive of a unit (`neural/drives.py`) passes a linear filter, a saturating rectifier that takes
+both signs of the filter's output with unequal weights, and a leaky integrate-and-fire membrane with
+adaptation, a refractory time and noise. Currents are over the threshold current of the membrane.
+The parameters are fitted to responses of single units through the mechanics of this package
+(`validation/afferents/`); `recorded.json` holds them with their uncertainties.
+"""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.support.checks import InputError, choice, number, reject_unknown
+from fefinger.support.vocabulary import DRIVES, TYPES
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.recorded_compiled import Units
+
+
+Array = NDArray[np.float64]
+
+FILE = "recorded.json"
+"""File of the fitted parameters, beside this module."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Range of a parameter, its unit, and what it is."""
+
+    low: float
+    high: float
+    unit: str
+    meaning: str
+
+
+BOUNDS: dict[str, Bounds] = {
+    "length": Bounds(0.1, 100.0, "mm", "displacement of a 1 mm pin per unit of the drive"),
+    "gain": Bounds(1e-2, 1e6, "1/mm", "current over threshold per mm at the filter's output"),
+    "static": Bounds(0.0, 1.0, "", "gain of the filter at rest over that at high frequency"),
+    "corner": Bounds(1e-2, 2000.0, "Hz", "corner frequency of the filter"),
+    "order": Bounds(1.0, 2.0, "", "order of the filter; 2: the corner twice"),
+    "negative": Bounds(0.0, 1.0, "", "weight of a negative output of the filter"),
+    "largest": Bounds(1.01, 1e4, "", "current of the saturated generator over threshold"),
+    "adapting": Bounds(0.0, 1.0, "", "part of a constant current that adaptation takes away"),
+    "adaptation": Bounds(1e-4, 1e3, "s", "time constant of adaptation"),
+    "recovery": Bounds(0.0, 100.0, "", "current over threshold that a spike takes away"),
+    "recovering": Bounds(1e-4, 10.0, "s", "time constant with which it returns"),
+    "membrane": Bounds(1e-4, 1.0, "s", "time constant of the membrane"),
+    "refractory": Bounds(5e-4, 0.1, "s", "absolute refractory time"),
+    "noise": Bounds(0.0, 10.0, "", "standard deviation of the noise current over threshold"),
+    "spread": Bounds(0.0, 3.0, "", "standard deviation of the logarithm of the gains of units"),
+}
+"""Parameters of a unit's type."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """Parameters of the units of one type; BOUNDS has their units, ranges and meanings.
+
+    Filter: a lead of the given order, M [(static p + s) / (p + s)]^order with p = 2 pi corner.
+    Generator: I = u / (1 + u / largest), u = gain (y where y > 0, else -negative y).
+    Adaptation: adaptation dw/dt = I - w takes adapting w off the current.
+    Membrane: membrane dv/dt = I - adapting w - a + noise - v, spike at 1, then 0 for `refractory`;
+    every spike adds recovery to a, which fades within recovering. The noise is linear between
+    independent normal values 1 ms apart.
+
+    Raises
+    ------
+    InputError
+        An unknown drive or a parameter out of its bounds.
+    """
+
+    drive: str
+    length: float
+    gain: float
+    static: float
+    corner: float
+    order: float
+    negative: float
+    largest: float
+    adapting: float
+    adaptation: float
+    recovery: float
+    recovering: float
+    membrane: float
+    refractory: float
+    noise: float
+    spread: float
+
+    def __post_init__(self) -> None:
+        """Check every parameter."""
+        choice("drive", self.drive, DRIVES)
+        for name, bounds in BOUNDS.items():
+            value = number(
+                name,
+                getattr(self, name),
+                at_least=bounds.low,
+                at_most=bounds.high,
+                unit=bounds.unit,
+            )
+            object.__setattr__(self, name, value)
+        if self.order not in (1.0, 2.0):
+            msg = f"order: expected 1 or 2, received {self.order:g}"
+            raise InputError(msg)
+
+    @classmethod
+    def of(cls, table: dict[str, Any]) -> Self:
+        """Read a table of parameters; InputError for one that is missing or unknown."""
+        names = [field.name for field in fields(cls)]
+        reject_unknown("recorded", table, names)
+        if missing := [name for name in names if name not in table]:
+            msg = f"recorded: expected every parameter, {', '.join(missing)} missing"
+            raise InputError(msg)
+        return cls(**table)
+
+    def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
+        """Output over input of the filter at frequencies in Hz."""
+        s = 1j * np.asarray(frequency, float)
+        return ((s + self.static * self.corner) / (s + self.corner)) ** self.order
+
+    def rate(self, current: float) -> float:
+        """Rate in Hz in a constant current over threshold: no noise, adaptation complete."""
+        left = current * (1.0 - self.adapting)
+        if self.recovery:
+            msg = "rate: expected a unit without recovery, which has no closed form"
+            raise InputError(msg)
+        if left <= 1.0:
+            return 0.0
+        return 1.0 / (self.refractory - self.membrane * math.log1p(-1.0 / left))
+
+    def varied(self, **changes: float) -> Self:
+        """Parameters with some of them changed."""
+        values: dict[str, Any] = dict(changes)
+        return replace(self, **values)
+
+
+@cache
+def fitted() -> dict[str, Recorded]:
+    """Fitted parameters by type."""
+    return {kind: Recorded.of(_values(kind)) for kind in TYPES}
+
+
+@cache
+def record() -> dict[str, Any]:
+    """Contents of FILE: values, uncertainties and provenance."""
+    text = resources.files("fefinger.neural").joinpath(FILE).read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def _values(kind: str) -> dict[str, Any]:
+    """Values of the parameters of a type, without their uncertainties."""
+    table = record()["types"][kind]
+    return {name: part["value"] if isinstance(part, dict) else part for name, part in table.items()}
+
+
+def units_of(
+    parameters: Sequence[Recorded],
+    *,
+    factors: Array | None = None,
+    noise: float | None = None,
+    seed: int = 0,
+    numbers: Sequence[int] | None = None,
+) -> "Units":
+    """Arrays of the parameters of units.
+
+    factors (n,): on the gains; noise: of all units, where it is not that of their types; seed and
+    numbers (n,) select the noise of each unit.
+    """
+    from fefinger.neural.recorded_compiled import Units
+
+    n = len(parameters)
+
+    def column(name: str) -> Array:
+        return np.array([getattr(unit, name) for unit in parameters])
+
+    static, corner, order = (column(name) for name in ("static", "corner", "order"))
+    # Two poles of order 2 are a thousandth apart, where the partial fractions are still exact.
+    apart = np.where(order == 2.0, 1e-3, 0.0)
+    poles = np.column_stack([corner, corner * (1.0 + apart)])
+    zeros = static * corner
+    first, second = poles.T
+    double = order == 2.0
+    gap = np.where(double, second - first, 1.0)
+    share = np.column_stack(
+        [
+            np.where(double, -((zeros - first) ** 2) / (gap * first), -(zeros - first) / first),
+            np.where(double, (zeros - second) ** 2 / (gap * second), 0.0),
+        ]
+    )
+    at_rest = np.where(double, zeros**2 / (first * second), zeros / first)
+    streams = np.arange(n) if numbers is None else np.asarray(numbers)
+    return Units(
+        gain=column("gain") * (1.0 if factors is None else factors),
+        at_rest=at_rest,
+        share=share,
+        pole=2.0 * np.pi * poles,
+        negative=column("negative"),
+        largest=column("largest"),
+        adapting=column("adapting"),
+        adaptation=column("adaptation"),
+        recovery=column("recovery"),
+        recovering=column("recovering"),
+        membrane=column("membrane"),
+        refractory=column("refractory"),
+        noise=column("noise") if noise is None else np.full(n, float(noise)),
+        stream=_streams(seed, streams),
+    )
+
+
+def _streams(seed: int, numbers: NDArray[Any]) -> NDArray[np.uint64]:
+    """Return the starts (n,) of the random streams of units: of a seed and their numbers alone."""
+    entropy = [np.random.SeedSequence([seed, int(i), 2, 1]) for i in numbers]
+    return np.array([each.generate_state(1, np.uint64)[0] for each in entropy], np.uint64)

@@ -1,0 +1,244 @@
+"""Compiled time step of the units of `recorded`; imported at the first run."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array, Integers
+
+
+class Units(NamedTuple):
+    """Parameters of units, one row each; times in s, currents over the threshold current.
+
+    gain per mm, at_rest and share (n, 2) of the filter, pole (n, 2) in rad/s; negative: weight of a
+    negative output of the filter; largest: current of the saturated generator; adapting: part of
+    the current that adaptation takes away, within adaptation s; recovery: current after a spike,
+    which fades within recovering s; membrane, refractory; noise: standard deviation at its knots;
+    stream: of the random numbers.
+    """
+
+    gain: Array
+    at_rest: Array
+    share: Array
+    pole: Array
+    negative: Array
+    largest: Array
+    adapting: Array
+    adaptation: Array
+    recovery: Array
+    recovering: Array
+    membrane: Array
+    refractory: Array
+    noise: Array
+    stream: NDArray[np.uint64]
+
+
+X, MODE, SLOW, CURRENT, ADAPTED, AFTER, POTENTIAL, FREE, KNOT, LEFT, RIGHT, PEAK, SIZE = range(13)
+"""Places in the state of a unit: last input in mm, two modes of the filter, current, adaptation,
+current after spikes, potential, time in s from which it is free to fire, index of the last knot of
+the noise, noise at that knot and the next, and highest potential."""
+
+KNOTS = 1e-3
+"""Time in s between independent values of the noise, which is linear in between."""
+
+
+@njit(cache=True)
+def _mixed(z: np.uint64) -> np.uint64:
+    """Mix the bits of a counter (splitmix64)."""
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
+@njit(cache=True)
+def normal(stream: np.uint64, knot: int) -> float:
+    """Return a nearly normal number at a knot of a stream, in whatever order they are drawn.
+
+    The sum of four uniform numbers of 16 bits, of mean 0 and variance 1: none is beyond 3.5.
+    """
+    bits = _mixed(stream + np.uint64(knot) * np.uint64(0x9E3779B97F4A7C15))
+    mask = np.uint64(0xFFFF)
+    low = float(bits & mask) + float((bits >> np.uint64(16)) & mask)
+    high = float((bits >> np.uint64(32)) & mask) + float(bits >> np.uint64(48))
+    return (low + high - 131070.0) * (math.sqrt(3.0) / 65536.0)
+
+
+@njit(cache=True)
+def generated(units: Units, i: int, x: float, first: float, second: float) -> float:
+    """Return the generator current of unit i over threshold, at its input and filter modes."""
+    y = units.at_rest[i] * x + units.share[i, 0] * first + units.share[i, 1] * second
+    y = units.gain[i] * (y if y > 0.0 else -units.negative[i] * y)
+    return y / (1.0 + y / units.largest[i])
+
+
+@njit(cache=True)
+def _noise(stream: np.uint64, state: Array, t: float) -> float:
+    """Noise of a unit at t s, over its standard deviation; draws the knots as they come."""
+    since = t * (1.0 / KNOTS)
+    if not state[KNOT] <= since < state[KNOT] + 1.0:
+        knot = math.floor(since)
+        near = knot == state[KNOT] + 1.0
+        state[LEFT] = state[RIGHT] if near else normal(stream, int(knot))
+        state[RIGHT] = normal(stream, int(knot) + 1)
+        state[KNOT] = knot
+    return state[LEFT] + (state[RIGHT] - state[LEFT]) * (since - state[KNOT])
+
+
+LENGTH, STEPS, STEP, FADE, WANE, GROW, RISE, ADAPT, AFTERWARDS, LEAK, N_FACTORS = range(11)
+"""Places of the factors of the steps of a unit in a span of some length."""
+
+
+@njit(cache=True)
+def _refresh(units: Units, i: int, length: float, longest: float, factors: Array) -> None:
+    """Compute the factors of the steps of unit i in a span of `length` s."""
+    steps = max(1, math.ceil(length / longest - 1e-9))
+    h = length / steps
+    factors[LENGTH], factors[STEPS], factors[STEP] = length, steps, h
+    factors[FADE], factors[WANE] = math.exp(-units.pole[i, 0] * h), math.exp(-units.pole[i, 1] * h)
+    factors[GROW] = (1.0 - factors[FADE]) / (units.pole[i, 0] * length)
+    factors[RISE] = (1.0 - factors[WANE]) / (units.pole[i, 1] * length)
+    factors[ADAPT] = -math.expm1(-h / units.adaptation[i])
+    factors[AFTERWARDS] = math.exp(-h / units.recovering[i])
+    factors[LEAK] = -math.expm1(-h / units.membrane[i])
+
+
+@njit(cache=True, error_model="numpy")
+def advance(
+    units: Units,
+    i: int,
+    state: Array,
+    span: tuple[float, float],
+    x: float,
+    longest: float,
+    factors: Array,
+    spikes: Array,
+    count: int,
+) -> int:
+    """Advance unit i over a span (start, stop) in s in which its input runs straight to x mm.
+
+    Steps of at most `longest` s: filter, adaptation and membrane are exact for the mean current of
+    a step, and a spike lies on the straight line between the potentials at its ends. `factors`
+    (N_FACTORS,) are those of the last span of this unit. Returns the new count of spikes, whose
+    times in s go to `spikes` as far as it is long enough.
+    """
+    start, length = span[0], span[1] - span[0]
+    change = x - state[X]
+    if length <= 0.0:
+        state[X] = x
+        state[MODE] += change
+        state[SLOW] += change
+        state[CURRENT] = generated(units, i, x, state[MODE], state[SLOW])
+        return count
+    if abs(factors[LENGTH] - length) > 1e-9 * length:
+        _refresh(units, i, length, longest, factors)
+    steps, h = int(factors[STEPS]), factors[STEP]
+    fade, wane, leak = factors[FADE], factors[WANE], factors[LEAK]
+    adapt, after = factors[ADAPT], factors[AFTERWARDS]
+    grow, rise = change * factors[GROW], change * factors[RISE]
+    gain, negative, saturation = units.gain[i], units.negative[i], 1.0 / units.largest[i]
+    move, stream, refractory = change / steps, units.stream[i], units.refractory[i]
+    at_rest, share, other = units.at_rest[i], units.share[i, 0], units.share[i, 1]
+    adapting, noise, membrane = units.adapting[i], units.noise[i], units.membrane[i]
+    entered, mode, slow, current = state[X], state[MODE], state[SLOW], state[CURRENT]
+    adapted, taken, v, free = state[ADAPTED], state[AFTER], state[POTENTIAL], state[FREE]
+    peak = state[PEAK]
+    for k in range(steps):
+        t = start + k * h
+        entered += move
+        mode = fade * mode + grow
+        slow = wane * slow + rise
+        y = at_rest * entered + share * mode + other * slow
+        y = gain * (y if y > 0.0 else -negative * y)
+        before, current = current, y / (1.0 + y * saturation)
+        mean = 0.5 * (before + current)
+        drive = mean - adapting * (adapted + 0.5 * adapt * (mean - adapted))
+        drive -= 0.5 * taken * (1.0 + after)
+        if noise > 0.0:
+            drive += noise * _noise(stream, state, t + 0.5 * h)
+        adapted += adapt * (mean - adapted)
+        taken *= after
+        if free >= t + h:
+            continue
+        part = leak if free <= t else -math.expm1((free - t - h) / membrane)
+        now = v + part * (drive - v)
+        peak = max(peak, now)
+        if now < 1.0:
+            v = now
+            continue
+        begin = max(free, t)
+        fired = begin + (t + h - begin) * max(0.0, (1.0 - v) / max(now - v, 1e-300))
+        if count < len(spikes):
+            spikes[count] = fired
+        count += 1
+        v, free = 0.0, fired + refractory
+        taken += units.recovery[i]
+    state[X], state[MODE], state[SLOW], state[CURRENT] = x, mode, slow, current
+    state[ADAPTED], state[AFTER], state[POTENTIAL], state[FREE] = adapted, taken, v, free
+    state[PEAK] = min(1.0, peak)
+    return count
+
+
+@njit(cache=True, nogil=True)
+def run(
+    units: Units,
+    first: int,
+    states: Array,
+    time: Array,
+    columns: Array,
+    longest: Array,
+    spikes: Array,
+    counts: Integers,
+) -> None:
+    """Advance units first, first + 1, ... through whole series: columns (n_units, n_t) mm.
+
+    states (n_units, SIZE), spikes (n_units, room) and counts (n_units,) are those of these units;
+    longest (n,): steps of all units in s.
+    """
+    factors = np.empty(N_FACTORS)
+    for u in range(len(columns)):
+        state, i = states[u], first + u
+        factors[LENGTH] = 0.0
+        for k in range(1, len(time)):
+            counts[u] = advance(
+                units,
+                i,
+                state,
+                (time[k - 1], time[k]),
+                columns[u, k],
+                longest[i],
+                factors,
+                spikes[u],
+                counts[u],
+            )
+
+
+@njit(cache=True, nogil=True)
+def currents(units: Units, first: int, time: Array, columns: Array, out: Array) -> None:
+    """Compute generator currents (n_units, n_t) over threshold at the samples of the columns.
+
+    The input is zero before the first sample.
+    """
+    for u in range(len(columns)):
+        i, x, modes = first + u, 0.0, np.zeros(2)
+        for k in range(len(time)):
+            change = columns[u, k] - x
+            x = columns[u, k]
+            h = time[k] - time[k - 1] if k else 0.0
+            for m in range(2):
+                a = units.pole[i, m] * h
+                ramp = -math.expm1(-a) / a if a > 0.0 else 1.0
+                modes[m] = math.exp(-a) * modes[m] + change * ramp
+            out[u, k] = generated(units, i, x, modes[0], modes[1])
+
+
+def rested(units: Units, first: int, x: Array) -> Array:
+    """States (n, SIZE) of units first, first + 1, ... at rest that jump to inputs x (n,) in mm."""
+    states = np.zeros((len(x), SIZE))
+    states[:, KNOT] = np.nan
+    states[:, X] = states[:, MODE] = states[:, SLOW] = x
+    for u in range(len(x)):
+        states[u, CURRENT] = generated(units, first + u, x[u], x[u], x[u])
+    return states

@@ -1,0 +1,204 @@
+"""Simulation of units of the family `recorded`: from drives at end organs to spike trains."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.neural.checked_signals import (
+    checked_signals,
+    checked_types,
+    coarse_remarks,
+    count_changes,
+    organ_columns,
+    unit_array,
+    unit_delays,
+    unit_names,
+)
+from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.recorded import Recorded, fitted, units_of
+from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.variation import Variation
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.processes import cores
+from fefinger.support.vocabulary import RECORDED_RULES
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.recorded_compiled import Units
+
+
+Array = NDArray[np.float64]
+
+THRESHOLD = IntegrateAndFire().threshold
+"""Current in uA/cm² that the threshold of every unit counts as: a nominal one, since only the
+ratio of a current to the threshold matters."""
+
+SPIKE_MV = 40.0
+"""Potential in mV that the threshold counts as, as in `IntegrateAndFire`."""
+
+LONGEST = {"SAI": 2e-4, "SAII": 2e-4, "FAI": 2e-4, "FAII": 1e-4}
+"""Longest integration step in s of the units of a type."""
+
+WIDTH = 32
+"""Number of units that one thread advances at a time."""
+
+ROOM = 2_000_000
+"""Number of spike times that a thread has room for."""
+
+
+def simulate_recorded(
+    time: ArrayLike,
+    drive: ArrayLike,
+    *,
+    types: Sequence[str],
+    unit: ArrayLike | None = None,
+    lengths: ArrayLike = 1.0,
+    rule: str = "max",
+    delays: ArrayLike = 0.0,
+    variation: Variation | None = None,
+    parameters: Mapping[str, Recorded] | None = None,
+    names: Sequence[str] | None = None,
+    positions: ArrayLike | None = None,
+    depths: ArrayLike | None = None,
+    step: float | None = None,
+    check: bool = True,
+) -> SpikeTrains:
+    """Simulate the spikes of units that fire as recorded ones do.
+
+    Parameters
+    ----------
+    time, drive, types, unit, delays, names, positions, depths
+        As in `units.simulate_units`; by default each unit has one end organ.
+    lengths
+        (n_organs,) or one number: mm of x_in per unit of drive. x_in is the displacement of a round
+        pin 1 mm wide that strains the end organ below it as much.
+    rule
+        Input of a unit with several end organs: "max", the largest of theirs at every time, or
+        "mean".
+    variation
+        Unequal gains and noise in uA/cm² of a threshold of THRESHOLD; None: equal gains, and the
+        fitted noise.
+    parameters
+        Parameters by type, where they are not the fitted ones.
+    step
+        Longest integration step in s; by default that of LONGEST.
+    check
+        Repeat with half the step and with half of the samples; differences of counts become notes.
+
+    Raises
+    ------
+    InputError
+        As in `units.simulate_units`.
+    """
+    types = checked_types(types)
+    columns = organ_columns(np.arange(len(types)) if unit is None else unit, len(types))
+    time, organs = checked_signals(time, drive, lengths, sum(map(len, columns)))
+    names, later = unit_names(types, names), unit_delays(delays, len(types))
+    positions = unit_array("positions", positions, (len(types), 3))
+    depths = unit_array("depths", depths, (len(types),))
+    x_in = combined(organs, columns, rule)
+    units = _units(types, parameters, variation)
+    steps = np.array([LONGEST[kind] for kind in types])
+    if step is not None:
+        steps = np.full(len(types), number("step", step, above=0.0, at_most=1e-3, unit="s"))
+    times, peaks = _fire(units, time, x_in, steps)
+    notes = tuple(coarse_remarks(time, x_in, types, names))
+    if check:
+        thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
+        half, _ = _fire(units, time, x_in, steps / 2)
+        coarse, _ = _fire(units, time[thin], x_in[thin], steps)
+        notes += count_changes(names, times, half, "the step of the membrane is halved")
+        notes += count_changes(names, times, coarse, "only every second sample is used")
+    return SpikeTrains(
+        family="recorded",
+        types=types,
+        names=names,
+        times=tuple(each + late for each, late in zip(times, later, strict=True)),
+        t_start=float(time[0]),
+        t_stop=float(time[-1] + later.max()),
+        time=time,
+        x_in=x_in,
+        current=THRESHOLD * _currents(units, time, x_in),
+        peak_mV=SPIKE_MV * peaks,
+        block_seconds=np.zeros(len(types)),
+        stimulus_driven=np.zeros(len(types), np.int64),
+        positions=positions,
+        depths=depths,
+        seed=0 if variation is None else variation.seed,
+        notes=notes,
+    )
+
+
+def combined(organs: Array, columns: Sequence[NDArray[np.intp]], rule: str) -> Array:
+    """Combine inputs (n_t, n_organs) in mm of end organs to those (n_t, n_units) of their units."""
+    choice("rule", rule, RECORDED_RULES)
+    if all(len(c) == 1 for c in columns):
+        return organs[:, np.concatenate(columns)]
+    joined = np.concatenate(columns)
+    starts = np.cumsum([0, *map(len, columns)])[:-1]
+    if rule == "max":
+        return np.asarray(np.maximum.reduceat(organs[:, joined], starts, axis=1))
+    sums = np.add.reduceat(organs[:, joined], starts, axis=1)
+    return np.asarray(sums / np.array([len(c) for c in columns]))
+
+
+def _units(
+    types: Sequence[str], parameters: Mapping[str, Recorded] | None, variation: Variation | None
+) -> "Units":
+    """Arrays of the parameters of units, with their variation."""
+    by_type = {**fitted(), **(parameters or {})}
+    chosen = [by_type[kind] for kind in types]
+    if variation is None:
+        return units_of(chosen)
+    if variation.numbers is not None and len(variation.numbers) != len(types):
+        msg = (
+            f"numbers: expected one for each of {len(types)} units, received "
+            f"{len(variation.numbers)}"
+        )
+        raise InputError(msg)
+    noise = variation.noise
+    return units_of(
+        chosen,
+        factors=np.array([variation.gain(i, unit.spread) for i, unit in enumerate(chosen)]),
+        noise=None if noise is None else noise / THRESHOLD,
+        seed=variation.seed,
+        numbers=variation.numbers,
+    )
+
+
+def _fire(units: "Units", time: Array, x_in: Array, steps: Array) -> tuple[list[Array], Array]:
+    """Spike times of every unit in s, and highest potentials (n_units,) over threshold."""
+    from fefinger.neural.recorded_compiled import rested, run
+
+    duration = float(time[-1] - time[0])
+    room = int(duration / float(units.refractory.min())) + 2
+    width = max(1, min(WIDTH, ROOM // room))
+
+    def block(first: int) -> tuple[list[Array], Array]:
+        columns = np.ascontiguousarray(x_in[:, first : first + width].T)
+        states, spikes = rested(units, first, columns[:, 0]), np.empty((len(columns), room))
+        counts = np.zeros(len(columns), np.int64)
+        run(units, first, states, time, columns, steps, spikes, counts)
+        times = [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]
+        return times, states[:, PEAK].copy()
+
+    from fefinger.neural.recorded_compiled import PEAK
+
+    firsts = range(0, x_in.shape[1], width)
+    if len(firsts) == 1:
+        return block(0)
+    with ThreadPoolExecutor(min(cores(), len(firsts))) as pool:
+        blocks = list(pool.map(block, firsts))
+    return [each for times, _ in blocks for each in times], np.concatenate([p for _, p in blocks])
+
+
+def _currents(units: "Units", time: Array, x_in: Array) -> Array:
+    """Compute the generator currents (n_t, n_units) over threshold at the samples."""
+    from fefinger.neural.recorded_compiled import currents
+
+    out = np.empty((x_in.shape[1], len(time)))
+    currents(units, 0, time, np.ascontiguousarray(x_in.T), out)
+    return out.T

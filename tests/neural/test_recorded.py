@@ -1,0 +1,266 @@
+"""Units of the family `recorded` against closed forms, scipy and their own refinement."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy import signal, stats
+
+from fefinger.neural import recorded_compiled as compiled
+from fefinger.neural.endorgans import PoleZero
+from fefinger.neural.recorded import BOUNDS, Recorded, fitted, record, units_of
+from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.variation import Variation
+from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import TYPES
+
+
+PLAIN = Recorded(
+    drive="compressive",
+    length=1.0,
+    gain=1.0,
+    static=1.0,
+    corner=30.0,
+    order=1.0,
+    negative=0.0,
+    largest=1e4,
+    adapting=0.0,
+    adaptation=1.0,
+    recovery=0.0,
+    recovering=0.01,
+    membrane=0.02,
+    refractory=0.003,
+    noise=0.0,
+    spread=0.5,
+)
+TIME = np.linspace(0.0, 2.0, 2001)
+LONG = np.linspace(0.0, 40.0, 4001)
+
+
+def fire(unit, x, time=TIME, **options):
+    """Return the spike times of one unit of SAI with these parameters."""
+    options = {"check": False, **options}
+    trains = simulate_recorded(
+        time, np.asarray(x)[:, None], types=("SAI",), parameters={"SAI": unit}, **options
+    )
+    return trains.times[0]
+
+
+def sine(frequency, amplitude, seconds=1.0):
+    """Return times and a sine of some mm about 0."""
+    time = np.linspace(0.0, seconds, round(40 * seconds * frequency) + 1)
+    return time, amplitude * np.sin(2 * np.pi * frequency * time)
+
+
+@pytest.mark.parametrize("current", [1.05, 1.5, 3.0, 12.0])
+@pytest.mark.parametrize("membrane", [0.002, 0.02])
+def test_the_rate_in_a_constant_current_is_that_of_the_leaky_integrator(current, membrane):
+    unit = PLAIN.varied(membrane=membrane)
+    times = fire(unit, np.full(TIME.shape, current), step=2e-5)
+    assert np.diff(times) == pytest.approx(1.0 / unit.rate(current), rel=2e-3)
+    assert unit.rate(1.0) == 0.0
+
+
+def test_below_threshold_no_unit_fires_and_its_potential_is_the_current():
+    x = np.full(TIME.shape, 0.9)
+    trains = simulate_recorded(TIME, x[:, None], types=("SAI",), parameters={"SAI": PLAIN})
+    assert trains.count().sum() == 0
+    assert trains.peak_mV == pytest.approx([40.0 * 0.9 / (1.0 + 0.9 / PLAIN.largest)], rel=1e-9)
+
+
+@pytest.mark.parametrize(("order", "corner", "static"), [(1, 30.0, 0.2), (2, 120.0, 0.0)])
+def test_the_filter_is_that_of_scipy(order, corner, static):
+    unit = PLAIN.varied(order=float(order), corner=corner, static=static, negative=1.0)
+    x = np.cumsum(np.random.default_rng(4).normal(size=TIME.shape)) * 0.01
+    out = np.empty((1, len(TIME)))
+    compiled.currents(units_of([unit]), 0, TIME, x[None], out)
+    p = 2 * np.pi * corner
+    system = np.poly([-static * p] * order), np.poly([-p] * order)
+    _, y, _ = signal.lsim(system, x - x[0], TIME)
+    _, start, _ = signal.lsim(system, np.full(TIME.shape, x[0]), TIME)
+    assert out[0] == pytest.approx(np.abs(y + start), abs=2e-3 * np.abs(y).max())
+    frequency = np.array([1.0, 30.0, 400.0])
+    poles = PoleZero(
+        (static * corner,) * order, tuple(corner * (1 + 1e-3 * k) for k in range(order))
+    )
+    assert unit.frequency_response(frequency) == pytest.approx(
+        poles.frequency_response(frequency), rel=2e-3
+    )
+
+
+def test_the_generator_saturates_and_weighs_both_signs():
+    unit = PLAIN.varied(gain=3.0, largest=5.0, negative=0.25)
+    x = np.array([0.0, 0.1, 2.0, 1e3, -2.0, -1e6])
+    out = np.empty((1, len(x)))
+    compiled.currents(units_of([unit]), 0, np.arange(6.0), x[None], out)
+    u = np.array([0.0, 0.3, 6.0, 3e3, 1.5, 7.5e5])
+    assert out[0] == pytest.approx(u / (1 + u / 5.0))
+
+
+@pytest.mark.parametrize("adapting", [0.2, 0.6])
+def test_the_rate_adapts_with_its_time_constant_to_the_part_that_remains(adapting):
+    unit = PLAIN.varied(adapting=adapting, adaptation=4.0)
+    times = fire(unit, np.full(LONG.shape, 6.0), LONG)
+    assert np.diff(times[-10:]) == pytest.approx(1.0 / unit.rate(6.0), rel=2e-3)
+    for at in (2.0, 8.0):
+        left = 6.0 * (1.0 - adapting * (1.0 - np.exp(-at / 4.0)))
+        near = np.searchsorted(times, at)
+        assert 1.0 / np.diff(times)[near] == pytest.approx(PLAIN.rate(left), rel=0.01)
+
+
+@pytest.mark.parametrize("frequency", [20.0, 50.0, 100.0])
+def test_a_unit_is_entrained_one_to_one_between_its_bounds(frequency):
+    """The refractory time allows one impulse per cycle, and forbids a second one."""
+    unit = PLAIN.varied(static=0.0, membrane=0.001, refractory=0.7 / frequency, gain=10.0)
+    time, x = sine(frequency, 1.0)
+    times = fire(unit, x, time)
+    assert np.diff(times)[3:] == pytest.approx(1 / frequency, rel=1e-3)
+    assert len(times) == pytest.approx(frequency, abs=1)
+
+
+def test_no_unit_fires_faster_than_its_refractory_time():
+    unit = PLAIN.varied(gain=1e4, noise=1.0)
+    times = fire(unit, np.full(TIME.shape, 100.0))
+    assert np.diff(times).min() >= unit.refractory
+    assert len(times) == pytest.approx(2.0 / unit.refractory, rel=0.05)
+
+
+@pytest.mark.parametrize("kind", TYPES)
+def test_halving_the_step_moves_spikes_of_the_fitted_units_little(kind):
+    unit = fitted()[kind].varied(noise=0.0)
+    time, x = sine(30.0, 0.4, 0.5)
+    options = {"types": (kind,), "parameters": {kind: unit}, "check": False}
+    trains = [
+        simulate_recorded(time, 0.5 + x[:, None], step=LONGEST[kind] / part, **options).times[0]
+        for part in (1, 2, 16)
+    ]
+    fine = trains[-1]
+    shared = [min(len(each), len(fine)) for each in trains]
+    errors = [
+        np.abs(each[:n] - fine[:n]).max(initial=0.0) for each, n in zip(trains, shared, strict=True)
+    ]
+    assert abs(len(trains[0]) - len(fine)) <= 1
+    assert errors[0] < 1e-3
+    assert errors[1] <= errors[0]
+
+
+def test_noise_is_normal_and_the_same_in_whatever_order_it_is_drawn():
+    stream = np.uint64(12345)
+    values = np.array([compiled.normal(stream, k) for k in range(-2000, 2000)])
+    assert compiled.normal(stream, 17) == values[2017]
+    assert values.mean() == pytest.approx(0.0, abs=0.06)
+    assert values.std() == pytest.approx(1.0, abs=0.05)
+    assert stats.kstest(values, "norm").pvalue > 1e-3
+    assert abs(np.corrcoef(values[1:], values[:-1])[0, 1]) < 0.06
+    other = np.array([compiled.normal(np.uint64(12346), k) for k in range(2000)])
+    assert abs(np.corrcoef(other, values[2000:])[0, 1]) < 0.08
+
+
+def test_a_seed_gives_the_same_spikes_and_another_seed_others():
+    x = np.full((len(TIME), 3), 2.0)
+    unit = {"SAI": PLAIN.varied(noise=0.5)}
+
+    def times(seed, **options):
+        vary = Variation(seed=seed, spread=None, noise=None, **options)
+        return simulate_recorded(
+            TIME, x, types=("SAI",) * 3, parameters=unit, variation=vary, check=False
+        ).times
+
+    first, again, other = times(1), times(1), times(2)
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    assert not any(np.array_equal(a, b) for a, b in zip(first, other, strict=True))
+    assert not np.array_equal(first[0], first[1])
+    swapped = times(1, numbers=(1, 0, 2))
+    assert np.array_equal(swapped[0], first[1])
+
+
+def test_the_spread_of_a_population_is_that_of_its_type():
+    vary = Variation(seed=3, spread=None)
+    factors = np.log([vary.gain(i, 0.5) for i in range(2000)])
+    assert factors.std() == pytest.approx(0.5, rel=0.05)
+    assert Variation(seed=3, spread=0.0).gain(0, 0.5) == 1.0
+
+
+def test_the_input_of_a_unit_is_the_largest_or_the_mean_of_its_end_organs():
+    organs = np.array([[1.0, 3.0, 5.0], [4.0, 2.0, 6.0]])
+    columns = (np.array([0, 1]), np.array([2]))
+    assert combined(organs, columns, "max").tolist() == [[3.0, 5.0], [4.0, 6.0]]
+    assert combined(organs, columns, "mean").tolist() == [[2.0, 5.0], [3.0, 6.0]]
+    assert combined(organs[:, ::-1], columns[::-1], "max").tolist() == [[1.0, 5.0], [4.0, 6.0]]
+    with pytest.raises(InputError, match="rule"):
+        combined(organs, columns, "first")
+
+
+def test_delays_shift_every_spike():
+    x = np.full((len(TIME), 1), 3.0)
+    options = {"types": ("SAI",), "parameters": {"SAI": PLAIN}, "check": False}
+    here = simulate_recorded(TIME, x, **options)
+    there = simulate_recorded(TIME, x, delays=0.01, **options)
+    assert there.times[0] == pytest.approx(here.times[0] + 0.01)
+    assert there.family == "recorded"
+
+
+def test_stepped_units_fire_as_those_of_a_whole_series():
+    rng = np.random.default_rng(2)
+    unit = PLAIN.varied(noise=0.3, static=0.3, gain=80.0, negative=0.3)
+    rows = np.zeros((801, 5, 6))
+    rows[:, :, 2] = -0.2 * np.sin(9 * np.arange(801) * 1e-3)[:, None] ** 2 * rng.uniform(0.5, 1, 5)
+    owner, types = [0, 0, 1, 1, 2], ("SAI", "FAI", "SAI")
+    parameters = {"SAI": unit, "FAI": unit.varied(drive="tangent")}
+    x = np.empty((801, 5))
+    x[:, [0, 1, 4]] = -rows[:, [0, 1, 4], 2]
+    x[:, 2:4] = 0.0
+    whole = simulate_recorded(
+        np.arange(801) * 1e-3, x, types=types, unit=owner, parameters=parameters, check=False
+    )
+    normals = np.tile([0.0, 0.0, -1.0], (5, 1))
+    stepped = RecordedAfferents(types, normals, unit=owner, parameters=parameters)
+    fired = [[], [], []]
+    for k, row in enumerate(rows):
+        count = stepped.step(row, 1e-3 if k else 0.0)
+        assert count == len(stepped.fired())
+        for i, time in stepped.fired():
+            fired[i].append(time)
+    assert len(fired[0]) > 5
+    for mine, theirs in zip(fired, whole.times, strict=True):
+        assert np.array(mine) == pytest.approx(theirs, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: PLAIN.varied(gain=-1.0), "gain: expected a finite number in 1/mm at least"),
+        (lambda: PLAIN.varied(order=1.5), "order: expected 1 or 2"),
+        (lambda: PLAIN.varied(drive="pressure"), "drive"),
+        (lambda: Recorded.of({"gain": 1.0}), "recorded: expected every parameter, drive"),
+        (lambda: Recorded.of({"gian": 1.0}), "gian"),
+        (lambda: PLAIN.varied(recovery=1.0).rate(2.0), "no closed form"),
+        (
+            lambda: RecordedAfferents(("SAI",), np.eye(3), unit=[0, 0, 0]).step(
+                np.ones((1, 6)), 1e-3
+            ),
+            "strain: expected an array",
+        ),
+        (
+            lambda: RecordedAfferents(("SAI",), np.eye(3)[:1]).step(np.full((1, 6), np.nan), 1e-3),
+            "unchanged",
+        ),
+        (lambda: RecordedAfferents(("SAI", "FAI"), np.eye(3)[:2], unit=[1, 0]), "never decrease"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_the_file_of_parameters_has_every_type_within_its_bounds_and_its_provenance():
+    contents = record()
+    assert set(contents["types"]) == set(TYPES)
+    for kind, unit in fitted().items():
+        table = contents["types"][kind]
+        assert set(table) == {"drive", *BOUNDS}
+        assert all(set(table[name]) == {"value", "error", "how"} for name in BOUNDS)
+        assert unit.drive in ("compressive", "tangent")
+    assert {"command", "data", "finger", "probe"} <= set(contents["provenance"])
+    assert json.loads(json.dumps(contents)) == contents

@@ -1,0 +1,120 @@
+"""Scenes whose afferents are of the family `recorded`: what they ask, and what they get."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.afferents import fire
+from fefinger.commands.console import fired_record
+from fefinger.mechanics import get
+from fefinger.neural.drives import DRIVE_BY_NAME
+from fefinger.neural.recorded import fitted
+from fefinger.neural.trains import SpikeTrains
+from fefinger.pages import report
+from fefinger.scene import builtin
+from fefinger.scene.motions import Vibration
+from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import FAMILIES, TYPES
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+PRESS = ff.Trapezoid(speed=20, depth=0.6, hold=0.2, corner=0.01)
+BARE = {"fields": False, "pressure": False}
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """Return a scene of the family, and the response to it."""
+    ask = ff.Ask(spikes=TYPES, afferents="recorded", **BARE)
+    scene = ff.Scene(finger=FINGER, motion=PRESS, ask=ask)
+    return scene, get("hertz").respond(scene)
+
+
+def test_a_scene_says_its_family_and_keeps_it_in_toml():
+    scene = ff.Scene(finger=FINGER, motion=PRESS, ask=ff.Ask(spikes=("SAI",), afferents="recorded"))
+    assert ff.Scene.from_toml(scene.to_toml()) == scene
+    assert ff.Ask().afferents == FAMILIES[0]
+    with pytest.raises(InputError, match=r"ask.afferents: .*'thesis'.*'recorded'"):
+        ff.Ask(afferents="recordd")
+
+
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        ({"drives": {"SAI": "energy"}}, "ask.drives"),
+        ({"generator": "linear"}, "ask.generator"),
+        ({"population": ff.Scatter(rule="first")}, "ask.population.rule"),
+    ],
+)
+def test_choices_of_the_thesis_alone_are_refused(options, field):
+    with pytest.raises(InputError, match=f"{field}: expected the default"):
+        ff.Ask(spikes=("SAI",), afferents="recorded", **options)
+    ff.Ask(spikes=("SAI",), afferents="thesis", **options)
+
+
+def test_the_input_of_a_unit_is_the_length_of_its_type_times_its_drive(pressed):
+    scene, response = pressed
+    trains = fire(scene.ask, response, check=False)
+    assert trains.family == "recorded"
+    assert "family recorded" in trains.notes[0]
+    for i, kind in enumerate(trains.types):
+        unit = fitted()[kind]
+        drive = DRIVE_BY_NAME[unit.drive](response.strain, response.sites.normals)[:, i]
+        assert trains.x_in[:, i] == pytest.approx(unit.length * drive)
+    thesis = fire(replace(scene.ask, afferents="thesis"), response, check=False)
+    assert thesis.family == "thesis"
+
+
+def test_spikes_before_a_time_do_not_count(pressed):
+    scene, response = pressed
+    whole = fire(scene.ask, response, check=False)
+    late = fire(scene.ask, response, since=0.05, check=False)
+    assert late.t_start == 0.05
+    for all_times, times in zip(whole.times, late.times, strict=True):
+        assert np.array_equal(times, all_times[all_times >= 0.05])
+    record = fired_record(late)
+    span = late.t_stop - late.t_start
+    assert record["afferents"] == "recorded"
+    assert record["spikes"] == dict(zip(TYPES, late.count().tolist(), strict=True))
+    assert record["rates_Hz"]["SAI"] == pytest.approx(len(late.times[0]) / span)
+
+
+def test_units_of_a_population_differ_by_default_and_not_when_told(pressed):
+    scene, _ = pressed
+    line = ff.Line(start=(0, 0), stop=(0, 1e-3), count=4)
+    trains = []
+    for layout in (line, replace(line, spread=0.0, noise=0.0), replace(line, seed=1)):
+        ask = replace(scene.ask, spikes=("SAI",), population=layout)
+        response = get("hertz").respond(replace(scene, ask=ask))
+        trains.append(fire(ask, response, check=False))
+    drawn, alike, other = (len({tuple(np.round(t, 4)) for t in each.times}) for each in trains)
+    assert (drawn, alike, other) == (4, 1, 4)
+    assert not np.array_equal(trains[0].times[0], trains[2].times[0])
+
+
+def test_the_family_is_in_files_and_on_the_page(pressed, tmp_path):
+    scene, response = pressed
+    trains = fire(scene.ask, response, check=False)
+    trains.to_npz(tmp_path / "spikes.npz")
+    assert SpikeTrains.from_npz(tmp_path / "spikes.npz").family == "recorded"
+    result = ff.run(scene, mechanics="hertz")
+    result.save(tmp_path / "out")
+    assert ff.load(tmp_path / "out").spikes.family == "recorded"
+    report.write(result, tmp_path / "page.html")
+    assert "family recorded" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["probe-vibration", "pin-hold", "curved-hold"])
+def test_the_experiments_are_scenes_of_the_family(name):
+    scene = builtin.load(name, {})
+    assert scene.ask.afferents == "recorded"
+    assert not [kind for kind in scene.ask.spikes if kind not in TYPES]
+
+
+def test_a_vibration_counts_from_its_start_and_follows_its_settings():
+    scene = builtin.load("probe-vibration", {"motion.frequency": 300, "motion.amplitude": 0.02})
+    assert isinstance(scene.motion, Vibration)
+    assert scene.motion.duration - scene.motion.recorded_from == pytest.approx(1.0)
+    assert scene.motion.recorded_from == pytest.approx(120.0, abs=0.1)

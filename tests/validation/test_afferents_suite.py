@@ -1,0 +1,79 @@
+"""The suite `afferents`: its data, its closed forms against simulation, and its names."""
+
+import numpy as np
+import pytest
+from fefinger.validation.afferents import data, experiments, fit, misses, suite
+from fefinger.validation.afferents.vibration import Probed, determination
+
+from fefinger.neural.recorded import BOUNDS, fitted
+
+
+FILES = {
+    "vibration_rates": 180,
+    "thresholds_units": 31,
+    "thresholds_channels": 72,
+    "curvature_SAI": 21,
+    "curvature_distance_SAI": 55,
+    "bar_SAI": 288,
+    "dots_scanned": 36,
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_file_of_data_has_its_points_and_says_where_they_are_from(name):
+    assert len(data.rows(name)) == pytest.approx(FILES[name], abs=4)
+    folder = data.resources.files("fefinger.validation.afferents")
+    head = folder.joinpath(f"data/{name}.csv").read_text(encoding="utf-8")
+    assert head.startswith("# ")
+    assert "Ouyang" in head.partition("\n#")[2]
+
+
+@pytest.mark.parametrize("kind", ["SAI", "FAI", "FAII"])
+@pytest.mark.parametrize("frequency", [30.0, 200.0])
+def test_the_threshold_in_closed_form_is_that_of_the_simulated_unit(kind, frequency):
+    unit = fitted()[kind].varied(noise=0.0)
+    probed = Probed(kind, unit, 0.5)
+    edge = probed.threshold(frequency)
+    for factor, fires in ((0.93, False), (1.07, True)):
+        (times,) = probed.times(frequency, np.array([factor * edge]), np.ones(1), 0.6)
+        assert bool(np.any(times > 0.2)) == fires
+
+
+def test_the_gains_of_a_population_have_the_spread_of_the_type():
+    unit = fitted()["FAI"].varied(spread=0.5)
+    gains = np.log(Probed("FAI", unit, 0.5).gains(2000))
+    assert gains.mean() == pytest.approx(0.0, abs=1e-9)
+    assert gains.std() == pytest.approx(0.5, rel=0.01)
+
+
+def test_determination_is_one_less_the_rest_over_the_spread():
+    recorded = np.array([0.0, 1.0, 2.0])
+    assert determination(recorded, recorded) == 1.0
+    assert determination(np.ones(3), recorded) == 0.0
+    assert determination(recorded + 1.0, recorded) == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("kind", ["SAI", "FAI", "FAII"])
+def test_every_parameter_is_fitted_or_set_with_a_reason(kind):
+    fixed, free = fit.SET[kind], fit.FREE[kind]
+    assert not set(fixed) & set(free)
+    assert set(fixed) | set(free) <= set(BOUNDS)
+    for name, (low, high) in free.items():
+        assert BOUNDS[name].low <= low < high <= BOUNDS[name].high
+        assert low <= getattr(fitted()[kind], name) <= high
+    assert all(reason for _, reason in fixed.values())
+
+
+def test_the_cases_have_different_names_and_every_miss_is_one_of_them():
+    names = [case.name for case in suite.cases(quick=True)]
+    assert len(set(names)) == len(names)
+    assert set(misses.MISSES) <= set(names)
+    assert all(name.startswith(("fitted", "predicted", "set by hand")) for name in names)
+
+
+def test_a_pin_strains_in_proportion_to_its_depth_once_it_rests_on_its_flat():
+    depths = np.array([0.3, 0.5, 0.7])
+    drive = experiments.pressed(
+        experiments.PROBE, depths, np.zeros(1), drive="compressive", organ=0.6
+    )[:, 0]
+    assert np.diff(drive) == pytest.approx(np.diff(drive).mean(), rel=0.1)

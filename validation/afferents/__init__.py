@@ -1,0 +1,1 @@
+"""Afferents of the family `recorded` against published recordings: fitted, and predicted."""

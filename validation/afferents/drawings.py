@@ -1,0 +1,185 @@
+"""Figures of suite `afferents`: every fitted and predicted curve over the published points."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from fefinger.validation.afferents import data, predicted
+from fefinger.validation.afferents.vibration import Probed
+from numpy.typing import NDArray
+
+from fefinger.neural.recorded import BOUNDS
+from fefinger.view.figures import COLORS, INK, STEEL, figure, style
+
+
+Array = NDArray[np.float64]
+
+KINDS = ("SAI", "FAI", "FAII")
+
+
+def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[tuple[str, Any]]:
+    """Yield caption and figure of all curves."""
+    yield (
+        "Fitted: mean rate against amplitude. Points: recorded means over units; lines: the mean "
+        "of the population (thick) and the median unit alone (thin)",
+        _rates(probed),
+    )
+    yield (
+        "Fitted: thresholds of single units (points, shapes alone were fitted) and of the median "
+        "unit without noise (lines, moved to the mean of the points; the factor is stated)",
+        _thresholds(probed),
+    )
+    yield (
+        "Fitted: SAI impulses in the first second under spheres at 10, 15 and 20 gf (points: "
+        "recorded; lines: computed)",
+        _spheres(under_spheres),
+    )
+    yield (
+        "Predicted: SAI by curvature and distance at 15 gf. Lines: units with end organs within "
+        "1 mm, which the best of them drives",
+        _distances(),
+    )
+    yield (
+        "Predicted: SAI across a bar 3 mm wide, 1 mm deep (gray: recorded; dark: computed, one "
+        "end organ)",
+        _bar(),
+    )
+    yield (
+        "Predicted: units under a pin 1 mm wide, pressed 0.7 mm at 20 mm/s, held for 1 s and "
+        "withdrawn: eight units of each type with the fitted spread and noise",
+        _rasters(),
+    )
+
+
+def _rates(probed: Callable[[str], Probed]) -> Any:
+    with style():
+        drawn = figure(9.6, 6.4)
+        axes = drawn.subplots(3, 4, sharex="col")
+        for row, kind in zip(axes, KINDS, strict=True):
+            for axis, frequency in zip(row, data.FREQUENCIES, strict=True):
+                amplitude, rates = data.rates(kind, frequency)
+                axis.plot(1e3 * amplitude, rates, "o", ms=3, color=COLORS[kind])
+                unit = probed(kind)
+                axis.plot(1e3 * amplitude, unit.rates(frequency, amplitude), color=INK, lw=1.4)
+                single = unit.rates(frequency, amplitude, single=True)
+                axis.plot(1e3 * amplitude, single, color=STEEL, lw=0.7)
+                axis.set_xscale("log")
+                if kind == "SAI":
+                    axis.set_title(f"{frequency:g} Hz")
+                if kind == "FAII":
+                    axis.set_xlabel("amplitude / um")
+            row[0].set_ylabel(f"{kind} / Hz")
+    return drawn
+
+
+def _thresholds(probed: Callable[[str], Probed]) -> Any:
+    with style():
+        drawn = figure(6.2, 3.6)
+        axis = drawn.subplots()
+        for kind in KINDS:
+            frequency, amplitude = data.thresholds(kind)
+            computed = probed(kind).thresholds(frequency)
+            factor = float(np.exp(np.mean(np.log(amplitude / computed))))
+            axis.loglog(frequency, 1e3 * amplitude, "o", ms=3, color=COLORS[kind])
+            label = f"{kind}, times {factor:.2g}"
+            axis.loglog(frequency, 1e3 * factor * computed, color=COLORS[kind], label=label)
+        axis.set(xlabel="frequency / Hz", ylabel="threshold / um")
+        axis.legend()
+    return drawn
+
+
+def _spheres(computed: Array) -> Any:
+    points = data.table("curvature_SAI")
+    with style():
+        drawn = figure(6.2, 3.6)
+        axis = drawn.subplots()
+        for force, shade in zip(np.unique(points[:, 0]), (0.7, 0.4, 0.0), strict=True):
+            of = points[:, 0] == force
+            color = (shade, shade, shade)
+            axis.plot(points[of, 1], points[of, 2], "o", ms=4, color=color)
+            axis.plot(points[of, 1], computed[of], color=color, label=f"{force:g} N")
+        axis.set(xlabel="curvature / (1/m)", ylabel="impulses in 1 s")
+        axis.legend()
+    return drawn
+
+
+def _distances() -> Any:
+    points = data.table("curvature_distance_SAI")
+    computed, recorded = predicted.spheres()
+    with style():
+        drawn = figure(9.6, 2.6)
+        curvatures = np.unique(points[:, 0])
+        axes = drawn.subplots(1, len(curvatures), sharey=True)
+        for axis, curvature in zip(axes, curvatures, strict=True):
+            of = points[:, 0] == curvature
+            axis.plot(points[of, 1], recorded[of], "o", ms=3, color=COLORS["SAI"])
+            axis.plot(points[of, 1], computed[of], color=INK)
+            axis.set_title(f"{curvature:g} 1/m")
+            axis.set_xlabel("distance / mm")
+        axes[0].set_ylabel("impulses in 1 s")
+    return drawn
+
+
+def _bar() -> Any:
+    with style():
+        drawn = figure(6.2, 3.6)
+        axis = drawn.subplots()
+        axis.plot(*predicted.bar_recorded(), color=STEEL, lw=1.0)
+        axis.plot(*predicted.bar_profile(), color=INK)
+        axis.set(xlabel="place from the middle of the bar / mm", ylabel="SAI / Hz")
+    return drawn
+
+
+def _rasters() -> Any:
+    with style():
+        drawn = figure(6.2, 3.6)
+        top, axis = drawn.subplots(2, 1, sharex=True, height_ratios=(1, 3))
+        time, depth = predicted.trapezoid(0.7, 20.0, 1.0)
+        top.plot(time, depth, color=STEEL)
+        top.set_ylabel("mm")
+        row = 0
+        for kind in KINDS:
+            for times in predicted.population_under_pin(kind, time, depth):
+                axis.plot(times, np.full(len(times), row), "|", ms=5, color=COLORS[kind])
+                row += 1
+        axis.set(xlabel="time / s", yticks=[3.5, 11.5, 19.5], yticklabels=KINDS)
+    return drawn
+
+
+def finding(record: dict[str, Any]) -> dict[str, Any]:
+    """Return texts and a table of the parameters with their errors."""
+    rows = []
+    for name, bounds in BOUNDS.items():
+        cells = []
+        for kind in ("SAI", "SAII", "FAI", "FAII"):
+            part = record["types"][kind][name]
+            error = f" ± {part['error']:.2g}" if part["error"] is not None else ""
+            cells.append(f"{part['value']:.4g}{error}")
+        rows.append((f"{name}: {bounds.meaning}", bounds.unit, *cells))
+    return {
+        "texts": TEXTS,
+        "tables": [
+            {
+                "caption": "Parameters of the family recorded, with standard errors where fitted; "
+                "an error as large as the value means that the data do not identify it",
+                "heading": ("parameter", "unit", "SAI", "SAII", "FAI", "FAII"),
+                "rows": rows,
+            }
+        ],
+    }
+
+
+TEXTS = (
+    "Use the family recorded for rates, timing and entrainment of afferents under probes, spheres, "
+    "edges and vibration. Use the family thesis to reproduce the source document, or where a "
+    "membrane model with its block and its kinetics is the question.",
+    "Neither family has: SAII under a probe (recorded rests on stretch of hairy skin), slip, heat, "
+    "or waves in the skin. Above some 40 Hz the tissue of the model does not damp, and no inertia "
+    "moves it: a vibrating probe strains as a slow one does.",
+    "The recorded data disagree: SAI under spheres fire some four times as much, for a strain, as "
+    "the units behind the bands of the pin. The fit follows the spheres and the vibrations.",
+    "All experiments are pressed through the mechanics of the package on one macaque fingertip "
+    "(10 mm wide, 8 mm thick, effective radius 10 mm, an estimate), by condensed at small strain "
+    "and, under spheres, by layered. The preload of the vibrating probe counts as held for two "
+    "minutes, after which SAI units have adapted to it.",
+)

@@ -1,0 +1,118 @@
+"""The experiments behind the data: finger, probe and end organs, and the drives that they give.
+
+Every experiment is pressed through the mechanics of the package. A macaque fingertip stands for all
+of them: 10 mm wide, 8 mm thick, with an effective pad radius of 10 mm and the tissue of maeno1998.
+Its size is an estimate from the look of published fingertips (confidence low). End organs of SAI
+are 0.6 mm deep, at the base of the ridges of an epidermis thinner than that of people (confidence
+low), those of the other types as in people.
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.mechanics import get
+from fefinger.neural.drives import DRIVE_BY_NAME
+from fefinger.plan import choose, settled
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
+from fefinger.scene.library import receptors
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceRampHold, Ramp
+from fefinger.scene.population import Places
+from fefinger.scene.scene import Scene
+
+
+Array = NDArray[np.float64]
+
+MACAQUE = Finger(width=10.0, thickness=8.0, pad_radius=10.0, resolution="standard")
+"""The fingertip of the experiments."""
+
+DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {"SAI": 0.6, "FAI": 0.5}
+"""Depths in mm of the end organs."""
+
+PROBE = Pin(1.0)
+"""The probe of the vibrations: 1 mm wide, its edge rounded to 0.2 mm."""
+
+PRELOAD = 0.5
+"""Depth in mm about which the probe vibrates."""
+
+HELD = 120.0
+"""Time in s for which the preload was held before: minutes, taken to be two."""
+
+LOADING = 5.0
+"""N/s with which a sphere touches down: 20 mm/s on this finger."""
+
+
+BAR = Bar(3.0, 0.2, roll=90.0)
+"""The bar of Phillips & Johnson (1981): 3 mm wide; along the finger."""
+
+SLOW = 1.0
+"""mm/s of slow presses: strain does not relax under a given depth, so one serves all motions."""
+
+
+def drives(
+    indenter: Indenter,
+    motion: Motion,
+    distances: Array,
+    *,
+    drive: str,
+    organ: float,
+    mechanics: str = "condensed",
+) -> tuple[Array, Array, Array]:
+    """Time (n_t,) s, depth (n_t,) mm and drives (n_t, n) of end organs in an experiment.
+
+    They lie `organ` mm below places at distances (n,) mm across the finger from first touch.
+    """
+    scene = Scene(
+        finger=MACAQUE,
+        indenter=indenter,
+        motion=motion,
+        ask=Ask(
+            spikes=("SAI",),
+            population=Places(places=tuple((0.0, float(y)) for y in distances)),
+            depths={"SAI": organ},
+            fields=False,
+            pressure=False,
+            rel_error=1.0,
+        ),
+    )
+    response = get(mechanics).respond(settled(scene, choose(scene, mechanics)))
+    assert response.strain is not None
+    assert response.sites is not None
+    driven = DRIVE_BY_NAME[drive](response.strain, response.sites.normals)
+    return response.time, response.depth, driven
+
+
+def pressed(indenter: Indenter, depths: Array, distances: Array, **options: str | float) -> Array:
+    """Drives (n_depths, n) of end organs at depths (n_depths,) mm of a slow press."""
+    motion = Ramp(SLOW, float(np.max(depths)), corner=0.0)
+    _, depth, driven = drives(indenter, motion, distances, **options)  # type: ignore[arg-type]
+    return np.array([np.interp(depths, depth, column) for column in driven.T]).T
+
+
+@cache
+def probe_drive(drive: str, organ: float) -> tuple[float, float]:
+    """Drive under the probe at the preload, and its slope per mm there."""
+    step = 0.02
+    depths = np.array([PRELOAD - step, PRELOAD, PRELOAD + step])
+    low, middle, high = pressed(PROBE, depths, np.zeros(1), drive=drive, organ=organ)[:, 0]
+    return float(middle), float((high - low) / (2 * step))
+
+
+def under_sphere(
+    curvature: float, force: float, distances: Array, *, drive: str, organ: float
+) -> tuple[Array, Array]:
+    """Time (n_t,) s and drives (n_t, n) under a sphere of `curvature` 1/m held with `force` N.
+
+    By `layered`, which has no mesh.
+    """
+    indenter: Indenter = Flat(30) if curvature == 0 else Sphere(1e3 / curvature)
+    motion = ForceRampHold(LOADING, force, hold=1.0, corner=0.0)
+    time, _, driven = drives(
+        indenter, motion, distances, drive=drive, organ=organ, mechanics="layered"
+    )
+    return time, driven

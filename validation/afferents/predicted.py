@@ -1,0 +1,321 @@
+"""Responses of the fitted units that were not fitted: holds, profiles, surround, bursts, jitter."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from fefinger.validation.afferents import data, experiments
+from fefinger.validation.afferents.experiments import BAR, DEPTHS, PRELOAD, PROBE, drives, pressed
+from fefinger.validation.afferents.vibration import Probed
+from numpy.typing import NDArray
+
+from fefinger.mechanics import get
+from fefinger.neural.drives import DRIVE_BY_NAME
+from fefinger.neural.recorded import fitted
+from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.statistics import interval_variation
+from fefinger.neural.variation import Variation
+from fefinger.plan import choose, settled
+from fefinger.scene.ask import Ask
+from fefinger.scene.indenters import Relief
+from fefinger.scene.motions import Ramp, Trapezoid
+from fefinger.scene.population import Places
+from fefinger.scene.scene import Scene
+
+
+Array = NDArray[np.float64]
+
+DEPTH = np.linspace(0.0, 1.5, 31)
+"""Depths in mm at which the drive under a pin is tabulated."""
+
+PIN_DEPTHS = (0.2, 0.5, 1.0, 1.5)
+"""mm: depths of the holds under a pin."""
+
+PIN_BANDS = ((0.0, 0.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
+"""Hz of SAI in them: four models of units of TouchSim, 0.3 to 0.9 s after the start."""
+
+
+def inputs(kind: str, driven: Array) -> Array:
+    """Convert drives of a type to inputs in mm."""
+    return fitted()[kind].length * driven
+
+
+def fire(kind: str, time: Array, x: Array, *, factor: float = 1.0) -> list[Array]:
+    """Spike times of units of a type with inputs x (n_t, n_units) mm."""
+    unit = fitted()[kind]
+    parameters = {kind: unit.varied(gain=factor * unit.gain)}
+    types = (kind,) * x.shape[1]
+    return list(simulate_recorded(time, x, types=types, parameters=parameters, check=False).times)
+
+
+def between(times: Array, start: float, stop: float) -> float:
+    """Rate in Hz of spikes between two times in s."""
+    return float(np.count_nonzero((times >= start) & (times < stop)) / (stop - start))
+
+
+@cache
+def pin_table(kind: str) -> Array:
+    """Return the inputs in mm of a unit under the pin at the depths DEPTH."""
+    drive = fitted()[kind].drive
+    below = pressed(PROBE, DEPTH[1:], np.zeros(1), drive=drive, organ=DEPTHS[kind])[:, 0]
+    return np.concatenate([[0.0], inputs(kind, below)])
+
+
+def under_pin(kind: str, time: Array, depth: Array) -> Array:
+    """Spike times of the median unit under a pin that follows a depth (n_t,) mm."""
+    x = np.interp(depth, DEPTH, pin_table(kind))
+    return fire(kind, time, x[:, None])[0]
+
+
+def population_under_pin(kind: str, time: Array, depth: Array, count: int = 8) -> list[Array]:
+    """Spike times of units of a type with the fitted spread under a pin that follows a depth."""
+    x = np.tile(np.interp(depth, DEPTH, pin_table(kind))[:, None], count)
+    vary = Variation(seed=1, spread=None, noise=None)
+    return list(
+        simulate_recorded(time, x, types=(kind,) * count, variation=vary, check=False).times
+    )
+
+
+def trapezoid(depth: float, speed: float, hold: float) -> tuple[Array, Array]:
+    """Time in s and depth in mm of a ramp, a hold and a retreat, and a rest of 0.3 s."""
+    motion = Trapezoid(speed, depth, hold=hold)
+    time = np.arange(0.0, motion.duration + 0.3, 5e-4)
+    moved = motion.value(np.minimum(time, motion.duration))
+    return time, np.where(time < motion.duration, moved, 0.0)
+
+
+def pin_hold() -> Array:
+    """SAI rates (4,) in Hz at PIN_DEPTHS, 0.3 to 0.9 s after the start."""
+    out = []
+    for depth in PIN_DEPTHS:
+        time, moved = trapezoid(depth, 20.0, 1.2)
+        out.append(between(under_pin("SAI", time, moved), 0.3, 0.9))
+    return np.array(out)
+
+
+def adaptation(depth: float) -> float:
+    """Fall of the SAI rate in the first 12 s of a hold, over the rate in its first second."""
+    time = np.concatenate([np.arange(0.0, depth / 0.4, 0.01), depth / 0.4 + np.arange(0, 14, 0.01)])
+    times = under_pin("SAI", time, np.minimum(0.4 * time, depth))
+    start = depth / 0.4
+    first = between(times, start, start + 1.0)
+    return 1.0 - between(times, start + 11.5, start + 12.5) / first
+
+
+REACH = 1.0
+"""mm on either side of a unit's middle over which its end organs lie: a field of some 4 mm
+(Johansson 1978) less the millimeter on either side over which skin spreads strain."""
+
+
+@cache
+def spheres() -> tuple[Array, Array]:
+    """SAI impulses and recorded rates (n,) by curvature and distance, in the order of the data.
+
+    A unit has end organs in its middle and REACH away on either side; the best of them drives it.
+    """
+    points = data.table("curvature_distance_SAI")
+    computed = np.empty(len(points))
+    for curvature in np.unique(points[:, 0]):
+        of = points[:, 0] == curvature
+        organs = np.abs(points[of, 1] + np.array([[0.0], [-REACH], [REACH]]))
+        time, driven = experiments.under_sphere(
+            curvature, 0.147, organs.ravel(), drive="compressive", organ=DEPTHS["SAI"]
+        )
+        best = driven.reshape(len(time), *organs.shape).max(axis=1)
+        times = fire("SAI", time, inputs("SAI", best))
+        computed[of] = [np.count_nonzero(each < 1.0) for each in times]
+    return computed, points[:, 2]
+
+
+@cache
+def bar_profile() -> tuple[Array, Array]:
+    """Places in mm from the middle of the bar, and SAI rates in Hz in the first second of hold."""
+    places = np.arange(-4.0, 4.01, 0.2)
+    half = pressed(BAR, np.array([1.0]), places, drive="compressive", organ=DEPTHS["SAI"])[0]
+    time = np.concatenate([np.linspace(0, 0.05, 51), np.linspace(0.05, 1.05, 101)[1:]])
+    x = np.outer(np.minimum(time / 0.05, 1.0), inputs("SAI", half))
+    return places, np.array([between(each, 0.05, 1.05) for each in fire("SAI", time, x)])
+
+
+def bar_recorded() -> tuple[Array, Array]:
+    """Return the recorded places, from the middle of the bar, and rates."""
+    points = data.table("bar_SAI")
+    return points[:, 0] - 4.55, points[:, 1]
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Peaks in Hz on either side of a bar's middle, and the trough between them."""
+
+    left: float
+    right: float
+    trough: float
+
+    @property
+    def ratio(self) -> float:
+        """Trough over the mean of the peaks."""
+        return self.trough / (0.5 * (self.left + self.right))
+
+
+def edges(places: Array, rates: Array) -> Edges:
+    """Find peaks and trough of a profile across the bar."""
+    left, right = (rates[(side * places > 0.3) & (side * places < 2.2)].max() for side in (-1, 1))
+    return Edges(float(left), float(right), float(rates[np.abs(places) < 0.8].min()))
+
+
+SPACING = 2.0
+"""mm between the middles of neighboring probes, 1 mm wide: finer ones the mesh does not resolve."""
+
+
+@cache
+def surround(kind: str) -> Array:
+    """Impulses (3,) of a unit under one probe, with one and with six more around it, 1 mm deep."""
+    grid = np.round(np.arange(-3.0, 3.01, 0.15), 10)
+    around = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
+    places = SPACING * np.array([(0.0, 0.0), *around])
+    out = []
+    for count in (1, 2, 7):
+
+        def heights(x: Array, y: Array, count: int = count) -> Array:
+            apart = [np.hypot(x - px, y - py) for px, py in places[:count]]
+            return -2.0 / (1.0 + np.exp(-(np.min(apart, axis=0) - 0.55) / 0.05))
+
+        relief = Relief.of(heights, grid, grid)
+        time, _, driven = drives(
+            relief,
+            Trapezoid(20.0, 1.0, hold=0.5),
+            np.zeros(1),
+            drive=fitted()[kind].drive,
+            organ=DEPTHS[kind],
+        )
+        out.append(len(fire(kind, time, inputs(kind, driven))[0]))
+    return np.array(out, float)
+
+
+@dataclass(frozen=True)
+class Bursts:
+    """Impulses of a unit at the onset, late in the hold and at the release of a pin."""
+
+    onset: int
+    hold: int
+    release: int
+    peak: float
+    """Highest rate in Hz within the onset: one over the shortest interval."""
+
+
+def bursts(kind: str, depth: float, speed: float) -> Bursts:
+    """Impulses of a unit as a pin comes, stays for 1 s and goes."""
+    time, moved = trapezoid(depth, speed, 1.0)
+    times = under_pin(kind, time, moved)
+    ramp = depth / speed + 0.02
+    onset = times[times < ramp + 0.05]
+    leaves = ramp + 1.0 - 0.02
+    return Bursts(
+        len(onset),
+        int(np.count_nonzero((times > ramp + 0.2) & (times < leaves - 0.05))),
+        int(np.count_nonzero(times > leaves - 0.02)),
+        float(1.0 / np.diff(onset).min()) if len(onset) > 1 else 0.0,
+    )
+
+
+SPEEDS = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0])
+"""mm/s of ramps."""
+
+
+def onset_rates(kind: str, depth: float = 0.7) -> Array:
+    """Mean rates (n,) in Hz within ramps at SPEEDS: impulses over the time of the ramp."""
+    rates = []
+    for speed in SPEEDS:
+        time, moved = trapezoid(depth, speed, 0.5)
+        times = under_pin(kind, time, moved)
+        rates.append(np.count_nonzero(times < depth / speed + 0.02) / (depth / speed))
+    return np.array(rates)
+
+
+def log_tanh(rates: Array) -> float:
+    """R² of the best a tanh(b log(1 + v / c)) through the rates at SPEEDS."""
+    from scipy.optimize import curve_fit
+
+    def law(v: Array, a: float, b: float, c: float) -> Array:
+        return np.asarray(a * np.tanh(b * np.log1p(v / c)))
+
+    best, _ = curve_fit(
+        law, SPEEDS, rates, p0=(rates.max(), 0.5, 4.0), bounds=(0.0, np.inf), maxfev=20000
+    )
+    rest = rates - law(SPEEDS, *best)
+    return float(1.0 - np.sum(rest**2) / np.sum((rates - rates.mean()) ** 2))
+
+
+@cache
+def field_width(kind: str, depth: float, part: float, units: int = 6) -> float:
+    """Mean width in mm across the finger within which a branched unit has a part of its best input.
+
+    The pin stays, units lie at places around it, with their published end organs.
+    """
+    places = np.arange(-4.0, 4.01, 0.25)
+    widths = []
+    for seed in range(units):
+        scene = Scene(
+            finger=experiments.MACAQUE,
+            indenter=PROBE,
+            motion=Ramp(1.0, depth, corner=0.0),
+            ask=Ask(
+                afferents="recorded",
+                spikes=(kind,),
+                population=Places(
+                    places=tuple((0.0, float(y)) for y in places), branched=True, seed=seed
+                ),
+                depths={"SAI": DEPTHS["SAI"]},
+                fields=False,
+                pressure=False,
+                rel_error=1.0,
+            ),
+        )
+        response = get("condensed").respond(settled(scene, choose(scene, "condensed")))
+        assert response.strain is not None
+        assert response.sites is not None
+        assert response.sites.unit is not None
+        driven = DRIVE_BY_NAME[fitted()[kind].drive](response.strain[-1:], response.sites.normals)
+        first = np.searchsorted(response.sites.unit, np.arange(len(places)))
+        largest = np.maximum.reduceat(driven[0], first)
+        widths.append(0.25 * np.count_nonzero(largest >= part))
+    return float(np.mean(widths))
+
+
+def jitter(kind: str, frequency: float, amplitude: float) -> float:
+    """Compute the standard deviation in ms of the phase of spikes, one per cycle."""
+    unit = fitted()[kind]
+    probed = Probed(kind, unit, preload(kind))
+    (times,) = probed.times(frequency, np.array([amplitude]), np.ones(1), 1.0)
+    phase = np.exp(2j * np.pi * frequency * times[times > 0.1])
+    return float(1e3 * np.sqrt(-2.0 * np.log(abs(phase.mean()))) / (2 * np.pi * frequency))
+
+
+def preload(kind: str) -> float:
+    """Input in mm of a unit under the probe at its preload."""
+    return float(np.interp(PRELOAD, DEPTH, pin_table(kind)))
+
+
+def variation(depth: float = 1.0) -> float:
+    """Coefficient of variation of SAI intervals late in a hold under the pin."""
+    time, moved = trapezoid(depth, 20.0, 6.0)
+    times = under_pin("SAI", time, moved)
+    return float(interval_variation(times[(times > 1.0) & (times < 6.0)]))
+
+
+def stretched(size: float, seconds: float) -> Array:
+    """Spike times of the SAII unit whose skin is stretched by a size within some seconds."""
+    time = np.linspace(0.0, 2.0, 2001)
+    x = inputs("SAII", size * np.minimum(time / seconds, 1.0))
+    return fire("SAII", time, x[:, None])[0]
+
+
+def stretch_threshold() -> float:
+    """Smallest slow stretch at which the SAII unit fires."""
+    sizes = np.arange(0.0005, 0.02, 0.0005)
+    return float(next((size for size in sizes if len(stretched(size, 0.5))), np.nan))
+
+
+def stretch_rate() -> float:
+    """Rate in Hz of the SAII unit in the last half of a stretch by 6.4 % at 64 %/s."""
+    return between(stretched(0.064, 0.1), 0.05, 0.1)

@@ -1,0 +1,226 @@
+"""Suite `afferents`: the family `recorded` against published recordings, fitted and predicted.
+
+A case compares a number of the family with what was recorded. Names begin with "fitted", where the
+recorded numbers were fitted (`fit.py`), or with "predicted". What misses is short, with the reason.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from fefinger.validation.afferents import data, drawings, predicted
+from fefinger.validation.afferents.fit import Task
+from fefinger.validation.afferents.misses import MISSES
+from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
+from fefinger.validation.case import Case, Expected
+
+from fefinger.neural.recorded import fitted, record
+
+
+MUNIAK = "Muniak et al. (2007), J Neurosci 27:11687, digitised by Ouyang et al. (2021)"
+UNITS = "single units of monkeys, digitised by Ouyang et al. (2021), original not named"
+GOODWIN = "Goodwin, Browning & Wheat (1995), J Neurosci 15:798, digitised by Ouyang et al. (2021)"
+BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitised by Ouyang et al. (2021)"
+TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
+SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
+HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
+KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
+FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
+EDIN = "Edin (1992), J Neurophysiol 67:1105"
+
+
+@cache
+def probed(kind: str) -> Probed:
+    """Put the fitted unit of a type under the probe."""
+    return Probed(kind, fitted()[kind], predicted.preload(kind))
+
+
+@cache
+def rates(kind: str, *, single: bool) -> float:
+    """Compute R² of the rates of a population, or of its median unit."""
+    return determination(*fit_of_rates(probed(kind), single=single))
+
+
+def entrained() -> float:
+    """Amplitude in um from which FAII fire 95 % of one impulse per cycle at 300 Hz."""
+    amplitudes = np.geomspace(1e-3, 0.05, 18)
+    reached = probed("FAII").rates(300.0, amplitudes) >= 0.95 * 300.0
+    return float(1e3 * amplitudes[np.argmax(reached)]) if reached.any() else np.nan
+
+
+def rate(kind: str, frequency: float, amplitude: float) -> float:
+    """Mean rate in Hz of a population at an amplitude in mm."""
+    return float(probed(kind).rates(frequency, np.array([amplitude]))[0])
+
+
+def best_frequency(kind: str, low: float, high: float) -> float:
+    """Frequency in Hz of the lowest threshold."""
+    frequencies = np.geomspace(low, high, 60)
+    return float(frequencies[np.argmin(probed(kind).thresholds(frequencies))])
+
+
+def slope(kind: str, low: float, high: float) -> float:
+    """Logarithm, to 2, of the slope of the threshold curve over the recorded one in a range."""
+    frequency, amplitude = data.thresholds(kind)
+    of = (frequency >= low) & (frequency <= high)
+    own = np.polyfit(np.log(frequency[of]), np.log(probed(kind).thresholds(frequency[of])), 1)[0]
+    theirs = np.polyfit(np.log(frequency[of]), np.log(amplitude[of]), 1)[0]
+    return float(np.log2(own / theirs)) if own / theirs > 0 else np.nan
+
+
+@cache
+def under_spheres() -> np.ndarray:
+    """Impulses of the SAI unit in the first second under every sphere of the data."""
+    return Task("SAI").under_spheres(fitted()["SAI"])
+
+
+def spheres_error() -> float:
+    """Relative RMS error of SAI by curvature and force."""
+    recorded = data.table("curvature_SAI")[:, 2]
+    return float(np.sqrt(np.mean((under_spheres() / recorded - 1.0) ** 2)))
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield all cases; they take a minute, and are the same in a quick run."""
+    yield from _fitted()
+    yield from _of_holds()
+    yield from _of_places()
+    yield from _of_bursts()
+    yield from _of_variation()
+
+
+def _case(
+    name: str,
+    measure: Callable[[], float],
+    low: float,
+    high: float,
+    unit: str,
+    source: str,
+    reason: str = "",
+) -> Case:
+    """Make a case of a number that should lie between two limits.
+
+    One in MISSES is expected as it is known, and wanted there.
+    """
+    limits = Expected.between(low, high, unit)
+    if name not in MISSES:
+        return Case(name, measure, limits, source, reason=reason)
+    value, why = MISSES[name]
+    known = replace(limits, value=value)
+    return Case(name, measure, known, source, wanted=limits.value, shortfall=why, reason=reason)
+
+
+def _fitted() -> Iterator[Case]:
+    """Yield the cases of what was fitted."""
+    for kind in ("SAI", "FAI", "FAII"):
+        name = f"fitted: R² of the rates of {kind} at 20, 50, 300 and 600 Hz"
+        yield _case(name, partial(rates, kind, single=False), 0.9, 1.1, "1", MUNIAK)
+        name = f"fitted: the same of the median unit alone, {kind}"
+        yield _case(name, partial(rates, kind, single=True), 0.8, 1.2, "1", MUNIAK)
+    name = "fitted: amplitude of FAII for one impulse per cycle at 300 Hz"
+    yield _case(name, entrained, 6.0, 24.0, "um", MUNIAK, "near 12 um: within a factor of 2")
+    name = "fitted: plateau of FAII at 300 Hz, 49 um"
+    yield _case(name, partial(rate, "FAII", 300.0, 0.0491), 285.0, 315.0, "Hz", MUNIAK)
+    name = "fitted: FAI at 50 Hz, 77 um"
+    yield _case(name, partial(rate, "FAI", 50.0, 0.0772), 43.0, 71.0, "Hz", MUNIAK)
+    name = "fitted: best frequency of FAII"
+    yield _case(name, partial(best_frequency, "FAII", 20.0, 900.0), 200.0, 350.0, "Hz", UNITS)
+    name = "fitted: best frequency of FAI"
+    yield _case(name, partial(best_frequency, "FAI", 1.0, 300.0), 25.0, 60.0, "Hz", UNITS)
+    for kind, low, high in (("FAII", 20.0, 210.0), ("FAII", 330.0, 830.0), ("FAI", 0.5, 17.0)):
+        name = f"fitted: slope of the thresholds of {kind}, {low:g} to {high:g} Hz, octaves off"
+        yield _case(name, partial(slope, kind, low, high), -1.0, 1.0, "1", UNITS, "a factor of 2")
+    name = "fitted: RMS error of SAI by curvature and force"
+    yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
+
+
+def _pin_hold(number: int) -> float:
+    """Return the rate of SAI in Hz in one of the holds of the pin."""
+    return float(predicted.pin_hold()[number])
+
+
+def _of_holds() -> Iterator[Case]:
+    """Yield the predictions of holds."""
+    for i, (depth, (low, high)) in enumerate(
+        zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
+    ):
+        name = f"predicted: SAI in a hold of the pin at {depth:g} mm"
+        yield _case(name, partial(_pin_hold, i), low, high, "Hz", TOUCHSIM)
+    for depth in (0.65, 1.3):
+        name = f"predicted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
+        reason = "its time constant was set by these two numbers, its size was not"
+        yield _case(name, partial(predicted.adaptation, depth), 0.33, 0.41, "1", HOLD, reason)
+
+
+def _of_places() -> Iterator[Case]:
+    """Yield the predictions over places: spheres, the bar, neighbors, fields."""
+    name = "predicted: R² of SAI by curvature and distance"
+    yield _case(name, lambda: determination(*predicted.spheres()), 0.8, 1.2, "1", GOODWIN)
+
+    def edges() -> predicted.Edges:
+        return predicted.edges(*predicted.bar_profile())
+
+    name = "predicted: trough between the edges of a bar, over its peaks"
+    yield _case(name, lambda: edges().ratio, 0.0, 0.5, "1", BAR)
+    name = "predicted: peaks at the edges of a bar"
+    yield _case(name, lambda: 0.5 * (edges().left + edges().right), 25.0, 100.0, "Hz", BAR)
+    for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
+
+        def fall(kind: str = kind) -> float:
+            one, two, _ = predicted.surround(kind)
+            return float(1.0 - two / one)
+
+        name = f"predicted: fall of the response of {kind} by a second probe"
+        yield _case(name, fall, part / 2, 2 * part, "1", SURROUND, "within a factor of 2")
+    for kind in ("SAI", "FAI"):
+        name = f"predicted: width of the field of {kind}, a quarter of the best input"
+        yield _case(name, partial(_width, kind), 3.0, 5.0, "mm", FIELDS)
+
+
+def _width(kind: str) -> float:
+    """Width in mm of the field of a branched unit, at a quarter of the largest input."""
+    table = predicted.pin_table(kind) / fitted()[kind].length
+    best = float(np.interp(0.5, predicted.DEPTH, table))
+    return predicted.field_width(kind, 0.5, best / 4)
+
+
+def _of_bursts() -> Iterator[Case]:
+    """Yield the predictions of onsets and releases."""
+    for kind in ("FAI", "FAII"):
+        for part, low, high in (("onset", 2, 8), ("hold", -0.5, 0.5), ("release", 1, 8)):
+
+            def count(kind: str = kind, part: str = part) -> float:
+                return float(getattr(predicted.bursts(kind, 0.7, 20.0), part))
+
+            name = f"predicted: impulses of {kind} at the {part} of a pin, 0.7 mm at 20 mm/s"
+            yield _case(name, count, low, high, "impulses", TOUCHSIM)
+        name = f"predicted: R² of the log-tanh law of rate by speed, {kind}"
+        law = lambda kind=kind: predicted.log_tanh(predicted.onset_rates(kind))  # noqa: E731
+        yield _case(name, law, 0.8, 1.2, "1", KNIBESTOL)
+    stretch = "fires from this stretch on"
+    yield _case(f"set by hand: SAII {stretch}", predicted.stretch_threshold, 0.0, 0.01, "1", EDIN)
+    name = "set by hand: SAII at the end of a stretch by 6.4 % at 64 %/s"
+    yield _case(name, predicted.stretch_rate, 50.0, 95.0, "Hz", EDIN)
+
+
+def _of_variation() -> Iterator[Case]:
+    """Yield the predictions of variability."""
+    for kind, frequency, amplitude in (("FAI", 50.0, 0.1), ("FAII", 300.0, 0.03)):
+        name = f"predicted: jitter of {kind} at {frequency:g} Hz, one impulse per cycle"
+        measure = partial(predicted.jitter, kind, frequency, amplitude)
+        yield _case(name, measure, 0.0, 2.0, "ms", "near 1 ms", "within a factor of 2 above")
+    name = "predicted: variation of SAI intervals in a hold at 1 mm"
+    source = "SAI of monkeys are irregular: coefficients of some 0.1 to 0.5 (a range from memory)"
+    yield _case(name, predicted.variation, 0.1, 0.5, "1", source)
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and matplotlib Figure of fitted and predicted curves over the points."""
+    yield from drawings.figures(probed, under_spheres())
+
+
+def finding() -> dict[str, Any]:
+    """Return the texts and the table of parameters for the page."""
+    return drawings.finding(record())

@@ -1,0 +1,127 @@
+"""Responses of units to a probe that vibrates about a preload, and their thresholds."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from fefinger.validation.afferents import data
+from fefinger.validation.afferents.experiments import HELD
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from fefinger.neural import recorded_compiled as compiled
+from fefinger.neural.recorded import Recorded, units_of
+from fefinger.neural.recorded_simulation import LONGEST
+
+
+Array = NDArray[np.float64]
+
+UNITS = 7
+"""Number of units that stand for a population, at equal steps of probability of their gains."""
+
+SEED = 1
+"""Seed of the noise."""
+
+LASTING = {20.0: (0.6, 0.1), 50.0: (0.4, 0.1), 300.0: (0.25, 0.05), 600.0: (0.2, 0.05)}
+"""Length of a vibration in s, by frequency in Hz, and its begin that does not count."""
+
+
+@dataclass(frozen=True)
+class Probed:
+    """A unit under the probe: its type, parameters, and its input in mm at the preload."""
+
+    kind: str
+    unit: Recorded
+    preload: float
+
+    def gains(self, count: int = UNITS) -> Array:
+        """Factors (n,) on the gains of the units of a population."""
+        middles = (np.arange(count) + 0.5) / count
+        return np.exp(self.unit.spread * np.asarray(norm.ppf(middles)))
+
+    def times(
+        self, frequency: float, amplitudes: Array, factors: Array, seconds: float, seed: int = SEED
+    ) -> list[Array]:
+        """Spike times (n_amplitudes * n_factors) in s in a sine of amplitudes (n,) mm."""
+        amplitude, factor = (
+            each.ravel() for each in np.meshgrid(amplitudes, factors, indexing="ij")
+        )
+        n = len(amplitude)
+        time = np.linspace(0.0, seconds, round(seconds * frequency * samples(frequency)) + 1)
+        x = self.preload + amplitude[:, None] * np.sin(2 * np.pi * frequency * time)
+        units = units_of([self.unit] * n, factors=factor, seed=seed)
+        states = self.adapted(units, n)
+        spikes = np.empty((n, int(seconds / self.unit.refractory) + 4))
+        counts = np.zeros(n, np.int64)
+        steps = np.full(n, LONGEST[self.kind])
+        compiled.run(units, 0, states, time, x, steps, spikes, counts)
+        return [row[:count] for row, count in zip(spikes, counts, strict=True)]
+
+    def adapted(self, units: compiled.Units, n: int) -> Array:
+        """States of n units that the preload was held on for HELD s."""
+        states = np.zeros((n, compiled.SIZE))
+        states[:, compiled.KNOT], states[:, compiled.X] = np.nan, self.preload
+        for i in range(n):
+            states[i, compiled.CURRENT] = compiled.generated(units, i, self.preload, 0.0, 0.0)
+        left = -np.expm1(-HELD / self.unit.adaptation)
+        states[:, compiled.ADAPTED] = left * states[:, compiled.CURRENT]
+        return states
+
+    def rates(self, frequency: float, amplitudes: Array, *, single: bool = False) -> Array:
+        """Mean rates (n_amplitudes,) in Hz of a population, or those of its median unit."""
+        factors = np.ones(1) if single else self.gains()
+        seconds, since = LASTING[frequency]
+        times = self.times(frequency, amplitudes, factors, seconds)
+        counts = np.array([np.count_nonzero(each >= since) for each in times])
+        return np.asarray(counts.reshape(len(amplitudes), -1).mean(axis=1) / (seconds - since))
+
+    def thresholds(self, frequencies: Sequence[float] | Array) -> Array:
+        """Amplitudes (n,) in mm from which the unit fires without noise."""
+        return np.array([self.threshold(float(frequency)) for frequency in frequencies])
+
+    def threshold(self, frequency: float) -> float:
+        """Amplitude in mm at which the periodic potential without noise reaches threshold.
+
+        In closed form up to the rectifier: the filter by its frequency response, adaptation and
+        membrane by theirs, on one cycle. 10 mm where it never does.
+        """
+        unit, phase = self.unit, 2 * np.pi * np.arange(512) / 512
+        filtered = unit.frequency_response(np.array(frequency))
+        wave = abs(filtered) * np.sin(phase + np.angle(filtered))
+        still = unit.static**unit.order * self.preload
+        s = 2j * np.pi * frequency * np.arange(257)
+        passed = (1.0 - unit.adapting / (1.0 + s * unit.adaptation)) / (1.0 + s * unit.membrane)
+        passed[0] = 1.0 + unit.adapting * np.expm1(-HELD / unit.adaptation)
+
+        def peak(amplitude: float) -> float:
+            y = still + amplitude * wave
+            u = unit.gain * np.where(y > 0, y, -unit.negative * y)
+            current = u / (1.0 + u / unit.largest)
+            return float(np.fft.irfft(np.fft.rfft(current) * passed, 512).max())
+
+        low, high = 1e-7, 10.0
+        while high / low > 1.0 + 1e-4:
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if peak(middle) < 1.0 else (low, middle)
+        return high
+
+
+def samples(frequency: float) -> int:
+    """Return samples per cycle: enough for straight lines, no more than steps where it is fast."""
+    return 40 if frequency < 100.0 else 20
+
+
+def determination(computed: Array, recorded: Array) -> float:
+    """R²: 1 less the sum of squared errors over that about the mean of the recorded."""
+    errors = np.sum((computed - recorded) ** 2)
+    return float(1.0 - errors / np.sum((recorded - recorded.mean()) ** 2))
+
+
+def fit_of_rates(probed: Probed, *, single: bool = False) -> tuple[Array, Array]:
+    """Compute rates (n,) in Hz at all points of the data; return them and the recorded ones."""
+    computed, recorded = [], []
+    for frequency in data.FREQUENCIES:
+        amplitudes, rates = data.rates(probed.kind, frequency)
+        computed.append(probed.rates(frequency, amplitudes, single=single))
+        recorded.append(rates)
+    return np.concatenate(computed), np.concatenate(recorded)
