@@ -57,7 +57,13 @@ def test_a_scene_survives_toml_exactly(kind, indenter):
         finger=Finger.subject("p.w.", skin=Tissue(100 / 3, 0.5, ODD), cut="nail"),
         indenter=indenter,
         motion=motion_of(kind),
-        ask=Ask(spikes=("FAI", "SAI"), depths={"SAI": ODD}, drives={"FAI": "energy"}, seconds=9),
+        ask=Ask(
+            spikes=("FAI", "SAI"),
+            afferents="thesis",
+            depths={"SAI": ODD},
+            drives={"FAI": "energy"},
+            seconds=9,
+        ),
     )
     again = Scene.from_toml(scene.to_toml())
     assert again == scene
