@@ -48,6 +48,9 @@ APPROACH = 10.0
 """Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
 vibration begins."""
 
+MOST_CYCLES = 1_000_000
+"""Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
+
 _AS_LONG_AS_FITS: Any = None
 
 
@@ -314,7 +317,13 @@ class Vibration(Motion):
     def shape(self) -> shapes.RampSinusoidShape:
         """A line, a rest and a sine."""
         base = shapes.RampHoldShape(APPROACH, self.preload, self.held, self.corner)
-        cycles = max(1, round(self.seconds * self.frequency))
+        cycles = max(1, round(min(self.seconds * self.frequency, 1e18)))
+        if cycles > MOST_CYCLES:
+            msg = (
+                f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
+                f"received {self.frequency:g} Hz for {self.seconds:g} s"
+            )
+            raise InputError(msg)
         return shapes.RampSinusoidShape(self.control, base, self.amplitude, self.frequency, cycles)
 
     @property

@@ -159,6 +159,7 @@ def test_what_was_checked_of_a_question_cannot_be_changed_afterwards():
     given = {"SAI": 0.5}
     ask = Ask(
         spikes=("SAI",),
+        afferents="thesis",
         depths=given,
         drives={"SAI": "energy"},
         population=Scatter(densities={"SAI": 70}),

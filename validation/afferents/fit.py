@@ -126,7 +126,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
 FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
 weight of the negative output of FA is kept above 0.2, since recorded units fire at release."""
 
-MEDIAN, SHAPE, REST, SPHERES = 0.15, 0.5, 0.2, 8.0
+MEDIAN, SHAPE, REST, SPHERES = 0.15, 0.5, 0.2, 20.0
 """Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
 deviation of the logarithms of the thresholds up to a constant, of the squared rate at rest over
 LOUD, and of the mean squared relative error under spheres."""
@@ -185,10 +185,7 @@ class Task:
         return Probed(self.kind, unit, self.probe[1])
 
     def residuals(self, logarithms: Array) -> Array:
-        """Errors whose sum of squares, with the weights in them, is what is minimized.
-
-        For SAI the RMS error under spheres counts squared over its size at a tenth.
-        """
+        """Errors whose sum of squares, with the weights in them, is what is minimized."""
         probed = self.probed(self.unit(logarithms))
         parts = []
         for weight, single in ((1.0, False), (MEDIAN, True)):
@@ -197,7 +194,7 @@ class Task:
             parts.append(scale * (computed - rates))
         if self.kind == "SAI":
             errors = self.under_spheres(probed.unit) / self.spheres[2] - 1.0
-            parts.append(math.sqrt(10.0 * SPHERES / len(errors)) * errors)
+            parts.append(math.sqrt(SPHERES / len(errors)) * errors)
         else:
             frequency, amplitude = data.thresholds(self.kind)
             apart = np.log(probed.thresholds(frequency) / amplitude)
@@ -260,7 +257,8 @@ def errors(task: Task, best: Array, step: float = 0.1) -> Array:
     rest = task.residuals(best)
     variance = float(rest @ rest) / (len(rest) - len(best))
     covariance = variance * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9)
-    return np.minimum(np.sqrt(np.diag(covariance)), 10.0)
+    variances = np.diag(covariance)
+    return np.where(variances > 0, np.sqrt(np.clip(variances, 0.0, 100.0)), 10.0)
 
 
 def table(task: Task, best: Array) -> dict[str, Any]:
