@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
+    from fefinger.mechanics.realtime.pressed import Pressed as Pressed
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
     from fefinger.pipeline import run as run
@@ -27,27 +28,27 @@ if TYPE_CHECKING:
     from fefinger.results.records import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.finger import Finger as Finger
-    from fefinger.scene.indenter import Bar as Bar
-    from fefinger.scene.indenter import Cylinder as Cylinder
-    from fefinger.scene.indenter import Ellipsoid as Ellipsoid
-    from fefinger.scene.indenter import Flat as Flat
-    from fefinger.scene.indenter import Grating as Grating
-    from fefinger.scene.indenter import Pin as Pin
-    from fefinger.scene.indenter import Relief as Relief
-    from fefinger.scene.indenter import Sphere as Sphere
-    from fefinger.scene.motion import ForceRamp as ForceRamp
-    from fefinger.scene.motion import ForceRampHold as ForceRampHold
-    from fefinger.scene.motion import ForceRampSinusoid as ForceRampSinusoid
-    from fefinger.scene.motion import ForceSampled as ForceSampled
-    from fefinger.scene.motion import ForceSinusoid as ForceSinusoid
-    from fefinger.scene.motion import ForceTrapezoid as ForceTrapezoid
-    from fefinger.scene.motion import Ramp as Ramp
-    from fefinger.scene.motion import RampHold as RampHold
-    from fefinger.scene.motion import RampSinusoid as RampSinusoid
-    from fefinger.scene.motion import Sampled as Sampled
-    from fefinger.scene.motion import Sinusoid as Sinusoid
-    from fefinger.scene.motion import Trapezoid as Trapezoid
-    from fefinger.scene.motion import Vibration as Vibration
+    from fefinger.scene.indenters import Bar as Bar
+    from fefinger.scene.indenters import Cylinder as Cylinder
+    from fefinger.scene.indenters import Ellipsoid as Ellipsoid
+    from fefinger.scene.indenters import Flat as Flat
+    from fefinger.scene.indenters import Grating as Grating
+    from fefinger.scene.indenters import Pin as Pin
+    from fefinger.scene.indenters import Relief as Relief
+    from fefinger.scene.indenters import Sphere as Sphere
+    from fefinger.scene.motions import ForceRamp as ForceRamp
+    from fefinger.scene.motions import ForceRampHold as ForceRampHold
+    from fefinger.scene.motions import ForceRampSinusoid as ForceRampSinusoid
+    from fefinger.scene.motions import ForceSampled as ForceSampled
+    from fefinger.scene.motions import ForceSinusoid as ForceSinusoid
+    from fefinger.scene.motions import ForceTrapezoid as ForceTrapezoid
+    from fefinger.scene.motions import Ramp as Ramp
+    from fefinger.scene.motions import RampHold as RampHold
+    from fefinger.scene.motions import RampSinusoid as RampSinusoid
+    from fefinger.scene.motions import Sampled as Sampled
+    from fefinger.scene.motions import Sinusoid as Sinusoid
+    from fefinger.scene.motions import Trapezoid as Trapezoid
+    from fefinger.scene.motions import Vibration as Vibration
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
@@ -70,20 +71,12 @@ _HOMES = {
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
-    "scene.indenter": (
-        "Bar",
-        "Cylinder",
-        "Ellipsoid",
-        "Flat",
-        "Grating",
-        "Pin",
-        "Relief",
-        "Sphere",
+    "scene.indenters": (
+        *("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Pin", "Relief", "Sphere"),
     ),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
-    "scene.motion": (
-        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration"),
-        "Sampled",
+    "scene.motions": (
+        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         "ForceSampled",
     ),
@@ -91,6 +84,7 @@ _HOMES = {
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
     "results.records": ("Plan",),
+    "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),
     "scene.scene": ("Scene",),
     "studies.study": ("study",),

@@ -57,6 +57,7 @@ class Result(ResultRecord):
         notes = origin_notes(scene.finger) + jump(scene.motion)
         notes += quasistatic(scene, response.time, response.depth)
         strain = response.strain if scene.ask.strain else None
+        scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
         return cls(
             scene=scene,
@@ -65,7 +66,7 @@ class Result(ResultRecord):
             spikes=spikes,
             status=f"{response.status}{fired}",
             seconds={**response.seconds, **(seconds or {})},
-            provenance=_provenance(scene) | response.sources,
+            provenance={**software(), "scene_sha256": scene_hash, **response.sources},
         )
 
     def to_xarray(self) -> "xr.Dataset":
@@ -122,8 +123,3 @@ def load(path: str | PathLike[str]) -> Result:
     from fefinger.results.netcdf import read
 
     return Result(**vars(read(path)))
-
-
-def _provenance(scene: "Scene") -> dict[str, Any]:
-    """Versions, commit, system and date, with the hash of the scene: to make the result again."""
-    return {**software(), "scene_sha256": hashlib.sha256(scene.to_toml().encode()).hexdigest()}

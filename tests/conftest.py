@@ -20,8 +20,8 @@ from fefinger.results.plan_text import trust
 from fefinger.results.records import Fields, Pad, Plan, Refusal, Response, Rung, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import RampHold
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 
@@ -130,7 +130,7 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
     motion = RampHold(speed=60, depth=DEPTH, hold=5)
     scene = Scene(
         name="synthetic",
-        finger=Finger.subject("a.h."),
+        finger=Finger.subject("a.h.", tissue="maeno1998"),
         indenter=Flat(30.0),
         motion=motion,
         ask=ask,

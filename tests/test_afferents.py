@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger import afferents
@@ -13,14 +14,15 @@ from fefinger.mechanics.press import population
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.pages import report
 from fefinger.scene import builtin, library
-from fefinger.scene.indenter import STANDARD, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
 
 AXIS = direction(STANDARD)
 SKIN = spherical(14.0, AXIS)
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 LINE = ff.Line(start=(0, -2), stop=(0, 2), count=5)
 PRESS = ff.RampHold(speed=20, depth=0.6, hold=0.2, corner=0.01)
 
@@ -189,7 +191,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("table", "message"), REFUSED, ids=[m for _, m in REFUSED])
 def test_layouts_that_cannot_be_used_get_a_sentence(table, message):
-    base = builtin.load("flat-press").to_dict()
+    base = published.load("flat-press").to_dict()
     with pytest.raises(InputError, match=message):
         ff.Scene.from_dict(base | {"ask": {"spikes": ["SAI"], "population": table}})
 
@@ -217,9 +219,9 @@ def test_scenes_with_populations_go_to_toml_and_back():
     ):
         one = scene(layout)
         assert ff.Scene.from_toml(one.to_toml()) == one
-    changed = builtin.load("population-press", {"ask.population.kind": "grid"})
+    changed = published.load("population-press", {"ask.population.kind": "grid"})
     assert changed.ask.population == ff.Grid(radius=4.0, seed=1)
-    set_ = builtin.load("flat-press", builtin.settings(["ask.population.radius=2"]))
+    set_ = published.load("flat-press", builtin.settings(["ask.population.radius=2"]))
     assert set_.ask.population == ff.Scatter(radius=2.0)
 
 
@@ -227,7 +229,7 @@ def test_scenes_with_populations_go_to_toml_and_back():
 def answered():
     overrides = {"finger.resolution": "coarse", "ask.population.radius": 2.5}
     overrides |= {"ask.afferents": "thesis"}
-    return ff.run(builtin.load("population-press", overrides), mechanics="hertz")
+    return ff.run(published.load("population-press", overrides), mechanics="hertz")
 
 
 def test_a_population_is_saved_loaded_told_and_drawn(answered, tmp_path):

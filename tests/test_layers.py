@@ -51,7 +51,7 @@ ALONE = {
 ONLY = {
     "pytetwild": "fefinger.mesh",
     "trimesh": ("fefinger.geometry", "fefinger.mesh"),
-    "skfem": "fefinger.fem",
+    "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": ("fefinger.view", "fefinger.geometry.surface_file"),
     "vtk": "fefinger.view",
     "vtkmodules": "fefinger.view",

@@ -11,7 +11,7 @@ from fefinger.support.checks import ConvergenceError, Stopped
 
 
 SCENE = ff.Scene(
-    finger=ff.Finger.subject("a.h."),
+    finger=ff.Finger.subject("a.h.", tissue="maeno1998"),
     indenter=ff.Flat(30.0),
     motion=ff.RampHold(speed=20, depth=0.3, hold=0.05),
     ask=ff.Ask(spikes=("FAI",), fields=False),

@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger import mechanics, plan
@@ -69,14 +70,16 @@ pytestmark = pytest.mark.usefixtures("_speed")
 
 def scene(**changes):
     settings = {"ask.spikes": []} | {f"ask.{name}": value for name, value in changes.items()}
-    return builtin.load("flat-press", {"ask.rel_error": 0.05} | settings)
+    return published.load("flat-press", {"ask.rel_error": 0.05} | settings)
 
 
 def asked(**changes):
     """Return a press that asks for nothing but what is named."""
     alone = dict.fromkeys(("pressure", "strain", "fields"), False) | {"spikes": ()} | changes
     return ff.Scene(
-        finger=ff.Finger.subject("a.h.", resolution=alone.pop("resolution", "auto")),
+        finger=ff.Finger.subject(
+            "a.h.", resolution=alone.pop("resolution", "auto"), tissue="maeno1998"
+        ),
         motion=ff.RampHold(60, alone.pop("depth", 0.8), hold=0.02, corner=0.0),
         ask=ff.Ask(rel_error=alone.pop("rel_error", 0.4), **alone),
     )
@@ -120,7 +123,7 @@ def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
 
 
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():
-    found = plan.choose(builtin.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
+    found = plan.choose(published.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
     told = f"Expected within: depth {text.percent(found.chosen.errors['depth'])}, force at the "
     assert found.trust.startswith(f"{told}depth {text.percent(found.chosen.error)}, ")
 
@@ -151,7 +154,7 @@ def test_a_coarser_mesh_is_taken_where_it_will_do_and_another_mechanics_where_it
 
 @pytest.mark.usefixtures("four")
 def test_a_mesh_that_the_scene_states_is_the_only_one():
-    stated = builtin.load("flat-press", {"ask.spikes": [], "finger.resolution": "fine"})
+    stated = published.load("flat-press", {"ask.spikes": [], "finger.resolution": "fine"})
     found = plan.explain(stated)
     assert {rung.resolution for rung in found.rungs[2:]} == {"fine"}
     assert plan.settled(stated, found) == stated
@@ -209,7 +212,7 @@ def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_i
         plan.explain(scene(rel_error=0.4, seconds=3, spikes=["SAI"]))
     assert "Or set finger.resolution to 'coarse' and linear answers in " in str(caught.value)
     own = {"finger.resolution": "coarse", "ask.rel_error": 0.4, "ask.seconds": 3}
-    assert plan.explain(builtin.load("flat-press", own)).mechanics == "linear"
+    assert plan.explain(published.load("flat-press", own)).mechanics == "linear"
 
 
 BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
@@ -235,7 +238,7 @@ IMPOSSIBLE = [
 @pytest.mark.parametrize(("changes", "reason"), IMPOSSIBLE)
 def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, reason):
     with pytest.raises(InputError, match="no mechanics can answer") as caught:
-        plan.explain(builtin.load("flat-press", changes))
+        plan.explain(published.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
 
@@ -304,7 +307,7 @@ def test_the_settings_are_what_was_asked():
         afferents=("SAI", "FAI"),
     )
     tilted = {"kind": "flat", "angle": 30, "tilt": 5}
-    whole = builtin.load("flat-press", {"indenter": tilted, "ask.rel_error": 1.0})
+    whole = published.load("flat-press", {"indenter": tilted, "ask.rel_error": 1.0})
     assert plan.choose(whole).settings.half is False
     slow, fast = (plan.choose(scene(rel_error=0.4, spikes=[kind])) for kind in ("SAI", "FAII"))
     assert fast.settings.times > slow.settings.times
@@ -313,7 +316,7 @@ def test_the_settings_are_what_was_asked():
 def test_a_long_motion_that_the_mechanics_can_take_is_planned():
     motion = ff.Sinusoid(amplitude=0.3, frequency=200, cycles=10_000)
     ask = ff.Ask(pressure=False, strain=False, fields=False)
-    asked = ff.Scene(finger=ff.Finger.subject("a.h."), motion=motion, ask=ask)
+    asked = ff.Scene(finger=ff.Finger.subject("a.h.", tissue="maeno1998"), motion=motion, ask=ask)
     found = plan.choose(asked, "lumped")
     assert found.settings.times == 400_001
 
@@ -322,7 +325,10 @@ def test_no_mesh_is_asked_after_where_a_force_law_will_do():
     found = plan.choose(asked())
     assert found.mechanics == "lumped"
     assert [rung.mechanics for rung in found.rungs] == ["lumped", "hertz", "layered"]
-    assert "Not asked, because slower and not needed: condensed, linear, solid." in found.sentence
+    assert (
+        "Not asked, because slower and not needed: condensed, pressed, linear, solid."
+        in found.sentence
+    )
     shortest = asked(resolution="coarse")
     for name in MESHED:
         assert get(name).cost(Situation.of(shortest)) > mechanics.QUICKEST
@@ -406,7 +412,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = reports.MESH_SECONDS["coarse"]
+    build = reports.MORPH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "of it for what is built once and kept" in made.sentence
 

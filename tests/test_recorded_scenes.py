@@ -14,7 +14,7 @@ from fefinger.neural.recorded import fitted
 from fefinger.neural.trains import SpikeTrains
 from fefinger.pages import report
 from fefinger.scene import builtin
-from fefinger.scene.motion import Vibration
+from fefinger.scene.motions import Vibration
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import FAMILIES, TYPES
 

@@ -15,7 +15,7 @@ from fefinger.result import Result, load
 from fefinger.results import netcdf
 from fefinger.results.netcdf import LAYOUT, RECORDS
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import Sampled
+from fefinger.scene.motions import Sampled
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Self
 
 
 Verdict = Literal["pass", "documented", "short", "fail"]
 
 
 @dataclass(frozen=True)
-class Told:
+class Noted:
     """A value with a sentence on it, which the page shows under the case."""
 
     value: float
@@ -20,22 +20,32 @@ class Told:
 
 
 @dataclass(frozen=True)
+class Expected:
+    """An expected value and its tolerance (absolute), both in `unit`."""
+
+    value: float
+    tolerance: float
+    unit: str
+
+    @classmethod
+    def between(cls, low: float, high: float, unit: str) -> Self:
+        """Return the middle of two limits, with half of their distance as the tolerance."""
+        return cls((low + high) / 2, (high - low) / 2, unit)
+
+
+@dataclass(frozen=True)
 class Case:
     """One comparison of a computed number with its expected value.
 
-    measure: gives fefinger's value, or what is Told of it; expected and tolerance (absolute) in
-    `unit`; source: the equation, table, program or second method behind `expected`; printed: a
-    published value, kept beside the right one; erratum: a sentence on why the two differ; wanted:
-    what fefinger aims at where `expected` is only what is known of it; shortfall: a sentence on why
-    it is missed; reason: why this tolerance.
+    measure: gives fefinger's value, or it with a note (`Noted`); source: the equation, table,
+    program or second method behind `expected`; printed: a published value beside the right one;
+    erratum: a sentence on why the two differ; wanted: what fefinger aims at where `expected` is
+    only what is known of it; shortfall: a sentence on why it is missed; reason: why this tolerance.
     """
 
-    suite: str
     name: str
-    measure: Callable[[], float | Told]
-    expected: float
-    tolerance: float
-    unit: str
+    measure: Callable[[], float | Noted]
+    expected: Expected
     source: str
     printed: float | None = None
     erratum: str = ""
@@ -48,13 +58,13 @@ class Case:
 class Outcome:
     """A Case that has been measured; where it could not be, `failure` says why, `value` is NaN.
 
-    `told` is the sentence of the measure on its value.
+    `note` is the sentence of the measure on its value.
     """
 
     case: Case
     value: float
     failure: str = ""
-    told: str = ""
+    note: str = ""
 
     @property
     def verdict(self) -> Verdict:
@@ -62,11 +72,11 @@ class Outcome:
 
         Short is what is as known, and misses what is wanted.
         """
-        case = self.case
-        if not abs(self.value - case.expected) <= case.tolerance:
+        case, tolerance = self.case, self.case.expected.tolerance
+        if not abs(self.value - case.expected.value) <= tolerance:
             return "fail"
-        if case.wanted is not None and abs(self.value - case.wanted) > case.tolerance:
+        if case.wanted is not None and abs(self.value - case.wanted) > tolerance:
             return "short"
-        if case.printed is not None and abs(case.printed - case.expected) > case.tolerance:
+        if case.printed is not None and abs(case.printed - case.expected.value) > tolerance:
             return "documented"
         return "pass"

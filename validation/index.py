@@ -56,6 +56,7 @@ def html(folder: Path) -> str:
     ]  # fmt: skip
     return page.render(
         "index.html",
+        title="Reports",
         verdicts=VERDICTS,
         suites=suites,
         total={key: sum(suite["counts"][key] for suite in suites) for key in VERDICTS},

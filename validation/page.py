@@ -30,7 +30,7 @@ ERRATA = ("Differing published values", "documented", "erratum")
 BESIDE = ("printed", "wanted")
 """Optional numbers of a case besides the expected one."""
 
-NOTES = ("failure", "told", "erratum", "shortfall", "reason")
+NOTES = ("failure", "note", "erratum", "shortfall", "reason")
 """Optional sentences of a case."""
 
 NEAREST = 3

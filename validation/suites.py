@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
-from fefinger.validation.case import Case, Outcome, Told
+from fefinger.validation.case import Case, Noted, Outcome
 
 from fefinger.support.checks import choice
 
@@ -14,6 +14,7 @@ ABOUT = {
     "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
     "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "pressed": "Tabulated finite strain carried along motions, against `solid` on the same mesh.",
     "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "afferents": "The afferents of the family recorded against published recordings.",
@@ -109,8 +110,8 @@ def _measured(case: Case) -> Outcome:
     """Measure a case; one that breaks fails by itself and costs no other."""
     try:
         measured = case.measure()
-        value, sentence = float(measured), measured.text if isinstance(measured, Told) else ""
-    except Exception as error:  # whatever it is, it is told
+        value, sentence = float(measured), measured.text if isinstance(measured, Noted) else ""
+    except Exception as error:  # whatever it is, the outcome says so
         return Outcome(case, math.nan, f"{type(error).__name__}: {error}")
     return Outcome(
         case, value, "" if math.isfinite(value) else f"the measure gave {value}", sentence
@@ -132,9 +133,9 @@ def _record(outcome: Outcome) -> dict[str, Any]:
     return {
         "name": case.name,
         "value": None if outcome.failure else outcome.value,
-        "expected": case.expected,
-        "tolerance": case.tolerance,
-        "unit": case.unit,
+        "expected": case.expected.value,
+        "tolerance": case.expected.tolerance,
+        "unit": case.expected.unit,
         "source": case.source,
         "printed": case.printed,
         "erratum": case.erratum,
@@ -142,6 +143,6 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "shortfall": case.shortfall,
         "reason": case.reason,
         "failure": outcome.failure,
-        "told": outcome.told,
+        "note": outcome.note,
         "verdict": outcome.verdict,
     }

@@ -114,7 +114,7 @@ def calibrate(
     """
     choice("mechanics", mechanics, MECHANICS)
     choice("resolution", resolution, RESOLUTIONS)
-    start = finger or Finger.subject(_named(source))
+    start = finger or targets.finger_of(_named(source))
     work = Work(replace(start, resolution=resolution), progress)
     wanted = _target(work, source)
     if check is not None and isinstance(wanted, Bulk):
@@ -213,7 +213,7 @@ def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
 
 def _named(source: str | Path) -> str:
     """Check that a source names a subject, whose size the finger then has."""
-    names = [each for each in library.pawluk_bulk() if each != "means"]
+    names = list(library.pawluk_bulk())
     if isinstance(source, str) and source in names:
         return source
     msg = (
@@ -228,7 +228,7 @@ def _named(source: str | Path) -> str:
 
 def _target(work: Work, source: str | Path) -> Bulk | Record:
     """Load the target: a subject, or a record with its lumped fit."""
-    if isinstance(source, str) and source in library.subjects():
+    if isinstance(source, str) and source in library.pawluk_bulk():
         return targets.subject(source)
     with work.stage("lumped") as misfit:
         record = targets.record(source, work.finger.resolution)

@@ -94,7 +94,8 @@ def solve(
         }
         return np.concatenate([residual(values), _about_priors(free, values)])
 
-    low, high = (np.array([each.inside(v) for each, v in _bounds(free, end)]) for end in (0, 1))
+    low = np.array([each.inside(each.low) for each in free])
+    high = np.array([each.inside(each.high) for each in free])
     firsts = [
         [each.inside((start | first)[each.name]) for each in free] for first in starts or ({},)
     ]
@@ -155,27 +156,6 @@ def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) ->
     return np.stack(columns, axis=1)
 
 
-def taylor(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
-    """Taylor test of the Jacobian: first-order remainders (3,) at steps of 0.02, 0.01, 0.005.
-
-    With a correct Jacobian each is a quarter of the one before.
-    """
-    matrix = jacobian(residual, unknowns, values)
-    way = np.random.default_rng(0).normal(size=len(unknowns))
-    here, out = residual(values), []
-    for size in (0.02, 0.01, 0.005):
-        moved = values | {
-            each.name: each.outside(each.inside(values[each.name]) + size * w)
-            for each, w in zip(unknowns, way.tolist(), strict=True)
-        }
-        out.append(np.linalg.norm(residual(moved) - here - size * matrix @ way))
-    return np.array(out)
-
-
-def _bounds(free: Sequence[Unknown], end: int) -> list[tuple[Unknown, float]]:
-    return [(each, (each.low, each.high)[end]) for each in free]
-
-
 def _about_priors(free: Sequence[Unknown], values: Values) -> Array:
     return np.array(
         [
@@ -230,11 +210,6 @@ def _inverse(matrix: Array) -> Array:
     return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
 
 
-def _even(each: Unknown) -> float:
-    """Compute the standard deviation of a uniform distribution between the bounds."""
-    return (each.inside(each.high) - each.inside(each.low)) / math.sqrt(12)
-
-
 def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
     """Describe every direction that the priors determine more than the data, as sentences.
 
@@ -242,7 +217,10 @@ def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
     """
     judged = [i for i, each in enumerate(unknowns) if not each.elsewhere]
     unknowns = [unknowns[i] for i in judged]
-    prior = np.array([each.prior[1] if each.prior else _even(each) for each in unknowns])
+    even = [(each.inside(each.high) - each.inside(each.low)) / math.sqrt(12) for each in unknowns]
+    prior = np.array(
+        [each.prior[1] if each.prior else sd for each, sd in zip(unknowns, even, strict=True)]
+    )
     values, vectors = np.linalg.eigh(information[np.ix_(judged, judged)] * np.outer(prior, prior))
     sentences = []
     for value, vector in zip(values, vectors.T, strict=True):

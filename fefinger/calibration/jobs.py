@@ -8,6 +8,7 @@ from typing import Any
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.targets import PRIOR, finger_of
 from fefinger.scene.finger import Finger
 from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, InputError
@@ -36,13 +37,13 @@ def jobs(
         if not subjects:
             msg = 'calibrate: expected DATA.csv or --subject, as --subject "a.h.", received neither'
             raise InputError(msg)
-        chosen = {name: Finger.subject(name, **size) for name in subjects}
+        chosen = {name: finger_of(name, **size) for name in subjects}
         return tuple(Job(name, options | {"finger": finger}) for name, finger in chosen.items())
     if len(subjects) > 1:
         msg = f"--subject: expected one with DATA.csv, for its size, received {len(subjects)}"
         raise InputError(msg)
     if subjects:
-        return (Job(data, options | {"finger": Finger.subject(subjects[0], **size)}),)
+        return (Job(data, options | {"finger": finger_of(subjects[0], **size)}),)
     missing = [name for name in ("width", "thickness") if name not in size]
     if missing:
         msg = (
@@ -50,7 +51,7 @@ def jobs(
             "--width and --thickness, or --subject"
         )
         raise InputError(msg)
-    return (Job(data, options | {"finger": Finger(**size)}),)
+    return (Job(data, options | {"finger": Finger(**({"tissue": PRIOR} | size))}),)
 
 
 def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -> list[Calibration]:

@@ -24,7 +24,7 @@ from fefinger.calibration.record import Calibration, Stage, correlations_of, par
 from fefinger.calibration.targets import Bulk, Record
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import RampSinusoid
+from fefinger.scene.motions import RampSinusoid
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence

@@ -23,8 +23,8 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved

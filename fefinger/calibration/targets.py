@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,8 +147,21 @@ error, so that it does not affect the relaxation.
 """
 
 
+PRIOR = library.PUBLISHED
+"""Tissue set that a calibration starts from, and whose ratio of the layers it keeps."""
+
+
+def finger_of(name: str, **values: Any) -> Finger:
+    """Finger of a subject of Table 2.1, or of its means, of the tissue that a fit starts from."""
+    if name != library.MEANS:
+        return Finger.subject(name, **({"tissue": PRIOR} | values))
+    row = library.pawluk_bulk()[name]
+    size = {"width": row.width, "thickness": row.thickness}
+    return Finger(**({"tissue": PRIOR} | size | values))
+
+
 def subject(name: str) -> Bulk:
-    """Make the target of a subject of Table 2.1 from the lumped model.
+    """Make the target of a subject of Table 2.1, or of its means, from the lumped model.
 
     Raises
     ------
@@ -155,7 +169,7 @@ def subject(name: str) -> Bulk:
         For a name that Table 2.1 does not have.
     """
     rows = library.pawluk_bulk()
-    choice("subject", name, [each for each in rows if each != "means"])
+    choice("subject", name, rows)
     row, (stiffness_vaf, hold_vaf) = rows[name], library.pawluk_accounted()[name]
     spring = Spring(row.b, row.m)
     deepest = float(spring.position(PEAK / row.prony.long_time))

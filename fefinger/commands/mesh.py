@@ -26,7 +26,7 @@ def mesh(
     Uses the shipped or cached mesh of the finger of SCENE if there is one.
     """
     from fefinger.mesh import quality, vtu
-    from fefinger.mesh.store import ready
+    from fefinger.mesh.store import load_or_build
     from fefinger.scene import builtin
     from fefinger.support.outputs import output_file
 
@@ -35,7 +35,7 @@ def mesh(
         output_file(output, "-o", ".vtu")
     if picture is not None:
         output_file(picture, "--picture", ".png")
-    built = ready(finger, half=not whole, progress=console.remark)
+    built = load_or_build(finger, half=not whole, progress=console.remark)
     quality.gate(built.quality)
     if output is not None:
         vtu.write(built, output)

@@ -49,14 +49,14 @@ class Body(Solid):
 class Reduced:
     """Response of a body to unit loads on a patch.
 
-    flexibility F (n, n); strain (n_rows, n); approach (n_near, n) mm: displacement of the patch's
-    neighborhood along the obstacle's normal.
+    flexibility F (n, n); strain (n_rows, n); normal_displacement (n_near, n) mm: that of the
+    patch's neighborhood, along the obstacle's normal.
     """
 
     patch: Patch
     flexibility: Array
     strain: Array
-    approach: Array
+    normal_displacement: Array
 
 
 def body(
@@ -148,15 +148,15 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.empty((count, count))
     strains = np.empty((strain.shape[0], count))
-    approach = np.empty((patch.places.shape[1], count))
+    displacement = np.empty((patch.places.shape[1], count))
     for start in range(0, count, BLOCK):
         block = slice(start, min(start + BLOCK, count))
         unknowns = body.system.solve(patch.loads[:, block].toarray())
         flexibility[:, block] = patch.loads.T @ unknowns
         strains[:, block] = strain @ unknowns
-        approach[:, block] = patch.places.T @ unknowns
+        displacement[:, block] = patch.places.T @ unknowns
         progress(block.stop / count)
-    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
+    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, displacement)
 
 
 def _present(space: Space, mesh: FingerMesh, original: Integers, name: str) -> Integers:

@@ -179,7 +179,7 @@ def reduce(
     """
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
-    approach = np.zeros((patch.places.shape[1], count))
+    displacement = np.zeros((patch.places.shape[1], count))
     beyond = _beyond(operator, patch.places)
     probe = sparse.vstack([strain, patch.places[:, beyond].T]).tocsr()
     read = np.zeros((probe.shape[0], count))
@@ -188,11 +188,11 @@ def reduce(
         moved = np.ascontiguousarray((loads.T @ part.compliance.matrix).T)
         flexibility += part.scale * (loads.T @ moved)
         pad = _on_pad(operator, part, patch.places[:, ~beyond])
-        approach[~beyond] += part.scale * (pad.T @ moved)
+        displacement[~beyond] += part.scale * (pad.T @ moved)
         read += part.scale * _read(part.compliance, (probe @ part.unfold).tocsr(), moved)
         progress((number + 1) / len(operator.parts))
-    strains, approach[beyond] = np.split(read, [strain.shape[0]])
-    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, approach)
+    strains, displacement[beyond] = np.split(read, [strain.shape[0]])
+    return Reduced(patch, (flexibility + flexibility.T) / 2, strains, displacement)
 
 
 def _beyond(operator: Operator, places: sparse.csc_matrix) -> NDArray[np.bool_]:

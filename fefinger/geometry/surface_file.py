@@ -30,8 +30,17 @@ BACK = 0.25
 LENGTH = 24.0
 """Length in mm from the tip that is meshed and that width and thickness are measured on."""
 
-COARSE = 1.0
-"""Largest edge in mm of the triangles that are tested for intersections."""
+OPEN_END = 0.8
+"""Smallest diameter of a hole, over the finger's width, that may be an open proximal end."""
+
+TURNS = {
+    (0, 1): "z by 180",
+    (1, 0): "z by -90",
+    (1, 1): "z by 90",
+    (2, 0): "y by 90",
+    (2, 1): "y by -90",
+}
+"""Turns that bring an end, at the low (0) or high (1) side of an axis, to the smaller x."""
 
 VTK = (".vtk", ".vtp", ".vtu")
 
@@ -71,15 +80,15 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     file = Path(path)
     mesh, notes = read_closed(file, field)
     name = f"{field}: {file.name}"
-    size = _check_size(mesh.extents, name)
     crossing = crossings(mesh)
     if crossing is not None:
         x, y, z = crossing
         message = (
-            f"{name} crosses itself near ({x:.3g}, {y:.3g}, {z:.3g}) mm; expected a simple closed "
-            "surface: remesh it or remove the overlap in the program that made it"
+            f"{name} crosses itself near ({x:.3g}, {y:.3g}, {z:.3g}){_unit(mesh)}; expected a "
+            "simple closed surface: remesh it or remove the overlap in the program that made it"
         )
         raise InputError(message)
+    size = _check_size(mesh.extents, name)
     tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
     width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
     _check_frame(mesh, width, thickness, name)
@@ -153,7 +162,8 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
         raise InputError(message)
     for loop in _holes(mesh, file, field):
         notes.append(_filled(mesh, loop))
-    _face_outward(mesh)
+    if _face_outward(mesh):
+        notes.append(f"Triangles of {file.name} that faced inward were turned outward.")
     if not mesh.is_watertight or mesh.volume <= 0:
         message = (
             f"{field}: expected a closed surface, {file.name} has edges that do not join two "
@@ -163,17 +173,18 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
     return mesh, tuple(notes)
 
 
-def _face_outward(mesh: Any) -> None:
-    """Orient all triangles outward, in place."""
+def _face_outward(mesh: Any) -> bool:
+    """Orient all triangles outward, in place; return whether some were not."""
     import pyvista as pv
 
     if mesh.is_winding_consistent and mesh.volume > 0:
-        return
+        return False
     surface = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
     oriented = surface.compute_normals(
         split_vertices=False, consistent_normals=True, auto_orient_normals=True
     )
     mesh.faces = np.array(oriented.regular_faces)
+    return True
 
 
 def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
@@ -195,14 +206,33 @@ def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
         behind = bool((points[:, 0] < low[0] + quarter).all())
         if not behind and across > HOLE * wide:
             x, y, z = points.mean(axis=0)
+            unit = _unit(mesh)
             message = (
-                f"{field}: expected a closed surface, {file.name} has a hole {across:.3g} mm wide "
-                f"near ({x:.3g}, {y:.3g}, {z:.3g}) mm; close it in the program that made it"
+                f"{field}: expected a closed surface, {file.name} has a hole {across:.3g}"
+                f"{unit} wide near ({x:.3g}, {y:.3g}, {z:.3g}){unit}; close it in the program that "
+                "made it"
             )
-            if across > wide / 2 and (points[:, 0] > high[0] - quarter).all():
-                message += ", or if it is the proximal end, turn the finger about z by 180 degrees"
+            turn = _open_end(points, mesh.bounds) if across > OPEN_END * wide else None
+            if turn is not None:
+                message += f", or if it is the proximal end, turn the finger about {turn} degrees"
             raise InputError(message)
     return loops
+
+
+def _open_end(rim: Array, bounds: Array) -> str | None:
+    """Turn that brings a rim (n, 3) in an end quarter of the box to the smaller x, if any."""
+    share = (rim - bounds[0]) / (bounds[1] - bounds[0])
+    for (axis, side), turn in TURNS.items():
+        away = np.abs(share[:, axis] - side)
+        if (away < BACK).all() and axis == int(np.argmax(np.ptp(bounds, axis=0))):
+            return turn
+    return None
+
+
+def _unit(mesh: Any) -> str:
+    """Return the unit of lengths in messages, mm where the box can be that of a finger in mm."""
+    smaller = float(np.sort(mesh.extents)[1])
+    return " mm" if WIDTHS[0] <= smaller <= WIDTHS[1] else " units"
 
 
 def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
@@ -256,16 +286,11 @@ def crossings(mesh: Any) -> Array | None:
 
     Triangles that share a vertex, and nearly coplanar ones, do not count.
     """
-    from scipy.spatial import cKDTree
-    from trimesh.remesh import subdivide_to_size
-
-    points, faces = subdivide_to_size(mesh.vertices, mesh.faces, COARSE)
-    points, inverse = np.unique(np.round(points, 9), axis=0, return_inverse=True)
-    faces = inverse.ravel()[faces]
-    corners = points[faces]
-    centers = corners.mean(axis=1)
-    radius = np.linalg.norm(corners - centers[:, None], axis=2).max()
-    pairs = cKDTree(centers).query_pairs(2 * float(radius), output_type="ndarray")
+    # Of a finger one unit wide: the tolerances of the intersection are absolute.
+    wide = float(np.sort(mesh.extents)[1])
+    faces = mesh.faces
+    corners = ((mesh.vertices - mesh.bounds[0]) / wide)[faces]
+    pairs = _neighbors(corners)
     low, high = corners.min(axis=1), corners.max(axis=1)
     overlap = (low[pairs[:, 0]] <= high[pairs[:, 1]]) & (low[pairs[:, 1]] <= high[pairs[:, 0]])
     pairs = pairs[overlap.all(axis=1)]
@@ -276,8 +301,33 @@ def crossings(mesh: Any) -> Array | None:
         for k in range(3):
             hit = _pierced(edge[:, k], edge[:, (k + 1) % 3], plane)
             if hit.any():
-                return np.asarray(plane[int(np.argmax(hit))].mean(axis=0))
+                place = plane[int(np.argmax(hit))].mean(axis=0)
+                return np.asarray(mesh.bounds[0] + wide * place)
     return None
+
+
+def _neighbors(corners: Array) -> NDArray[np.int64]:
+    """Pairs (k, 2) of triangles (n, 3, 3) that are near enough to meet.
+
+    Sorted by size, so that the few long triangles of a cut end do not make all of them near.
+    """
+    from scipy.spatial import cKDTree
+
+    centers = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+    octave = np.floor(np.log2(radii.max() / radii)).astype(int)
+    sizes = [np.flatnonzero(octave == one) for one in np.unique(octave)]
+    trees = [cKDTree(centers[members]) for members in sizes]
+    pairs = []
+    for i, members in enumerate(sizes):
+        largest = radii[members].max()
+        same = trees[i].query_pairs(2.0 * largest, output_type="ndarray")
+        pairs.append(members[same])
+        for tree, smaller in zip(trees[i + 1 :], sizes[i + 1 :], strict=True):
+            reach = largest + radii[smaller].max()
+            near = trees[i].sparse_distance_matrix(tree, reach, output_type="ndarray")
+            pairs.append(np.column_stack([members[near["i"]], smaller[near["j"]]]))
+    return np.concatenate(pairs)
 
 
 def _pierced(start: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
@@ -298,5 +348,6 @@ def _pierced(start: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
     second = np.einsum("ij,ij->i", along, turned) * inverse
     place = np.einsum("ij,ij->i", v, turned) * inverse
     small = 1e-9
-    inside = (first > small) & (second > small) & (first + second < 1 - small)
+    # An edge counts as a part of the triangle: symmetric surfaces cross edge on edge.
+    inside = (first > -small) & (second > -small) & (first + second < 1 + small)
     return np.asarray(steep & inside & (place > small) & (place < 1 - small))

@@ -18,7 +18,8 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond

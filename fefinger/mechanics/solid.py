@@ -42,16 +42,21 @@ NOTES = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: too many steps, or a mesh error that is not measured."""
-    unable = [*case.too_long, *linear.unmeshable(case)]
     if case.ask.solver not in (None, *SOLVERS):
         reason = f"ask.solver = {case.ask.solver!r}: it follows finite strain with its own factors"
-        unable.append(Doubt("ask.solver", reason))
+        return refusals(name, "ability", [*case.too_long, Doubt("ask.solver", reason)])
+    return refused(name, case)
+
+
+def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
+    """Return why finite strain should not answer a scene, in the name of a mechanics."""
+    unable = [*case.too_long, *linear.unmeshable(case)]
     if unable:
-        return refusals(name, "ability", unable)
+        return refusals(mechanics, "ability", unable)
     doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]
     if stated(Candidate(name, case.mesh), case) is None:
         doubts = [*linear.too_sharp(case), *doubts]
-    return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
+    return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", doubts)
 
 
 def cost(case: Situation) -> float:

@@ -1,1 +1,1 @@
-"""Finger meshes: shapes, building with pytetwild, symmetric halves, files and the ready store."""
+"""Finger meshes: shapes, building with pytetwild, symmetric halves, files and the store."""

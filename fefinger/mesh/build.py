@@ -1,4 +1,7 @@
-"""Build the mesh of a half finger: surfaces, tetrahedra, regions, smooth boundaries, quality."""
+"""Build the mesh of a half finger: by a morph of a shipped one, else by the mesher.
+
+The mesher: surfaces, tetrahedra, regions, smooth boundaries, quality.
+"""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -8,14 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry import facets as topology
-from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
-from fefinger.mesh import smooth
-from fefinger.mesh.finger_shape import Shape
+from fefinger.geometry.finger_mesh import BONE, FingerMesh
+from fefinger.mesh import smooth, vtu
+from fefinger.mesh.finger_shape import Shape, touch_point
+from fefinger.mesh.finish import bone_of_volume, record, supports
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
+from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import gate, measure
+from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.scan import scanned
+from fefinger.mesh.shipped import templates
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.checks import ConvergenceError, InputError
 
@@ -30,20 +36,17 @@ SETTINGS = {
     "fine": MesherSettings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
 
-PALMAR = -1.0
-"""z in mm of the start of a projection onto the palmar skin, below the 30 degree plate's touch."""
-
-RIDGE, FOREMOST = 400, 12.0
-"""Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
-
 REFERENCE_RADIUS = 2.5
 """Radius in mm of fine mesh about the origin, for the reference press that scales strains."""
 
 ROUNDED, BACKWARD = 3.0, 30
 """Distance in mm that a rounded place may lie beside the pad, and steps of moving it back."""
 
+TEMPLATES = 3
+"""Largest number of shipped meshes that are morphed before the mesher is called."""
+
 ATTEMPTS = 4
-"""Largest number of builds; each has a smaller envelope, as the mesher is not deterministic."""
+"""Largest number of meshings; each has a smaller envelope, as the mesher is not deterministic."""
 
 WANTED_SINE = np.sin(np.radians(14.0))
 """Sine of a dihedral angle below which the vertices of a cell are moved."""
@@ -61,8 +64,12 @@ def build(
     Raises ConvergenceError with the faults of the last attempt if none passes.
     """
     shape = parametric(recipe) if recipe.surface is None else scanned(recipe)
-    settings = settings or SETTINGS[recipe.resolution]
     say = progress or (lambda _: None)
+    if settings is None:
+        mesh = _morphed(shape, recipe, name=name, say=say)
+        if mesh is not None:
+            return mesh
+        settings = SETTINGS[recipe.resolution]
     for attempt in range(ATTEMPTS):
         say(f"meshing, attempt {attempt + 1}")
         chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
@@ -76,6 +83,23 @@ def build(
         return mesh
     message = f"{fault} in {ATTEMPTS} attempts; use another resolution or other dimensions"
     raise ConvergenceError(message)
+
+
+def _morphed(shape: Shape, recipe: Recipe, *, name: str, say: Progress) -> FingerMesh | None:
+    """Morph shipped meshes, those first that lose least; None if none passes the checks."""
+    drafts = []
+    for path in templates(recipe.resolution, recipe.touch):
+        template = vtu.read(path)
+        with suppress(ConvergenceError):
+            source = parametric(Recipe(**template.recipe))
+            drafts.append(draft(template, source, shape, recipe.touch))
+    for made in sorted(drafts, key=lambda made: made.poor)[:TEMPLATES]:
+        say(f"morphing {made.template.name}")
+        try:
+            return finished(made, shape, recipe, name=name)
+        except ConvergenceError as error:
+            say(str(error))
+    return None
 
 
 def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callable[[Array], Array]:
@@ -95,28 +119,6 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
         return np.minimum(wanted, settings.largest)
 
     return size
-
-
-def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """Point (3,) of the palmar skin at a place (x, y), or first touch of a plate at an angle.
-
-    Raises InputError for a place that is not on the pad.
-    """
-    if isinstance(touch, tuple):
-        places = np.array([[touch[0], abs(touch[1]), PALMAR]])
-    else:
-        x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
-        places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
-    on_skin = shape.skin.project(places, free=np.tile([False, False, True], (len(places), 1)))
-    off = np.abs(shape.skin.level(on_skin)) > 1e-3
-    if isinstance(touch, tuple):
-        if off[0]:
-            message = f"indenter.at: expected a place (x, y) mm on the pad, received {touch}"
-            raise InputError(message)
-        return np.asarray(on_skin[0])
-    angle = np.radians(touch)
-    ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
-    return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
 
 
 def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
@@ -147,10 +149,15 @@ def _attempt(
         points, cells, region, cut=shape.cut, tolerance=tolerance, level=shape.skin.level
     )
     points, first = _snapped(shape, points, facets)
-    supports = _supports(shape, len(points), facets)
-    points = smooth.fit(points, cells, supports, wanted=WANTED_SINE, pinned=np.array([first]))
-    points = _bone_of_full_volume(shape, points, cells[region == BONE], facets)
-    return _record(shape, recipe, points, cells, region, facets, name=name)
+    constraints = supports(shape, len(points), facets)
+    points = smooth.fit(points, cells, constraints, wanted=WANTED_SINE, pinned=np.array([first]))
+    free = constraints.free.copy()
+    free[np.setdiff1d(np.arange(len(points)), facets["bone"])] = False
+    points = bone_of_volume(shape, points, cells[region == BONE], free, shape.volumes["bone"])
+    outer = facets["pad"]
+    nail = shape.nail.covers(points[outer].mean(axis=1))
+    sets = {**facets, "pad": outer[~nail], "nail": outer[nail]}
+    return record(shape, recipe, points, cells, region, sets, name=name)
 
 
 def _inside(
@@ -182,65 +189,3 @@ def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Arr
     first = int(ridge[np.argmin(np.linalg.norm(points[ridge], axis=1))])
     points[first] = 0.0
     return points, first
-
-
-def _supports(shape: Shape, count: int, facets: dict[str, Index]) -> smooth.Supports:
-    """Constraints of each vertex: the surface of a shell, the medial plane, the cut."""
-    on = np.full(count, -1)
-    for number, name in enumerate(("pad", "skin-subcutaneous", "bone")):
-        on[np.unique(facets[name])] = number
-    free = np.ones((count, 3), dtype=bool)
-    free[np.unique(facets["medial"]), 1] = False
-    free[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = False
-    projectors = tuple(
-        lambda points, mask, shell=shell: shell.project(points, free=mask) for shell in shape.shells
-    )
-    return smooth.Supports(on, free, projectors)
-
-
-def _bone_of_full_volume(
-    shape: Shape, points: Array, bone: Index, facets: dict[str, Index]
-) -> Array:
-    """Offset the bone's surface outward so that its facets enclose the exact volume.
-
-    The bone is thin and strongly curved: facets with vertices on it would lose 2 to 3 %.
-    """
-    on = np.unique(facets["bone"])
-    free = _supports(shape, len(points), facets).free[on]
-    moves = np.zeros_like(points)
-    moves[on] = shape.bone.normals(points[on]) * free
-    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, 0.01))
-    return points + 0.01 * (shape.volumes["bone"] - present) / (trial - present) * moves
-
-
-def _record(
-    shape: Shape,
-    recipe: Recipe,
-    points: Array,
-    cells: Index,
-    region: NDArray[np.int8],
-    facets: dict[str, Index],
-    *,
-    name: str,
-) -> FingerMesh:
-    """Make the mesh record, with its nail, smooth normals and measured quality."""
-    outer = facets["pad"]
-    nail = shape.nail.covers(points[outer].mean(axis=1))
-    sets = {"pad": outer[~nail], "nail": outer[nail]}
-    sets |= {key: facets[key] for key in ("cut", "bone", "medial", "bone-cut")}
-    pad = np.unique(sets["pad"])
-    gap = float(np.abs(shape.skin.level(points[pad])).max())
-    normals = np.zeros_like(points)
-    normals[pad] = shape.skin.normals(points[pad])
-    mesh = FingerMesh(
-        points, cells, region, sets, normals, half=True, name=name, recipe=recipe.to_dict()
-    )
-    quality = measure(
-        mesh,
-        radii=shape.radii,
-        surface_volumes=shape.volumes,
-        gap=gap,
-    )
-    if shape.notes:
-        quality["notes"] = list(shape.notes)
-    return replace(mesh, quality=quality)

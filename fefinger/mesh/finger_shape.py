@@ -25,6 +25,12 @@ FINE = 0.2
 ROOM = 0.2
 """Least thickness in mm of subcutaneous tissue around the bone: thinner would need flat cells."""
 
+PALMAR = -1.0
+"""z in mm of the start of a projection onto the palmar skin, below the 30 degree plate's touch."""
+
+RIDGE, FOREMOST = 400, 12.0
+"""Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
+
 SAMPLES = 4001
 """Points in a profile table; the error of the trapezoidal rule is below 1e-6 mm."""
 
@@ -95,6 +101,8 @@ class Shape:
     radii : wanted normal curvature radii at P30, along (R') and across (R'') the finger, mm.
     nail : the patch under the nail.
     triangles : facet size in mm -> surfaces for the mesher that bound the regions of half a finger.
+    sections : shells of half ellipses with the profiles of the three surfaces: these themselves
+        for a parametric finger, near them for a scan.
     volumes : volume of half of each region inside the smooth surfaces, by name, mm^3.
     notes : remarks on the surface files used and their repairs.
 
@@ -107,6 +115,7 @@ class Shape:
     radii: tuple[float, float]
     nail: Nail
     triangles: Callable[[float], list[Triangles]]
+    sections: tuple[Shell, Shell, Shell]
     volumes: dict[str, float]
     notes: tuple[str, ...] = ()
 
@@ -118,6 +127,28 @@ class Shape:
     def region(self, points: Array) -> NDArray[np.int8]:
         """Region of points (n,): 0 outside, 1 skin, 2 subcutaneous tissue, 3 bone."""
         return np.sum([shell.level(points) < 0.0 for shell in self.shells], axis=0, dtype=np.int8)
+
+
+def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
+    """Point (3,) of the palmar skin at a place (x, y), or first touch of a plate at an angle.
+
+    Raises InputError for a place that is not on the pad.
+    """
+    if isinstance(touch, tuple):
+        places = np.array([[touch[0], abs(touch[1]), PALMAR]])
+    else:
+        x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
+        places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
+    on_skin = shape.skin.project(places, free=np.tile([False, False, True], (len(places), 1)))
+    off = np.abs(shape.skin.level(on_skin)) > 1e-3
+    if isinstance(touch, tuple):
+        if off[0]:
+            message = f"indenter.at: expected a place (x, y) mm on the pad, received {touch}"
+            raise InputError(message)
+        return np.asarray(on_skin[0])
+    angle = np.radians(touch)
+    ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
+    return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
 
 
 def nail_of(recipe: Recipe, *, tip: float, middle: float, side: Callable[[Array], Array]) -> Nail:

@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.mesh.build import FOREMOST, PALMAR
-from fefinger.mesh.finger_shape import Shape, SmoothSurface
+from fefinger.mesh import extend
+from fefinger.mesh.finger_shape import FOREMOST, PALMAR, Shape, SmoothSurface
 from fefinger.mesh.frame import FIT_RADIUS
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
@@ -58,12 +58,18 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
 
 
 @lru_cache(maxsize=64)
-def at_cut(recipe: Recipe, axis: tuple[float, float, float]) -> float:
-    """Distance in mm of the skin at the proximal cut from a plate at its first touch."""
+def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool = False) -> float:
+    """Distance in mm of the skin at the proximal cut from a plate at its first touch.
+
+    `continued`: at the end of the finger that is continued behind the cut (`mesh.extend`).
+    """
     shape, travel = _shape(recipe), np.array(axis)
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
     below = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
     skin = shape.skin.project(below, free=np.tile([False, False, True], (len(y), 1)))
+    if continued:
+        slope = extend.palmar_slope(shape.skin.normals(skin[len(y) // 2 :][:1])[0])
+        skin += np.array([-extend.LENGTH, 0.0, float(extend.rise(slope, extend.LENGTH))])
     return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)
 
 

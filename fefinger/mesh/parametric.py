@@ -91,6 +91,7 @@ def _with_inside(
         radii=wanted,
         nail=nail,
         triangles=lambda step: _triangles(shells, nail, step),
+        sections=shells,
         volumes=finger_shape.region_volumes(*inside),
     )
 

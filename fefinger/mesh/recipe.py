@@ -11,11 +11,12 @@ from fefinger.support.checks import InputError, choice, number
 
 RESOLUTIONS = ("coarse", "standard", "fine")
 
-FORMAT = 1
-"""Version of the builder in the cache key; increased when a recipe gives another mesh."""
+FORMAT = 2
+"""Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
+morphs shipped meshes."""
 
-SURFACE_FORMAT = 2
-"""The same for fingers from a surface file; version 2 checks their orientation."""
+SURFACE_FORMAT = 3
+"""The same for fingers from a surface file; version 3 morphs too, and averages their two halves."""
 
 
 Touch = float | tuple[float, float] | None

@@ -1,89 +1,39 @@
 """Shape of a fingertip from a surface file (STL, PLY, OBJ, ...); skin and bone are added inside.
 
 The file gives the outer skin in mm in the frame x distal, y radial, z dorsal, wherever its origin.
-Its half y >= middle is meshed, so a scan is made symmetric; a large asymmetry is an error.
+The surface is the mean of the scan and its mirror image; a large asymmetry is an error.
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from fefinger.geometry import mirror
 from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell_triangles as surface
-from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.cloud import SPACING, Cloud, smoothed
+from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array
+from fefinger.mesh.shell import Array, Shell, Table, offset
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support.checks import InputError
 
 
-SPACING = 0.35
-"""Largest edge in mm of the refined scan whose vertices define the surface."""
-
-NEIGHBORS = 16
-"""Vertices that a signed distance is averaged over: two rings, to smooth the facets of a scan."""
-
 SIZE_ERROR = 0.35
 """Relative difference of a scan's width from the given one that indicates a wrong unit."""
 
+STATIONS, LAST = 60, 0.15
+"""Points of a profile, and the root of the last one's share of the length from the tip."""
+
+ON_SHELL = 1e-6
+"""Distance in mm from a shell up to which points are on it."""
+
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
-
-
-@dataclass(frozen=True)
-class Cloud:
-    """A smooth surface through points with normals, moved inward by `inset` mm.
-
-    The signed distance is a weighted mean of the distances from the tangent planes of the nearest
-    points (implicit moving least squares, Kolluri 2008).
-    """
-
-    points: Array
-    point_normals: Array
-    tree: Any
-    inset: float = 0.0
-
-    def level(self, points: Array) -> Array:
-        """Return a signed distance, negative inside, (n,) mm."""
-        return self._evaluate(points)[0]
-
-    def normals(self, points: Array) -> Array:
-        """Return the unit outward normals (n, 3) at points of the surface."""
-        return self._evaluate(points)[1]
-
-    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
-        """Return points (n, 3) moved onto the surface, changing only free coordinates."""
-        moved = np.array(points, dtype=float)
-        mask = np.ones_like(moved) if free is None else free.astype(float)
-        for _ in range(60):
-            level, normals = self._evaluate(moved)
-            normals *= mask
-            size = np.maximum(np.einsum("ij,ij->i", normals, normals), 0.05)
-            moved -= np.clip(level / size, -0.5, 0.5)[:, None] * normals
-            if np.max(np.abs(level), initial=0.0) < 1e-8:
-                break
-        return moved
-
-    def _evaluate(self, points: Array) -> tuple[Array, Array]:
-        """Compute signed distances (n,) mm and unit normals (n, 3)."""
-        distance, index = self.tree.query(points, k=NEIGHBORS)
-        reach = distance[:, :1] ** 2 + SPACING**2
-        weight = np.exp(-(distance**2 - distance[:, :1] ** 2) / reach)
-        weight /= weight.sum(axis=1)[:, None]
-        normals = self.point_normals[index]
-        offsets = np.einsum("nki,nki->nk", points[:, None] - self.points[index], normals)
-        mean = np.einsum("nk,nki->ni", weight, normals)
-        mean /= np.linalg.norm(mean, axis=1)[:, None]
-        return np.einsum("nk,nk->n", weight, offsets) + self.inset, mean
 
 
 def scanned(recipe: Recipe) -> Shape:
@@ -94,67 +44,88 @@ def scanned(recipe: Recipe) -> Shape:
     """
     file = _read(recipe)
     mesh = _refined(file.mesh, open_behind=True)
-    skin = _cloud(mesh, 0.0)
-    origin = _first_touch(skin)
-    mesh.apply_translation(-origin)
-    skin, under = _cloud(mesh, 0.0), _cloud(mesh, recipe.skin_thickness)
+    aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
+    skin = _cloud(mesh, aside)
     _check_symmetry(skin, recipe)
-    low, high = mesh.bounds
+    touch = _first_touch(skin)
+    skin = Cloud.of(skin.points - touch, skin.point_normals)
+    under = replace(skin, inset=recipe.skin_thickness)
+    low, high = mesh.bounds - aside - touch
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
-    bone = _bone(recipe, origin, cut=cut, tip=tip, top=top)
-    finger_shape.check_room(under, bone.points[bone.points[:, 0] > cut], recipe)
+    level, tables = _profiles(skin, cut)
+    inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
+    bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+    shells = (skin, under, bone)
+    near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
+    halves = [_half(*pair, finger_shape.FINE) for pair in zip(shells, near, strict=True)]
+    finger_shape.check_room(under, surface.without_caps(halves[2])[0], recipe)
     middle = 0.5 * (float(low[2]) + top)
-    nail = finger_shape.nail_of(recipe, tip=tip, middle=middle, side=lambda x: _side(skin, x))
-    outer, inner = (_halved(mesh, cloud, cut) for cloud in (skin, under))
-    around, within = (_volume(part, cut) for part in (outer, inner))
     return Shape(
         skin=skin,
         subcutaneous=under,
-        bone=bone.surface,
+        bone=bone,
         cut=cut,
-        radii=fitted_radii(_symmetric_patch(skin)),
-        nail=nail,
+        radii=fitted_radii(patch_points(skin)),
+        nail=finger_shape.nail_of(
+            recipe, tip=tip, middle=middle, side=lambda x: np.interp(x, *tables["side"])
+        ),
         triangles=lambda step: [
-            outer,
-            *_planes(mesh.bounds, cut),
-            _halved(mesh, under, cut - 1.0),
-            bone.triangles(step),
+            _half(skin, near[0], step),
+            *(
+                surface.without_caps(_half(*pair, step, overhang=1.0))
+                for pair in zip(shells[1:], near[1:], strict=True)
+            ),
         ],
-        volumes=finger_shape.region_volumes(around, within, bone.volume),
-        notes=(*file.notes, *bone.notes),
+        sections=near,
+        volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
+        notes=(*file.notes, *notes),
     )
 
 
-@dataclass(frozen=True)
-class Bone:
-    """A bone: smooth surface, points (n, 3) on it, triangles by step, volume of the half in mm³."""
-
-    surface: finger_shape.SmoothSurface
-    points: Array
-    triangles: Callable[[float], Triangles]
-    volume: float
-    notes: tuple[str, ...] = ()
-
-
-def _bone(recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float) -> Bone:
-    """Return the bone of a recipe: that of its file, moved with the skin, or a parametric one."""
+def _bone(
+    recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float
+) -> tuple[SmoothSurface, Shell, tuple[str, ...]]:
+    """Return the bone of a recipe, of its file or a parametric one, a shell near it, and notes."""
     if recipe.bone_surface is None:
         shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-        points = surface.without_caps(surface.half(shell, 0.5))[0]
-        return Bone(
-            shell,
-            points,
-            lambda step: surface.without_caps(surface.half(shell, step, overhang=1.0)),
-            surface.volume(surface.half(shell, finger_shape.FINE)),
-        )
+        return shell, shell, ()
     closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
-    mesh = _refined(closed)
-    mesh.apply_translation(-origin)
-    cloud = _cloud(mesh, 0.0)
-    part = _halved(mesh, cloud, cut - 1.0)
-    volume = _volume(_halved(mesh, cloud, cut), cut)
-    return Bone(cloud, cloud.points, lambda step: part, volume, notes)
+    cloud = _cloud(_refined(closed), origin)
+    level, tables = _profiles(cloud, cut)
+    return cloud, Shell.of(level, cut=cut, **tables), notes
+
+
+def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 0.0) -> Triangles:
+    """Return the closed half of a smooth surface, as `shell_triangles.half` of a shell near it."""
+    points, faces = surface.half(near, step, overhang=overhang)
+    if smooth is near:
+        return points, faces
+    outer = np.abs(near.level(points)) < ON_SHELL
+    free = np.ones((int(outer.sum()), 3), dtype=bool)
+    free[points[outer, 1] == 0.0, 1] = False
+    free[points[outer, 0] == points[0, 0], 0] = False
+    points[outer] = smooth.project(points[outer], free=free)
+    return points, faces
+
+
+def _profiles(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
+    """Level of the foremost point, and profiles of a surface: palm and back in y = 0, sides there.
+
+    Half ellipses with these profiles are near the surface.
+    """
+    start = cloud.points[np.argmax(cloud.points[:, 0])] * [1.0, 0.0, 1.0]
+    tip, _, middle = cloud.project(start[None], free=np.array([[True, False, False]]))[0]
+    x = tip - (tip - cut) * np.linspace(1.0, LAST, STATIONS) ** 2
+    size = np.ptp(cloud.points, axis=0) / 2.0
+    tables = {}
+    for name, axis, sign in (("palmar", 2, -1.0), ("dorsal", 2, 1.0), ("side", 1, 1.0)):
+        line = np.column_stack([x, 0.0 * x, np.full(len(x), middle)])
+        line[:, axis] += sign * size[axis]
+        free = np.tile(np.arange(3) == axis, (len(x), 1))
+        half = sign * (cloud.project(line, free=free) - [0.0, 0.0, middle])[:, axis]
+        tables[name] = np.append(x, tip), np.append(half, 0.0)
+    return float(middle), tables
 
 
 def _refined(closed: Any, *, open_behind: bool = False) -> Any:
@@ -185,18 +156,15 @@ def _read(recipe: Recipe) -> SurfaceFile:
     return file
 
 
-def _cloud(mesh: Any, inset: float) -> Cloud:
-    """Return the smooth surface through the vertices of a mesh."""
-    points = np.asarray(mesh.vertices, dtype=float)
-    return Cloud(points, np.asarray(mesh.vertex_normals, dtype=float), cKDTree(points), inset)
+def _cloud(mesh: Any, origin: Array) -> Cloud:
+    """Return the smooth surface through the vertices of a mesh, seen from an origin (3,) mm."""
+    points = np.asarray(mesh.vertices, dtype=float) - origin
+    return smoothed(points, np.asarray(mesh.vertex_normals, dtype=float))
 
 
 def _first_touch(skin: Cloud) -> Array:
-    """First touch of a 30-degree plate on the ridge halfway between the sides, (3,) mm."""
-    points = skin.points
-    middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-    ridge = points[np.abs(points[:, 1] - middle) < 2.0 * SPACING].copy()
-    ridge[:, 1] = middle
+    """First touch of a 30-degree plate on the ridge y = 0, (3,) mm."""
+    ridge = skin.points[np.abs(skin.points[:, 1]) < 2.0 * SPACING] * [1.0, 0.0, 1.0]
     free = np.tile([True, False, True], (len(ridge), 1))
     ridge = skin.project(ridge, free=free)
     best = ridge[np.argmax(ridge @ PLATE_NORMAL)]
@@ -208,49 +176,10 @@ def _first_touch(skin: Cloud) -> Array:
 
 def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
     """Raise InputError if the surface is far from its mirror image in y = 0."""
-    away = float(np.mean(np.abs(skin.level(mirror.image(skin.points[::7])))))
+    away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
         message = (
             f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
             f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
         )
         raise InputError(message)
-
-
-def _symmetric_patch(skin: Cloud) -> Array:
-    """Return points of the half y >= 0 near the origin and their mirror images, (n, 3)."""
-    points = patch_points(skin)
-    return np.concatenate([points[points[:, 1] > -0.05], mirror.image(points[points[:, 1] > 0.05])])
-
-
-def _side(skin: Cloud, x: Array) -> Array:
-    """Return half the width at x, (n,) mm."""
-    stations = np.linspace(skin.points[:, 0].min(), skin.points[:, 0].max(), 60)
-    slot = np.digitize(skin.points[:, 0], stations)
-    widest = [np.max(skin.points[slot == i, 1], initial=0.0) for i in range(1, len(stations))]
-    return np.interp(x, (stations[1:] + stations[:-1]) / 2.0, widest)
-
-
-def _halved(mesh: Any, cloud: Cloud, cut: float) -> Triangles:
-    """Slice the surface to y >= 0, x >= cut; it is open at these planes."""
-    from trimesh.intersections import slice_faces_plane
-
-    points, faces = cloud.points - cloud.inset * cloud.point_normals, mesh.faces
-    for normal, at in (((0.0, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (cut, 0.0, 0.0))):
-        points, faces, *_ = slice_faces_plane(points, faces, np.array(normal), np.array(at))
-    return np.asarray(points, dtype=float), np.asarray(faces, dtype=np.int64)
-
-
-def _planes(bounds: Array, cut: float) -> list[Triangles]:
-    """Return rectangles on y = 0 and x = cut, larger than the finger."""
-    (x, y, z), (far_x, far_y, far_z) = bounds + np.array([[-0.8], [0.8]])
-    square = np.array([[0, 1, 2], [0, 2, 3]])
-    medial = [(x, 0.0, z), (far_x, 0.0, z), (far_x, 0.0, far_z), (x, 0.0, far_z)]
-    back = [(cut, y, z), (cut, far_y, z), (cut, far_y, far_z), (cut, y, far_z)]
-    return [(np.array(medial), square), (np.array(back), square)]
-
-
-def _volume(part: Triangles, cut: float) -> float:
-    """Return the volume between an open half surface and the planes y = 0 and x = cut, mm^3."""
-    points, faces = part
-    return surface.volume((points - [cut, 0.0, 0.0], faces))

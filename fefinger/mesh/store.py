@@ -3,14 +3,14 @@
 import json
 import os
 from collections.abc import Callable
-from functools import lru_cache
-from importlib.resources import files as package_files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import vtu
+from fefinger.mesh.extend import continued_source, extended
 from fefinger.mesh.recipe import Recipe, Touch
+from fefinger.mesh.shipped import has_template, shipped_path
 from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
 from fefinger.support.checks import InputError
@@ -20,23 +20,26 @@ if TYPE_CHECKING:
     from fefinger.scene.finger import Finger
 
 
-def ready(
+def load_or_build(
     finger: "Finger | Recipe",
     *,
     half: bool,
     touch: Touch = None,
+    continued: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> FingerMesh:
     """Load or build the mesh of a scene's finger (or a Recipe), half or whole.
 
-    `touch` as in `Recipe`. Looks among the shipped meshes, then in the user's cache; builds and
-    caches it (about half a minute for the standard resolution) if neither has it. The mesher is
-    random, so that a second process that needs the mesh at the same time waits and gets the same
-    one. `progress` receives short sentences.
+    `touch` as in `Recipe`; `continued`: longer behind the proximal cut. Looks among the shipped
+    meshes, then in the user's cache; builds and caches it if neither has it, by a morph of a
+    shipped one in seconds where one is near. The mesher is random, so that a second process that
+    needs the mesh at the same time waits and gets the same one. `progress` receives short
+    sentences.
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
     mesh = vtu.read(path) if path else _cached(recipe) or _made(recipe, progress)
+    mesh = extended(mesh) if continued else mesh
     return mesh if half else whole(mesh)
 
 
@@ -46,13 +49,18 @@ def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     return shipped_path(recipe) is not None or os.path.isfile(cached_path(recipe))
 
 
+def morphed(finger: "Finger", touch: Touch = None) -> bool:
+    """Whether the mesh of a finger is expected to be a morph of a shipped one, made in a second."""
+    return has_template(Recipe.of(finger, touch))
+
+
 def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:
     """Reason why a finger cannot be meshed, as a sentence; empty if none is known.
 
     The parametric shape is built, which takes some 50 ms, but not meshed. A place `at` (x, y) mm
     off the pad is a reason too.
     """
-    from fefinger.mesh.build import touch_point
+    from fefinger.mesh.finger_shape import touch_point
     from fefinger.mesh.parametric import parametric
 
     try:
@@ -67,36 +75,18 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
     return ""
 
 
-def sha256(finger: "Finger") -> str | None:
-    """SHA-256 of the mesh file of a scene's finger; None if it is neither shipped nor cached."""
-    recipe = Recipe.of(finger)
+def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) -> str | None:
+    """Source hash of the mesh of a scene's finger; None if it is neither shipped nor cached.
+
+    That is the SHA-256 of its file, or follows from it for the continued finger.
+    """
+    recipe = Recipe.of(finger, touch)
     sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
     try:
-        return str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
+        source = str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
+        return continued_source(source) if continued else source
     except (OSError, ValueError, KeyError, TypeError):  # no sidecar, or a damaged one
         return None
-
-
-def shipped_path(recipe: Recipe) -> Path | None:
-    """Return the file of the shipped mesh of a recipe, or None."""
-    wanted = recipe.to_dict()
-    return next((path for shipped, path in _shipped(data_folder()) if shipped == wanted), None)
-
-
-@lru_cache(maxsize=1)
-def _shipped(folder: Path) -> tuple[tuple[dict[str, Any], Path], ...]:
-    """Return the recipes of the meshes in a folder, with their files."""
-    texts = {path: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.json"))}
-    recipes = ((json.loads(text).get("recipe"), path) for path, text in texts.items())
-    return tuple((recipe, path.with_suffix(".vtu")) for recipe, path in recipes)
-
-
-def data_folder() -> Path:
-    """Return the folder of the shipped meshes, installed or in the checkout."""
-    try:
-        return Path(str(package_files("fefinger.meshes")))
-    except ModuleNotFoundError:
-        return Path(__file__).resolve().parents[2] / "meshes"
 
 
 def cached_path(recipe: Recipe) -> Path:

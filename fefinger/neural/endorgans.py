@@ -67,6 +67,7 @@ class PoleZero:
 
     def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
         """Return X_out / X_in at frequencies in Hz, of any shape."""
+        # In Hz: the 2 pi of as many zeros as poles cancel.
         s = 1j * np.asarray(frequency, float)[..., None]
         return self.gain * ((s + self.zeros) / (s + self.poles)).prod(axis=-1)
 
@@ -120,6 +121,7 @@ def respond_modes(
         return out.reshape(x_in.shape)
     at = np.asarray(at, float)
     k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
+    # After the last sample the input stays as it is.
     since, step = at - time[k], np.diff(time, append=time[-1])
     slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
     if len(p) and not np.iscomplexobj(p):
@@ -169,6 +171,7 @@ def _memory(
     a = np.multiply.outer(np.diff(time), p)
     ramp = np.where(a != 0, -np.expm1(-a) / np.where(a != 0, a, 1.0), 1.0)
     out = np.empty((len(time), len(p), columns.shape[1]), p.dtype)
+    # Zero before the first sample: its value is a jump, which every mode takes whole.
     out[0] = columns[0]
     remember(np.exp(-a), ramp, np.ascontiguousarray(columns), out)
     return out

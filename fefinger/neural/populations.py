@@ -362,11 +362,13 @@ def _spread(
 
 def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
     """Draw vectors (n, 3), uniformly over discs of these radii perpendicular to the normals."""
+    # The axis farthest from the normal, with which its cross product is never near zero.
     axis = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     first: Array = np.cross(normals, axis)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
     angle = rng.uniform(0.0, 2.0 * np.pi, len(normals))[:, None]
+    # The square root: the area of a disc grows with the square of its radius.
     length = (radius * np.sqrt(rng.uniform(size=len(normals))))[:, None]
     return length * (np.cos(angle) * first + np.sin(angle) * second)
 

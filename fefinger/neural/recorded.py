@@ -139,7 +139,8 @@ class Recorded:
 
     def varied(self, **changes: float) -> Self:
         """Parameters with some of them changed."""
-        return replace(self, **changes)
+        values: dict[str, Any] = dict(changes)
+        return replace(self, **values)
 
 
 @cache

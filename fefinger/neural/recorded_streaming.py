@@ -109,6 +109,7 @@ class RecordedAfferents:
             unchanged. More than ROOM spikes of a unit.
         """
         from fefinger.neural import recorded_streaming_step as compiled
+        from fefinger.neural.streaming_step import LARGEST_STRAIN
 
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
@@ -128,7 +129,7 @@ class RecordedAfferents:
         )
         if fired == compiled.REFUSED:
             message = (
-                f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
+                f"strain: expected finite numbers up to {LARGEST_STRAIN:g}, received "
                 f"{np.abs(strain).max():g}; the state of the units is unchanged"
             )
             raise InputError(message)

@@ -16,12 +16,16 @@ PLAIN = " !$'()*+,-./:;=?@[]_{}|~"
 
 def render(template: str, **values: Any) -> str:
     """Return the page that a file of `templates/` makes of `values`, with the style sheet in it."""
-    from jinja2 import Environment
+    from jinja2 import Environment, FunctionLoader
 
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"percent": _percent, "number": _number}
-    page = environment.from_string(resources.files(TEMPLATES).joinpath(template).read_text("utf-8"))
-    return page.render(css=source("report.css"), **values)
+    environment = Environment(
+        loader=FunctionLoader(source), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        "percent": lambda value: f"{100 * value:.2g} %",
+        "number": lambda value: f"{value:.3g}",
+    }
+    return environment.get_template(template).render(css=source("report.css"), **values)
 
 
 def source(name: str) -> str:
@@ -43,7 +47,7 @@ def svg(drawn: Any) -> str:
 
 def png(data: bytes) -> str:
     """Return the bytes of a PNG file as the source of a picture in a page."""
-    return "data:image/png;base64," + _base64(data)
+    return "data:image/png;base64," + base64.b64encode(data).decode("ascii")
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -53,15 +57,3 @@ def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]
             yield from flat(value, f"{prefix}{name}.")
         elif value != "":
             yield f"{prefix}{name}", str(value)
-
-
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}"

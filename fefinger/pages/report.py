@@ -36,12 +36,13 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
     html = page.render(
         "report.html",
+        title=result.scene.name,
         scene=result.scene,
         answer=answer(result),
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=_warnings(result),
+        warnings=[*quasistatic(result.scene, result.time, result.depth), *_blocked(result)],
         parts=list(_parts(result)),
         units=list(_units(result)),
         plan=result.plan,
@@ -134,11 +135,6 @@ def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
         yield "result.vtkhdf", "displacement, strain and pressure on the mesh (ParaView, PyVista)"
     if result.spikes is not None:
         yield "spikes.csv", "one row per spike: unit, type, place in mm, time in s"
-
-
-def _warnings(result: ResultRecord) -> list[str]:
-    """Return warnings: motions too fast for quasistatics, and units in depolarization block."""
-    return [*quasistatic(result.scene, result.time, result.depth), *_blocked(result)]
 
 
 def _blocked(result: ResultRecord) -> list[str]:

@@ -16,6 +16,7 @@ MECHANICS = {
     "hertz": Traits(meshed=False, finite=False),
     "layered": Traits(meshed=False, finite=False),
     "condensed": Traits(meshed=True, finite=False),
+    "pressed": Traits(meshed=True, finite=True),
     "linear": Traits(meshed=True, finite=False),
     "solid": Traits(meshed=True, finite=True),
 }

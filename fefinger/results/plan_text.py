@@ -28,12 +28,12 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
     """
     rows = []
     for rung in rungs:
-        said = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
+        reasons = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
         star = "*" if rung is chosen else ""
         mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
-        first = said[0] if said else "chosen" if star else "good enough"
+        first = reasons[0] if reasons else "chosen" if star else "good enough"
         rows.append((star, rung.mechanics, mesh, error, seconds, first))
-        rows += [("", "", "", "", "", more) for more in said[1:]]
+        rows += [("", "", "", "", "", more) for more in reasons[1:]]
     heading = ("", "mechanics", "mesh", "error", "time", "refused because")
     return f"{table(rows, heading)}\n\n{_sources(rungs)}"
 
@@ -52,8 +52,8 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     words = SAID
     if "depth" in errors:
         known, words = ["depth", *known], SAID | {"force": "force at the depth", "depth": "depth"}
-    told = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
-    sentences = [f"Expected within: {told}."] if known else []
+    bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
+    sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes and "spike count" in errors:
         count, first = percent(errors["spike count"]), duration(errors["first spike"])
         sentences.append(f"In scenes like it spike counts were within {count}, first ones {first}.")

@@ -50,7 +50,8 @@ class Finger:
     tissue
         Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
-        pad radius and relaxation.
+        pad radius and relaxation. By default that of the subject, of other fingers that of the
+        means of Table 2.1; where `skin` or `subcutaneous` is given, "maeno1998".
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -82,7 +83,7 @@ class Finger:
     subject_name: str | None = None
     surface: str | None = None
     bone_surface: str | None = None
-    tissue: str = "maeno1998"
+    tissue: str = _FROM_LIBRARY
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
     prony: Prony = _FROM_LIBRARY
@@ -97,6 +98,9 @@ class Finger:
         name = self.subject_name or "means"
         if self.subject_name is not None:
             choice("finger.subject", self.subject_name, library.subjects())
+        layers: tuple[Any, ...] = (self.skin, self.subcutaneous)
+        given = any(layer is not None for layer in layers)
+        self._default("tissue", library.default_tissue(self.subject_name, given=given))
         tissues = library.tissue_set(self.tissue)
         radius = tissues.pad_radius or library.pawluk_quasistatic()[name].radius
         self._default("pad_radius", radius)

@@ -5,7 +5,9 @@ it before relying on it. "low": an estimate that fills a gap.
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -20,6 +22,9 @@ PAWLUK = "Pawluk (1997), A Viscoelastic Model of the Human Fingerpad, PhD thesis
 
 
 # Subjects of the thesis
+
+MEANS = "means"
+"""Row of the tables for whom the thesis did not measure."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,7 @@ def pawluk_quasistatic() -> dict[str, Quasistatic]:
 
 def subjects() -> tuple[str, ...]:
     """Names of the subjects of the thesis; f.c. has no width and thickness."""
-    return tuple(name for name in pawluk_relaxation() if name != "means")
+    return tuple(name for name in pawluk_relaxation() if name != MEANS)
 
 
 # Tissue sets
@@ -178,8 +183,9 @@ _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ..
     "d.s.": (7.301, 2.25, 15.87, (0.2908, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7965)),
     "a.h.": (4.582, 2.866, 17.14, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823)),
     "p.w.": (4.856, 2.16, 21.72, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7526)),
+    MEANS: (5.654, 3.608, 17.28, (0.2648, 0.4134, 0.1771, 0.1447), (228.3, 14.43, 0.7324)),
 }
-"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the report."""
+"""Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
 SKIN_RATIO = 102.4 / 34
 """Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
@@ -191,64 +197,52 @@ def calibrated_name(subject: str) -> str:
 
 
 def _calibrated(subject: str) -> TissueSet:
-    """Fit of the model (Demiray's law in both layers) to a subject; not a measurement."""
+    """Fit of the model (Demiray's law in both layers) to a subject; not a measurement of tissue.
+
+    With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1
+    (confidence low: both trade against each other and against the ratio of the layers, which is a
+    prior; the reports have the uncertainties). The relaxation is that of the same table. Fitted
+    with the finger of the subject; `source` says on which mesh. At small strain the exponent has no
+    effect, and the set is too soft.
+    """
     modulus, exponent, radius, c, v = _FITTED[subject]
+    mesh = "standard" if subject in ("a.h.", MEANS) else "coarse"
+    report = CALIBRATED if subject != MEANS else "calibrated-means.json"
     skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
     return TissueSet(
         skin=skin,
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
-        source=f"fitted to the curves of subject {subject} in Table 2.1 of {PAWLUK} by `fefinger "
-        f"calibrate` (reports/{CALIBRATED}): a fit of a model, not a measurement of tissue",
+        source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Table 2.1 of "
+        f"{PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
+        "measurement of tissue",
         confidence="low",
         pad_radius=radius,
         prony=Prony(c, v),
     )
 
 
-def calibrated_dp() -> TissueSet:
-    """Fit of the model to the curves of subject d.p., not a measurement of tissue.
+PUBLISHED = "maeno1998"
+"""Set that gives the values that a finger with tissue values of its own leaves out."""
 
-    With modulus and exponent of Demiray's law `solid` reproduces the stiffness against force of
-    Table 2.1 (confidence low: both trade against each other and against the ratio of the layers,
-    which is a prior; `reports/calibrated.json` has the uncertainties). The relaxation is that of
-    the same table. Fitted with the finger of the subject on the coarse mesh. At small strain the
-    exponent has no effect, and the set is too soft.
+
+def default_tissue(subject: object, *, given: bool) -> str:
+    """Name of the tissue set of a finger that names none: that which was fitted to the subject.
+
+    Of other fingers, that which was fitted to the means; where values are `given`, PUBLISHED.
     """
-    return _calibrated("d.p.")
+    if given:
+        return PUBLISHED
+    # Values of another type are refused later, with a sentence.
+    if isinstance(subject, str) and subject in _FITTED:
+        return calibrated_name(subject)
+    return calibrated_name(MEANS)
 
 
-def calibrated_ds() -> TissueSet:
-    """Fit of the model to subject d.s., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the coarse mesh (confidence low).
-    """
-    return _calibrated("d.s.")
-
-
-def calibrated_ah() -> TissueSet:
-    """Fit of the model to subject a.h., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the standard mesh (confidence low).
-    """
-    return _calibrated("a.h.")
-
-
-def calibrated_pw() -> TissueSet:
-    """Fit of the model to subject p.w., not a measurement of tissue; see `calibrated_dp`.
-
-    Fitted on the coarse mesh (confidence low).
-    """
-    return _calibrated("p.w.")
-
-
-TISSUE_SETS = {
+TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
-    "calibrated_dp": calibrated_dp,
-    "calibrated_ds": calibrated_ds,
-    "calibrated_ah": calibrated_ah,
-    "calibrated_pw": calibrated_pw,
+    **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
 }
 
 

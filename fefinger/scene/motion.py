@@ -1,20 +1,20 @@
-"""The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
+"""What a motion of the indenter is, and its shapes in time: ramp, hold, sinusoid, samples.
 
-Each final class holds its own fields, and a shape of `motion_shapes.py` made of them; what motions
-have in common is in their abstract base `Motion`.
+A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N, which
+hold the fields. Messages call the fields "motion.depth" and so on.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import KW_ONLY, dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar, Self, final
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.scene import motion_shapes as shapes
-from fefinger.scene.trajectory import Trajectory
+from fefinger.scene.trajectory import Trajectory, Wave
 from fefinger.support.checks import InputError, number, numbers
 from fefinger.support.csv_columns import read_columns
 
@@ -44,36 +44,32 @@ CORNER = 0.01
 """Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
 part of the motion is."""
 
-APPROACH = 10.0
-"""Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
-vibration begins."""
-
-MOST_CYCLES = 1_000_000
-"""Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
-
-_AS_LONG_AS_FITS: Any = None
+AS_LONG_AS_FITS: Any = None
+"""Default of the field `corner`: CORNER, or less."""
 
 
 @dataclass(frozen=True)
 class Motion(ABC):
-    """A motion of the indenter; its depth in mm or its force in N follows `trajectory`.
-
-    Every number is checked; the messages call the fields "motion.depth" and so on.
-    """
+    """A motion of the indenter; its depth in mm or its force in N follows `trajectory`."""
 
     kind: ClassVar[str]
-    control: ClassVar[shapes.Quantity]
+    control: ClassVar[Literal["depth", "force"]]
+
+    @cached_property
+    @abstractmethod
+    def trajectory(self) -> Trajectory:
+        """The motion as quadratics in time; InputError for numbers that do not fit together."""
 
     @property
-    @abstractmethod
-    def shape(self) -> shapes.Shape:
-        """The motion in time, without its unit."""
+    def corner_limits(self) -> tuple[float, ...]:
+        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
+        return ()
 
     def __post_init__(self) -> None:
         """Check every field, then build the trajectory, which finds corners that are too long."""
         given = self._check_fields()
-        if "corner" in given and given["corner"] is _AS_LONG_AS_FITS:
-            self._set(corner=min(CORNER, *self.shape.corner_limits))
+        if "corner" in given and given["corner"] is AS_LONG_AS_FITS:
+            self._set(corner=min(CORNER, *self.corner_limits))
         if "cycles" in given:
             self._set(cycles=_whole(given["cycles"]))
         _ = self.trajectory
@@ -83,7 +79,7 @@ class Motion(ABC):
         given = {}
         for name in (each.name for each in fields(self)):
             given[name] = getattr(self, name)
-            if not (name == "corner" and given[name] is _AS_LONG_AS_FITS):
+            if not (name == "corner" and given[name] is AS_LONG_AS_FITS):
                 given[name] = number(f"motion.{name}", given[name], **LIMITS[name])
                 self._set(**{name: given[name]})
         return given
@@ -92,11 +88,6 @@ class Motion(ABC):
         """Store fields while a frozen motion is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The motion as quadratics in time."""
-        return self.shape.trajectory()
 
     @property
     def unit(self) -> str:
@@ -153,18 +144,147 @@ def _whole(cycles: float) -> int:
     return int(cycles)
 
 
+class RampMotion(Motion):
+    """A ramp from rest to a depth or a force, which ends while moving."""
+
+    corner: float
+
+    @property
+    def level(self) -> float:
+        """Depth in mm or force in N at the end of the ramp."""
+        return float(getattr(self, self.control))
+
+    @property
+    def top(self) -> float:
+        """Length of the ramp in s, with sharp corners."""
+        pace = getattr(self, "loading_rate" if self.control == "force" else "speed")
+        return float(self.level / pace)
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s."""
+        return (self.top,)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The ramp."""
+        return Trajectory.through([0, self.top], [0, self.level], corner=self.corner, stop=False)
+
+    def ramp_and_rest(self, hold: float) -> Trajectory:
+        """Return the ramp, and a rest of `hold` s after its corner."""
+        rest = hold + self.corner / 2
+        times, levels = [0, self.top, self.top + rest], [0, self.level, self.level]
+        if rest == 0:
+            times, levels = times[:2], levels[:2]
+        return Trajectory.through(times, levels, corner=self.corner, stop=False)
+
+
+def _rest_limit(hold: float) -> tuple[float, ...]:
+    """Return twice the length of a rest in s, the longest corner before it; none without rest."""
+    return (2 * hold,) if hold else ()
+
+
+class RampHoldMotion(RampMotion):
+    """A ramp and a rest of `hold` s."""
+
+    hold: float
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s, and twice that of the rest."""
+        return self.top, *_rest_limit(self.hold)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp and rest."""
+        return self.ramp_and_rest(self.hold)
+
+
+class TrapezoidMotion(RampMotion):
+    """A ramp, a rest of `hold` s and the same ramp back to 0."""
+
+    hold: float
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Both ramps and the rest."""
+        top, rest = self.top, self.hold + self.corner
+        times, levels = [0, top, top + rest, 2 * top + rest], [0, self.level, self.level, 0]
+        if rest == 0:
+            times, levels = [0, top, 2 * top], [0, self.level, 0]
+        return Trajectory.through(times, levels, corner=self.corner, stop=True)
+
+
+class RampSinusoidMotion(RampMotion):
+    """A ramp, a rest of `settle` s, and `cycles` of a sine about the level of the ramp."""
+
+    amplitude: float
+    frequency: float
+    cycles: int
+    settle: float
+
+    @property
+    def rest(self) -> float:
+        """Length of the rest in s."""
+        return self.settle
+
+    @property
+    def periods(self) -> int:
+        """Number of cycles of the sine."""
+        return self.cycles
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        return self.top, *_rest_limit(self.rest), self.periods / self.frequency
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for a force that would pull."""
+        longest = self.periods / self.frequency
+        if self.corner > longest:
+            msg = (
+                f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
+                f"received {self.corner:g}; 0 starts it at once"
+            )
+            raise InputError(msg)
+        if self.control == "force" and self.amplitude >= self.level:
+            msg = (
+                f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
+                f"received {self.amplitude:g}; a contact cannot pull"
+            )
+            raise InputError(msg)
+        base = self.ramp_and_rest(self.rest)
+        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
+        return base.followed_by(wave, self.periods)
+
+
+class SinusoidMotion(Motion):
+    """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
+
+    amplitude: float
+    frequency: float
+    cycles: int
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The sine."""
+        wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
+        return Trajectory.level(self.amplitude, wave, self.cycles)
+
+
 class SampledMotion(Motion):
     """Times in s from 0 on, and a column named as `control`; straight lines between them."""
 
     time: tuple[float, ...]
     corner: float
 
-    @property
-    def shape(self) -> shapes.SamplesShape:
-        """Straight lines between the samples."""
-        return shapes.SamplesShape(
-            self.control, self.time, getattr(self, self.control), self.corner
-        )
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The lines; InputError for times or values that are none of a motion."""
+        values = getattr(self, self.control)
+        self._check_samples(self.control, values)
+        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
 
     def _check_fields(self) -> dict[str, Any]:
         self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
@@ -172,313 +292,43 @@ class SampledMotion(Motion):
             self._set(**{name: numbers(f"motion.{name}", getattr(self, name))})
         return {}
 
+    def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
+        time = self.time
+        if len(time) != len(values) or len(time) < 2:
+            msg = (
+                f"motion.{name}: expected as many values as times, at least 2, "
+                f"received {len(values)} values and {len(time)} times"
+            )
+            raise InputError(msg)
+        if time[0] != 0:
+            msg = (
+                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
+                "subtract it from all of them"
+            )
+            raise InputError(msg)
+        for i, (before, after) in enumerate(pairwise(time), start=1):
+            if after <= before:
+                msg = (
+                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
+                    "sort the samples and keep one of each time"
+                )
+                raise InputError(msg)
+        if max(values) <= 0:
+            msg = (
+                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
+                "so the indenter never touches the finger"
+            )
+            raise InputError(msg)
+        if name == "force" and min(values) < 0:
+            msg = (
+                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
+                "a contact cannot pull"
+            )
+            raise InputError(msg)
+
     @classmethod
     def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
         """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
         time, values = read_columns("motion.file", Path(file), ("time", cls.control))
         columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
         return cls(**columns)
-
-
-@final
-@dataclass(frozen=True)
-class Ramp(Motion):
-    """A ramp from rest at `speed` mm/s to `depth` mm, which ends while moving."""
-
-    kind = "ramp"
-    control = "depth"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampShape:
-        """One straight line."""
-        return shapes.RampShape(self.speed, self.depth, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class RampHold(Motion):
-    """A ramp at `speed` mm/s to `depth` mm, and then a rest of `hold` s."""
-
-    kind = "ramp-hold"
-    control = "depth"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    hold: float
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampHoldShape:
-        """A line and a rest."""
-        return shapes.RampHoldShape(self.speed, self.depth, self.hold, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class Trapezoid(Motion):
-    """A ramp at `speed` mm/s to `depth` mm, a rest of `hold` s, and the same ramp back to 0."""
-
-    kind = "trapezoid"
-    control = "depth"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    hold: float
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.TrapezoidShape:
-        """Two lines and the rest between them."""
-        return shapes.TrapezoidShape(self.speed, self.depth, self.hold, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class RampSinusoid(Motion):
-    """A ramp at `speed` mm/s to `depth` mm, `settle` s of rest, then a sine about that depth.
-
-    The sine starts upward (`cycles` whole ones of `amplitude` mm at `frequency` Hz); its amplitude
-    rises over `corner` s, which keeps the speed continuous, or is there at once if corner is 0.
-    An amplitude above `depth` lifts the indenter off the finger.
-    """
-
-    kind = "ramp-sinusoid"
-    control = "depth"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    amplitude: float
-    frequency: float
-    cycles: int
-    settle: float = 0.0
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampSinusoidShape:
-        """A line, a rest and a sine."""
-        base = shapes.RampHoldShape(self.speed, self.depth, self.settle, self.corner)
-        return shapes.RampSinusoidShape(
-            self.control, base, self.amplitude, self.frequency, self.cycles
-        )
-
-
-@final
-@dataclass(frozen=True)
-class Sinusoid(Motion):
-    """Depths amplitude (1 - cos(2 pi frequency t)) in mm: from first touch, at rest at both ends.
-
-    `amplitude` in mm is half of the largest depth, `frequency` in Hz, `cycles` whole ones (Pawluk
-    1997, Eq. 4.1 and 4.2 as appendix B starts them).
-    """
-
-    kind = "sinusoid"
-    control = "depth"
-
-    amplitude: float
-    frequency: float
-    cycles: int
-
-    @property
-    def shape(self) -> shapes.SinusoidShape:
-        """A sine."""
-        return shapes.SinusoidShape(self.amplitude, self.frequency, self.cycles)
-
-
-@final
-@dataclass(frozen=True)
-class Vibration(Motion):
-    """A preload of `preload` mm, held for `held` s, then a sine about it for `seconds`.
-
-    The experiment of vibrotaction: spikes count from the start of the sine, when the units have
-    adapted to the preload. The sine (whole cycles of `amplitude` mm at `frequency` Hz, one or more)
-    starts upward; its amplitude rises over `corner` s.
-    """
-
-    kind = "vibration"
-    control = "depth"
-
-    preload: float
-    _: KW_ONLY
-    amplitude: float
-    frequency: float
-    seconds: float = 1.0
-    held: float = 120.0
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampSinusoidShape:
-        """A line, a rest and a sine."""
-        base = shapes.RampHoldShape(APPROACH, self.preload, self.held, self.corner)
-        cycles = max(1, round(min(self.seconds * self.frequency, 1e18)))
-        if cycles > MOST_CYCLES:
-            msg = (
-                f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
-                f"received {self.frequency:g} Hz for {self.seconds:g} s"
-            )
-            raise InputError(msg)
-        return shapes.RampSinusoidShape(self.control, base, self.amplitude, self.frequency, cycles)
-
-    @property
-    def recorded_from(self) -> float:
-        """The start of the sine in s."""
-        return self.shape.base.trajectory().duration
-
-
-@final
-@dataclass(frozen=True)
-class Sampled(SampledMotion):
-    """Depths in mm at times in s, joined by straight lines, rounded only if a corner is given.
-
-    The times start at 0 and increase; below a depth of 0 the indenter is off the finger.
-    """
-
-    kind = "sampled"
-    control = "depth"
-
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
-    depth: tuple[float, ...]
-
-
-@final
-@dataclass(frozen=True)
-class ForceRamp(Motion):
-    """A ramp of the force from 0 at `loading_rate` N/s to `force` N, which ends while rising."""
-
-    kind = "force-ramp"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampShape:
-        """One straight line."""
-        return shapes.RampShape(self.loading_rate, self.force, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class ForceRampHold(Motion):
-    """A ramp of the force at `loading_rate` N/s to `force` N, and then `hold` s at that force."""
-
-    kind = "force-ramp-hold"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    hold: float
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampHoldShape:
-        """A line and a rest."""
-        return shapes.RampHoldShape(self.loading_rate, self.force, self.hold, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class ForceTrapezoid(Motion):
-    """A ramp of the force at `loading_rate` N/s to `force` N, `hold` s there, and back to 0."""
-
-    kind = "force-trapezoid"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    hold: float
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.TrapezoidShape:
-        """Two lines and the rest between them."""
-        return shapes.TrapezoidShape(self.loading_rate, self.force, self.hold, self.corner)
-
-
-@final
-@dataclass(frozen=True)
-class ForceRampSinusoid(Motion):
-    """As `RampSinusoid`, with a force in N at `loading_rate` N/s; amplitude below the force."""
-
-    kind = "force-ramp-sinusoid"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    amplitude: float
-    frequency: float
-    cycles: int
-    settle: float = 0.0
-    corner: float = _AS_LONG_AS_FITS
-
-    @property
-    def shape(self) -> shapes.RampSinusoidShape:
-        """A line, a rest and a sine."""
-        base = shapes.RampHoldShape(self.loading_rate, self.force, self.settle, self.corner)
-        return shapes.RampSinusoidShape(
-            self.control, base, self.amplitude, self.frequency, self.cycles
-        )
-
-
-@final
-@dataclass(frozen=True)
-class ForceSinusoid(Motion):
-    """As `Sinusoid`, with forces in N: from none to twice the amplitude."""
-
-    kind = "force-sinusoid"
-    control = "force"
-
-    amplitude: float
-    frequency: float
-    cycles: int
-
-    @property
-    def shape(self) -> shapes.SinusoidShape:
-        """A sine."""
-        return shapes.SinusoidShape(self.amplitude, self.frequency, self.cycles)
-
-
-@final
-@dataclass(frozen=True)
-class ForceSampled(SampledMotion):
-    """Forces in N, none below 0, at times in s, joined by straight lines."""
-
-    kind = "force-sampled"
-    control = "force"
-
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
-    force: tuple[float, ...]
-
-
-MOTIONS: dict[str, type[Motion]] = {
-    motion.kind: motion
-    for motion in (
-        Ramp,
-        RampHold,
-        RampSinusoid,
-        Sinusoid,
-        Trapezoid,
-        Vibration,
-        Sampled,
-        ForceRamp,
-        ForceRampHold,
-        ForceRampSinusoid,
-        ForceSinusoid,
-        ForceTrapezoid,
-        ForceSampled,
-    )
-}

@@ -7,7 +7,8 @@ from typing import Any, Self
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.checks import InputError, number

@@ -8,9 +8,11 @@ from typing import Any, NamedTuple, cast
 
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
-from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import INDENTERS, Flat, Indenter, Relief
-from fefinger.scene.motion import MOTIONS, ForceSampled, Motion, Sampled
+from fefinger.scene.finger import LAYERS, Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import INDENTERS, Flat, Relief
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import MOTIONS, ForceSampled, Sampled
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -113,18 +115,19 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     for name in ("surface", "bone_surface"):
         if isinstance(table.get(name), str):
             table[name] = str(folder / table[name])
-    tissue = table.get("tissue", "maeno1998")
+    given = any(layer in table for layer in LAYERS)
+    tissue = table.get("tissue", library.default_tissue(subject, given=given))
     if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
         tissue = table["tissue"] = str(folder / tissue)
     tissues = library.tissue_set(tissue)
-    for layer in ("skin", "subcutaneous"):
+    for layer in LAYERS:
         if layer in table:
-            given = _subtable(f"finger.{layer}", table)
-            given.pop("prony", None)
+            values = _subtable(f"finger.{layer}", table)
+            values.pop("prony", None)
             # A layer keeps its relaxation, as in Python; only the others take that of the finger.
             base = getattr(tissues, layer)
             prony = pronies.get(f"finger.{layer}", base.prony)
-            table[layer] = _layer(f"finger.{layer}", given, base, prony)
+            table[layer] = _layer(f"finger.{layer}", values, base, prony)
     table |= _hards(table)
     if "prony" in table:
         table["prony"] = pronies["finger"]

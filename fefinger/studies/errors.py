@@ -10,7 +10,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.plan import choose, settled
 from fefinger.result import Result
 from fefinger.results.records import Rung
-from fefinger.scene.motion import Ramp
+from fefinger.scene.motions import Ramp
 from fefinger.studies.columns import ERRORS
 from fefinger.studies.times import SAME, until
 

@@ -152,7 +152,8 @@ def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | No
     """
     from fefinger.mesh.first_touch import first_touch
     from fefinger.mesh.recipe import Recipe
-    from fefinger.scene.indenter import STANDARD, direction
+    from fefinger.scene.indenter import direction
+    from fefinger.scene.indenters import STANDARD
 
     scene, sites = result.scene, result.sites
     if "mesh" in result.response.sources and scene.indenter.place is None:

@@ -53,7 +53,8 @@ def agreed(
     the cheapest depends on the caches of this machine, and a continued study must not change it.
     `over` are the fields of the grid.
     """
-    place = folder / f"choice-{_digest(tasks)}.json" if folder else None
+    keys = "".join(sorted(map(key, tasks.values()))).encode()
+    place = folder / f"choice-{hashlib.sha256(keys).hexdigest()[:16]}.json" if folder else None
     choice = _stored(place)
     if choice is None:
         named = next(iter(tasks.values()))["mechanics"]
@@ -62,11 +63,9 @@ def agreed(
             write(place, json.dumps(choice))
     if choice.mechanics is None:
         return dict(tasks), choice.sentence
-    return _with(tasks, choice.mechanics, choice.mesh), choice.sentence
-
-
-def _digest(tasks: "Mapping[int, Task]") -> str:
-    return hashlib.sha256("".join(sorted(map(key, tasks.values()))).encode()).hexdigest()[:16]
+    planned = {"mechanics": choice.mechanics}
+    with_choice = {i: task | planned | _meshed(task, choice.mesh) for i, task in tasks.items()}
+    return with_choice, choice.sentence
 
 
 def _stored(place: "Path | None") -> Choice | None:
@@ -85,7 +84,9 @@ def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
     planned = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
-    used = list(dict.fromkeys(_label(scene, plan) for scene, plan in planned))
+    used = list(
+        dict.fromkeys(_named(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
+    )
     if named is not None:
         mesh = _finest(planned)
         return Choice(named, mesh, _sentence_on_mesh(_named(named, mesh), used) if mesh else "")
@@ -130,10 +131,6 @@ def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
         return None
 
 
-def _label(scene: "Scene", plan: "Plan") -> str:
-    return _named(plan.mechanics, _mesh(scene, plan))
-
-
 def _mesh(scene: "Scene", plan: "Plan") -> str | None:
     """Mesh chosen by a plan; None without a mesh or where the scene states its mesh."""
     stated = scene.finger.resolution != AUTO
@@ -147,10 +144,6 @@ def _named(mechanics: str, mesh: str | None) -> str:
 def _finest(planned: "Sequence[tuple[Scene, Plan]]") -> str | None:
     meshes = {_mesh(scene, plan) for scene, plan in planned}
     return max((mesh for mesh in meshes if mesh), key=RESOLUTIONS.index, default=None)
-
-
-def _with(tasks: "Mapping[int, Task]", mechanics: str, mesh: str | None) -> "dict[int, Task]":
-    return {i: {**task, "mechanics": mechanics, **_meshed(task, mesh)} for i, task in tasks.items()}
 
 
 def _meshed(task: "Task", mesh: str | None) -> "Task":

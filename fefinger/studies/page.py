@@ -53,6 +53,7 @@ MOST = 15
 
 def html(study: "StudyRows") -> str:
     """Render the page of a study."""
+    has_readings = any(row.get("sensor_peak_kPa") is not None for row in study.rows)
     done = study.scenes - len(study.failures)
     swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
     return page.render(
@@ -61,15 +62,10 @@ def html(study: "StudyRows") -> str:
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
-        lines=(errors(study.rows), MEANING, *([ARRAY] if _arrayed(study.rows) else [])),
+        lines=(errors(study.rows), MEANING, *([ARRAY] if has_readings else [])),
         parts=list(_parts(study)),
         provenance=list(page.flat(study.about)),
     )
-
-
-def _arrayed(rows: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether some row has readings of the array."""
-    return any(row.get("sensor_peak_kPa") is not None for row in rows)
 
 
 def part(title: str, *texts: str, **more: Any) -> dict[str, Any]:

@@ -118,10 +118,12 @@ class Prony:
         lam : (n,) array
             Rates in 1/s, ascending; they interlace with the rates v.
 
-        Notes ----- The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each
-        rate, and k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance
-        from the nearer end of its interval, so that rates far apart keep their digits. Terms with
-        equal rates are merged; the others of such a group, and terms without weight, have k = 0 and
+        Notes
+        -----
+        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each rate, and
+        k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance from the
+        nearer end of its interval, so that rates far apart keep their digits. Terms with equal
+        rates are merged; the others of such a group, and terms without weight, have k = 0 and
         lam = v.
         """
         v, place = np.unique(np.array(self.v), return_inverse=True)
@@ -200,6 +202,7 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     x = np.multiply.outer(step, np.array(prony.v))
     decay = np.exp(-x)[:, :, None]
     ramp = exprel(-x)[:, :, None]
+    # At rest before: the first value is a jump, which every exponential takes whole.
     memory = np.repeat(flat[:1], len(prony.v), axis=0)
     out = weights[0] * flat
     out[0] += weights[1:] @ memory

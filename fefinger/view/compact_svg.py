@@ -24,7 +24,8 @@ PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
 def compact(text: str) -> str:
     """Return the SVG text of a matplotlib figure without what does not show."""
     root = fromstring(text)
-    _drop_metadata(root)
+    for child in [child for child in root if _name(child) == "metadata"]:
+        root.remove(child)
     _rename_links(root)
     _merge_groups(root)
     for element in root.iter():
@@ -36,11 +37,6 @@ def compact(text: str) -> str:
 
 def _name(element: Element) -> str:
     return element.tag.rpartition("}")[2]
-
-
-def _drop_metadata(root: Element) -> None:
-    for child in [child for child in root if _name(child) == "metadata"]:
-        root.remove(child)
 
 
 def _rename_links(root: Element) -> None:

@@ -6,7 +6,8 @@ import numpy as np
 
 from fefinger.geometry.profiles import Profile, frame
 from fefinger.results.records import Array, ResultRecord
-from fefinger.scene.indenter import STANDARD, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.view.frames import whole
 
 

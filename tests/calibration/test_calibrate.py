@@ -48,7 +48,7 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     started = time.process_time()
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
-        finger=ff.Finger.subject("a.h."),
+        finger=ff.Finger.subject("a.h.", tissue="maeno1998"),
         mechanics="condensed",
         check=check,
     )
@@ -69,7 +69,9 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
 
 def test_a_finger_that_does_not_show_its_record_is_no_calibration(tmp_path, solved, linear, write):
     press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
-    found = ff.calibrate(press, finger=ff.Finger.subject("a.h."), mechanics="condensed")
+    found = ff.calibrate(
+        press, finger=ff.Finger.subject("a.h.", tissue="maeno1998"), mechanics="condensed"
+    )
     refuse_gross(found)
     gross = replace(found, residuals=found.residuals | {"mse": 1.5}, deepest=2.2)
     with pytest.raises(ConvergenceError, match=r"received 150 %; press less deep than 2\.2 mm"):
@@ -80,7 +82,9 @@ def test_a_touch_beside_that_of_the_lumped_law_is_told(tmp_path, solved, law, wr
     press = write(tmp_path / "press.csv", record_of(law.at(2.4, 14.0), 0.7, 0.4))
     for apart, count in ((1.0, 0), (1e-9, 1)):
         monkeypatch.setattr("fefinger.calibration.outcome.APART", apart)
-        found = ff.calibrate(press, finger=ff.Finger.subject("a.h."), resolution="coarse")
+        found = ff.calibrate(
+            press, finger=ff.Finger.subject("a.h.", tissue="maeno1998"), resolution="coarse"
+        )
         assert sum("x0: this finger touches at" in said for said in found.unidentified) == count
 
 
@@ -95,7 +99,7 @@ def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
     table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
-        finger=ff.Finger.subject("a.h."),
+        finger=ff.Finger.subject("a.h.", tissue="maeno1998"),
         resolution="coarse",
     )
     assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
@@ -244,7 +248,7 @@ def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatc
         return replace(formula(1.0, finger.pad_radius, 1.0), halt=halt)
 
     monkeypatch.setattr(press_store, "press", press)
-    own = press_store.Work(ff.Finger.subject("a.h."), None)
+    own = press_store.Work(ff.Finger.subject("a.h.", tissue="maeno1998"), None)
     for mesh, exponent in (("coarse", 1.0), ("standard", 1.0), ("standard", 2.0), ("coarse", 2.0)):
         own.press("solid", mesh, 14.0, exponent)
     assert spares == [SPARE, SPARE, LATER, SPARE]

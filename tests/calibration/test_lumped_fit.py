@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles import synthetic
 
 from fefinger.__main__ import main
 from fefinger.calibration import lumped_fit
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
-from fefinger.theory.lumped import identify, synthetic
+from fefinger.theory.lumped import identify
 from fefinger.theory.lumped.spring import Spring
 
 

@@ -49,7 +49,7 @@ def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_n
 
 
 def test_the_array_feels_the_whole_force_and_hertz(hertzian):
-    scene = pressed(ff.Finger.subject("a.h."), 0.08)
+    scene = pressed(ff.Finger.subject("a.h.", tissue="maeno1998"), 0.08)
     response = hertz.respond(scene)
     read = array_pressure(scene, response)
     assert read[-1].sum() * 4 == pytest.approx(1e3 * response.force[-1], rel=0.03)

@@ -25,7 +25,7 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
 
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: Way)
     monkeypatch.setattr("fefinger.mechanics.solid.respond", lambda scene, **_: Way.respond(scene))
-    finger = ff.Finger.subject("a.h.")
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
     first, again = press(finger, "condensed"), press(finger, "condensed")
     assert len(solved) == 1
     np.testing.assert_array_equal(first.array_pressure, again.array_pressure)
@@ -44,7 +44,7 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
 def test_a_press_whose_file_was_cut_short_is_solved_again(tmp_path, monkeypatch, left):
     monkeypatch.setattr(presses, "root", lambda: tmp_path)
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
-    finger = ff.Finger.subject("a.h.")
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
     first = press(finger, "condensed")
     (file,) = tmp_path.glob("*.npz")
     whole = file.read_bytes()
@@ -63,13 +63,15 @@ def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monk
 
     ways = {"condensed": type("W", (), {"respond": refuse}), "linear": hertz}
     monkeypatch.setattr("fefinger.mechanics.get", ways.get)
-    assert presses.small(ff.Finger.subject("a.h.")).depth[-1] == pytest.approx(1.8)
+    assert presses.small(ff.Finger.subject("a.h.", tissue="maeno1998")).depth[-1] == pytest.approx(
+        1.8
+    )
 
 
 def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(cache, "root", lambda: tmp_path)
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
-    press(ff.Finger.subject("a.h."), "condensed")
+    press(ff.Finger.subject("a.h.", tissue="maeno1998"), "condensed")
     (entry,) = cache.entries()
     assert (entry.kind, entry.paths[0].parent) == ("presses", tmp_path / "presses")
     assert 0 < entry.size < 1e6
@@ -92,6 +94,6 @@ def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
         raise Stopped(msg, replace(whole, **cut))
 
     monkeypatch.setattr("fefinger.mechanics.solid.respond", stop)
-    found = press(ff.Finger.subject("a.h."), "solid")
+    found = press(ff.Finger.subject("a.h.", tissue="maeno1998"), "solid")
     assert found.halt == "no further"
     assert 1.0 < found.depth[-1] < 1.3

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles import synthetic, taylor
 
 from fefinger.calibration import inverse, targets
 from fefinger.calibration.force import Forces, prony_of, stiffness
@@ -15,7 +16,6 @@ from fefinger.scene.finger import Finger
 from fefinger.support import package_data
 from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.lumped import synthetic
 from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
 
@@ -38,7 +38,7 @@ def test_a_subject_is_the_line_of_table_2_1():
 def test_the_jacobian_passes_taylors_test(law):
     forces = Forces(targets.subject("a.h."), law, 34.0, 3.0, 14.0)
     values = {each.name: each.start for each in forces.unknowns}
-    rest = inverse.taylor(forces.residual, forces.unknowns, values)
+    rest = taylor.remainders(forces.residual, forces.unknowns, values)
     assert rest[:2] / rest[1:] == pytest.approx([4.0, 4.0], rel=0.15)
 
 
@@ -139,9 +139,9 @@ def test_a_force_that_is_read_in_steps_is_of_a_sensor_within_its_range(tmp_path,
 def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
     found = targets.record(write(tmp_path / "press.csv", trial()), "coarse")
     deep = found.position.max() - found.lumped.spring.x0
-    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep))
+    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep, tissue="maeno1998"))
     with pytest.raises(InputError, match=r"press of less than .* mm, the tissue under the pad"):
-        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep))
+        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger import mechanics
@@ -31,7 +32,7 @@ QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
 def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
     assert main(["run", "flat-press", "--set", "motion.depth=1", "--mechanics", "linear"]) == 0
     ((scene, options),) = answered
-    assert scene == builtin.load("flat-press", {"motion.depth": 1})
+    assert scene == published.load("flat-press", {"motion.depth": 1})
     assert options == {"mechanics": "linear", "progress": None}
     out, err = capsys.readouterr()
     shown = ("peak force", "contact area", "centroid", "SAI-1", "seconds", "note", "No inertia")
@@ -92,7 +93,7 @@ def test_a_scene_is_answered_for_real(capsys):
 def test_a_result_says_how_to_make_it_again():
     import fefinger as ff
 
-    scene = builtin.load("flat-press", builtin.settings(QUICK[1::2]))
+    scene = published.load("flat-press", builtin.settings(QUICK[1::2]))
     requested = replace(scene, ask=Ask(strain=False, spikes=("FAI",), fields=False))
     result = ff.run(requested, mechanics="linear")
     assert (result.strain, result.fields) == (None, None)
@@ -148,12 +149,12 @@ def test_scenes_lists_all_and_prints_one_that_loads(capsys):
     out = capsys.readouterr().out
     assert [line.split()[0] for line in out.splitlines()] == list(builtin.names())
     assert main(["scenes", "press-to-1N"]) == 0
-    assert Scene.from_toml(capsys.readouterr().out) == builtin.load("press-to-1N")
+    assert Scene.from_toml(capsys.readouterr().out) == published.load("press-to-1N")
     assert main(["scenes", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["scenes"]
     assert [entry["name"] for entry in listed] == list(builtin.names())
     assert main(["scenes", "press-to-1N", "--json"]) == 0
-    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == builtin.load("press-to-1N")
+    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == published.load("press-to-1N")
 
 
 def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
@@ -249,7 +250,7 @@ def test_tissue_that_was_fitted_to_another_subject_is_told(name):
 
 
 def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
-    finger = replace(ff.Finger.subject("a.h."), tissue="calibrated_dp")
+    finger = replace(ff.Finger.subject("a.h.", tissue="maeno1998"), tissue="calibrated_dp")
     message = origin_notes(finger)
     assert message[0] == (
         "The tissue differs from calibrated_dp: finger.skin and finger.subcutaneous as given in "

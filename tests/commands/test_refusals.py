@@ -92,7 +92,9 @@ def test_an_indenter_that_never_touches_is_refused(capsys):
 def test_an_output_folder_that_cannot_be_written_is_refused_before_any_work(
     capsys, answered, monkeypatch, tmp_path, command
 ):
-    monkeypatch.setattr("fefinger.mesh.store.ready", lambda *a, **k: pytest.fail("work began"))
+    monkeypatch.setattr(
+        "fefinger.mesh.store.load_or_build", lambda *a, **k: pytest.fail("work began")
+    )
     (tmp_path / "file").write_text("")
     name = "m.vtu" if command == ["mesh"] else ""
     err = refused(capsys, [*command, "-o", str(tmp_path / "file" / name)])

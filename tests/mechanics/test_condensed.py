@@ -14,12 +14,12 @@ from fefinger.mechanics.evidence.table import CONDENSED, read
 from fefinger.mechanics.press import operator, operator_cache
 from fefinger.mechanics.press.notes import RIGID_BONE
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 STIFFER = replace(FINGER, skin=replace(FINGER.skin, modulus=3 * FINGER.skin.modulus))
 WAVE = ff.RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=2)
 PRESSES = {
@@ -98,7 +98,7 @@ def test_what_decides_the_operator_decides_its_folder() -> None:
 
 
 def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
-    built = operator.build(FINGER, ready(FINGER, half=True), odd=False)
+    built = operator.build(FINGER, load_or_build(FINGER, half=True), odd=False)
     identity = operator_cache.identity(FINGER, odd=False)
     operator.write(built, tmp_path / "kept", identity)
     operator.write(built, tmp_path / "kept", identity)  # the second one changes nothing

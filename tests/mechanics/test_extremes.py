@@ -18,19 +18,19 @@ from fefinger.mechanics import solid as finite
 from fefinger.mechanics.press import hard_parts, placement
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 HELD = hard_parts.fixed_facets(FINGER)
 DEPTH = 0.6
 
 
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
-    return ready(FINGER, half=True)
+    return load_or_build(FINGER, half=True)
 
 
 def solid(mesh: FingerMesh, skin: float, pulp: float, poisson: float = 0.48) -> Body:
@@ -41,13 +41,13 @@ def pressed(finger: Body, touch: Obstacle, depth: float) -> tuple[float, float, 
     """Return the force, and how far forces and moments are from balance, relative to it."""
     on_pad = patch(finger.space, finger.pad, finger.normals, touch, 1.0)
     small = reduce(finger, on_pad, strain_at(finger.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - depth * on_pad.projected)
     loads = on_pad.loads @ pressure
     reactions = np.zeros(finger.space.n_unknowns)
     held = finger.system.fixed
     reactions[held] = finger.system.reactions(finger.system.solve(loads), loads)
     nodes = reactions[: finger.space.n_displacements].reshape(-1, 3)
-    force = float(on_pad.travel @ pressure)
+    force = float(on_pad.projected @ pressure)
     moment = np.cross(finger.space.node_points, nodes).sum(axis=0) + pressure @ on_pad.moment
     if finger.half:
         moment = moment[1:2]  # the other half balances the rest
@@ -154,6 +154,13 @@ def test_a_mesh_that_cannot_be_solved_on_is_refused(
         solid(fault(mesh), 136, 80)
 
 
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the continuation behind the cut, which contact would meet much deeper."""
+    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: False)
+
+
+@pytest.mark.usefixtures("short")
 def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
     asked = ff.Ask(fields=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
@@ -161,12 +168,23 @@ def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
         linear.respond(deep)
 
 
-@pytest.mark.usefixtures("few_steps")
+@pytest.mark.usefixtures("few_steps", "short")
 def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut() -> None:
     asked = ff.Ask(fields=False, strain=False)
     deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
     with pytest.raises(InputError, match=r"at a depth of 1\.\d+ mm it reaches the proximal cut"):
         finite.respond(deep)
+
+
+@pytest.mark.usefixtures("few_steps")
+def test_finite_strain_answers_the_same_press_on_the_continued_finger() -> None:
+    asked = ff.Ask(fields=False, strain=False)
+    flat, steeper = (
+        ff.Scene(finger=FINGER, indenter=ff.Flat(angle), motion=ff.Ramp(60, 2.0), ask=asked)
+        for angle in (0, 10)
+    )
+    force = [finite.respond(each).force[-1] for each in (flat, steeper)]
+    assert 0.8 < force[0] / force[1] < 1.25
 
 
 def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:
@@ -203,7 +221,9 @@ def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounde
     subject: str, at: tuple[float, float]
 ) -> None:
     scene = ff.Scene(
-        finger=ff.Finger.subject(subject), indenter=ff.Sphere(5, at=at), motion=ff.Ramp(60, 0.3)
+        finger=ff.Finger.subject(subject, tissue="maeno1998"),
+        indenter=ff.Sphere(5, at=at),
+        motion=ff.Ramp(60, 0.3),
     )
     assert linear.unmeshable(Situation.of(scene)) == ()
 

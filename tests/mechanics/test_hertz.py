@@ -1,9 +1,10 @@
-"""The mechanics `hertz`: strain through loading, hold, release and creep, balance, refusals."""
+"""The mechanics `hertz`: strain, force and pressure against closed forms, place, refusals."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import hertz, linear
@@ -11,15 +12,14 @@ from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Touch, turned
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Sites
-from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.ting import radius_nodes
-from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
+from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.")
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
 ASK = ff.Ask(fields=False)
 PRONY = FINGER.prony
 BODY = hertz.HalfSpace(14.0, *hertz.tissue(FINGER))
@@ -30,40 +30,7 @@ def scene(**parts):
     return ff.Scene(**(given | parts))
 
 
-def elastic(depths):
-    """Strain (n, 4, 3, 3) at the four end organs of the elastic finger at the depths."""
-    organ = hertz.respond(scene()).sites
-    frame = np.stack([np.eye(3)[0], np.eye(3)[1], -organ.normals[0]])
-    values = BODY.strain(np.asarray(depths), np.zeros(4), organ.depths)
-    axis = np.outer(frame[2], frame[2])
-    across = values[..., :1, None] * (np.eye(3) - axis)
-    return across + values[..., 2:3, None] * axis
-
-
 # Strain
-
-
-def test_on_loading_and_hold_strain_is_the_elastic_field_at_the_present_depth():
-    answer = hertz.respond(scene())
-    want = elastic(answer.depth)
-    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
-    holding = answer.time >= answer.time[-1] - 1.0
-    assert np.ptp(answer.strain[holding], axis=0).max() < 1e-12
-    assert np.ptp(answer.force[holding]) > 0.3 * answer.force.max()  # while the force relaxes
-
-
-def test_after_release_a_residual_strain_remains_and_fades_without_pressure():
-    release = ff.Sampled([0, 0.1, 0.2, 0.3, 1.3], depth=[0, 0.5, 0.5, -0.2, -0.2])
-    answer = hertz.respond(scene(motion=release))
-    off = answer.time > 0.3
-    peak = np.abs(answer.strain).max()
-    size = np.abs(answer.strain[off]).max(axis=(1, 2, 3))
-    assert size[0] > 0.02 * peak
-    assert (np.diff(size) < 0).all()
-    assert size[-1] < 0.5 * size[0]
-    assert np.abs(answer.pressure[off]).max() == answer.force[off].max() == 0
-    assert np.isnan(answer.centroid[off]).all()
-    assert answer.contact_area[off].max() == 0
 
 
 def test_touching_the_dent_again_is_weaker_than_touching_rested_skin():
@@ -73,25 +40,6 @@ def test_touching_the_dent_again_is_weaker_than_touching_rested_skin():
     assert 0 < answer.force[-1] < 0.9 * rested.force[-1]
     lower = answer.strain[-1, 0] - rested.strain[-1, 0]
     assert np.abs(lower).max() < 0.1 * np.abs(rested.strain[-1, 0]).max()
-
-
-def test_at_fixed_force_strain_and_depth_creep_as_the_creep_function_says():
-    answer = hertz.respond(scene(motion=ff.ForceRampHold(5, 0.3, hold=20.0)))
-    holding = answer.time >= answer.time[-1] - 20.0
-    assert answer.force[holding] == pytest.approx(0.3, rel=1e-9)
-    assert (np.diff(answer.depth[holding]) > 0).all()
-    assert answer.depth[-1] == pytest.approx(BODY.depth(300.0), rel=1e-3)  # relaxed by then
-    want = elastic(answer.depth)
-    assert answer.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())
-    # Long before that, too: the elastic force of the depth is the force convolved with J.
-    want = creep_integral(PRONY, answer.time, 1e3 * answer.force) * PRONY.long_time
-    assert BODY.force(answer.depth) == pytest.approx(want, abs=1e-3 * want.max())
-    ceiling, weights, rates = PRONY.creep()
-    later = answer.time[holding][3:] - 0.035  # after the middle of the ramp of 60 ms and a corner
-    growth = PRONY.long_time * (ceiling - np.exp(-np.outer(later, rates)) @ weights)
-    reached = BODY.force(answer.depth[holding][3:]) / 300.0
-    slow = later > 0.1
-    assert reached[slow] == pytest.approx(growth[slow], rel=2e-3)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.48, 0.5])
@@ -137,30 +85,6 @@ def test_components_turn_into_the_tensors_of_the_frame_of_the_finger():
 # Force, pressure, area
 
 
-MOTIONS = [
-    ff.RampHold(20, 0.5, hold=1.0),
-    ff.Trapezoid(20, 0.5, hold=0.1),
-    ff.RampSinusoid(20, 0.4, amplitude=0.3, frequency=8, cycles=3),
-    ff.ForceTrapezoid(2, 0.3, hold=0.1),
-]
-
-
-@pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
-def test_pressure_never_pulls_and_adds_up_to_the_force(motion):
-    answer = hertz.respond(scene(motion=motion))
-    assert answer.pressure.min() >= 0
-    total = 1e-3 * answer.pressure @ answer.pad.areas
-    assert total == pytest.approx(answer.force, abs=1e-9 * answer.force.max())
-    assert 0.99 < answer.contact_area.max() / answer.pad.areas.sum() < 1 + 1e-9
-    value = motion.value(answer.time)
-    told = answer.depth if motion.control == "depth" else answer.force
-    assert told == pytest.approx(value, abs=1e-9)
-    edges = answer.pad.points[answer.pad.triangles]
-    flat = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
-    assert (flat @ answer.pad.normals[0] > 0).all()
-    assert 0.85 < np.linalg.norm(flat, axis=1).sum() / 2 / answer.pad.areas.sum() < 1.05
-
-
 def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_force_of_hertz():
     answer = hertz.respond(scene())
     relaxed = [1e-3 * Hertz(14.0, d, BODY.modulus, BODY.poisson).force for d in answer.depth]
@@ -191,9 +115,6 @@ def test_the_object_touches_where_it_is_put_and_the_same_pad_answers():
     assert aside.force == pytest.approx(middle.force)
     assert aside.centroid[-1] == pytest.approx([1.0, -1.5])
     assert middle.centroid[-1] == pytest.approx([0.0, 0.0])
-    round_one = hertz.respond(scene(indenter=ff.Ellipsoid((5.0, 5.0, 5.0))))
-    assert round_one.force == pytest.approx(middle.force)
-    assert hertz.ELLIPTIC in round_one.notes
     plate = hertz.respond(scene(indenter=ff.Sphere(1e9)))
     assert plate.force == pytest.approx(hertz.respond(scene()).force)
     assert middle.force[-1] < 0.6 * plate.force[-1]
@@ -273,7 +194,7 @@ def test_a_place_beyond_the_pad_is_beyond_its_ability():
 
 
 def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
-    plan = ff.explain(builtin.load("flat-press"))
+    plan = ff.explain(published.load("flat-press"))
     assert plan.mechanics == "linear"
     rung = next(rung for rung in plan.rungs if rung.mechanics == "hertz")
     assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
@@ -329,7 +250,7 @@ def test_on_homogeneous_tissue_the_finite_elements_agree_within_the_stated_error
 
 
 def test_spikes_do_not_depend_on_the_number_of_contact_radii(monkeypatch):
-    asked = builtin.load("press-to-1N", {"ask.fields": False})
+    asked = published.load("press-to-1N", {"ask.fields": False})
     counts = []
     for count in (64, 256):
         monkeypatch.setattr(ting, "radius_nodes", lambda deepest, n=count: radius_nodes(deepest, n))

@@ -23,14 +23,14 @@ from fefinger.mechanics.press import (
     time_steps,
 )
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 PRESS = ff.RampHold(speed=60, depth=1.0, hold=0.5)
 ASK = ff.Ask(fields=False)
 
@@ -42,7 +42,7 @@ def scene(**parts: object) -> ff.Scene:
 
 @pytest.fixture(scope="module")
 def half() -> Body:
-    mesh = ready(FINGER, half=True)
+    mesh = load_or_build(FINGER, half=True)
     return body(mesh, constitutive.tissues(FINGER), hard_parts.fixed_facets(FINGER))
 
 
@@ -61,12 +61,12 @@ def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
     touch = placement.obstacle(indenter, half)
     on_pad = patch(half.space, half.pad, half.normals, touch, 1.0)
     small = reduce(half, on_pad, strain_at(half.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.projected)
     loads = on_pad.loads @ pressure
     reactions = np.zeros(half.space.n_unknowns)
     reactions[half.system.fixed] = half.system.reactions(half.system.solve(loads), loads)
     total = reactions[: half.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    force = float(on_pad.travel @ pressure)
+    force = float(on_pad.projected @ pressure)
     assert force > 0
     assert pressure.min() >= 0
     assert -total @ touch.axis == pytest.approx(force, rel=1e-6)
@@ -205,7 +205,7 @@ def test_what_is_not_asked_is_none() -> None:
 
 def test_the_stated_error_was_measured_on_the_meshes_that_are_shipped() -> None:
     for resolution, row in read(LINEAR)["resolutions"].items():
-        mesh = ready(replace(FINGER, resolution=resolution), half=True)
+        mesh = load_or_build(replace(FINGER, resolution=resolution), half=True)
         assert row["mesh"]["mesh_sha256"] == mesh.fingerprint
     motion = ff.RampHold(speed=60, depth=1.5, hold=5)
     pressed = linear.respond(scene(motion=motion, ask=replace(ASK, spikes=("FAII",))))

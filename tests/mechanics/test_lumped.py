@@ -73,7 +73,10 @@ def test_under_force_control_the_depth_gives_the_force_back():
 
 @pytest.mark.parametrize(
     ("finger", "whose"),
-    [(calibrated(), "Table 2.1, a.h."), (ff.Finger.subject("a.h."), "lumped-force.json")],
+    [
+        (calibrated(), "Table 2.1, a.h."),
+        (ff.Finger.subject("a.h.", tissue="maeno1998"), "lumped-force.json"),
+    ],
 )
 def test_it_gives_force_and_depth_and_says_whose(finger, whose):
     answer = lumped.respond(scene(finger=finger))
@@ -106,16 +109,19 @@ DOUBTS = [
     ({"indenter": ff.Sphere(radius=5)}, "indenter = sphere: it was measured with a flat plate"),
     ({"indenter": ff.Flat(angle=10)}, "indenter.angle, tilt = 10, 0 degrees: it was measured at"),
     ({"indenter": ff.Flat(angle=30, tilt=5)}, "indenter.angle, tilt = 30, 5 degrees"),
-    ({"finger": ff.Finger(14, 10, pad_radius=13)}, f"{OTHER}means, is taken"),
+    ({"finger": ff.Finger(14, 10, pad_radius=13, tissue="maeno1998")}, f"{OTHER}means, is taken"),
     (
-        {"finger": ff.Finger.subject("f.c.", width=14, thickness=10)},
+        {"finger": ff.Finger.subject("f.c.", width=14, thickness=10, tissue="maeno1998")},
         f"{OTHER}means, is taken",
     ),
     ({"finger": calibrated(width=15)}, f"{OTHER}a.h., is taken"),
     ({"finger": calibrated(prony=ff.Prony((0.4, 0.6), (10.0,)))}, f"{OTHER}a.h."),
-    ({"finger": ff.Finger.subject("a.h.", surface=__file__)}, "finger: from a surface"),
     (
-        {"finger": ff.Finger.subject("d.s."), "indenter": ff.Flat(20)},
+        {"finger": ff.Finger.subject("a.h.", surface=__file__, tissue="maeno1998")},
+        "finger: from a surface",
+    ),
+    (
+        {"finger": ff.Finger.subject("d.s.", tissue="maeno1998"), "indenter": ff.Flat(20)},
         "its law is known under plates at 30 degrees; that of Table 2.1, d.s., is taken",
     ),
     ({"motion": ff.Ramp(60, 2.4)}, "relaxed force at 2.4 mm = 3.3 > 3 N"),
@@ -171,7 +177,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
     """Its relaxed force is that of `solid`, within twice what the spring of Eq. 2.1 leaves."""
-    finger = ff.Finger.subject(subject)
+    finger = ff.Finger.subject(subject, tissue="maeno1998")
     row = table.read("solid-force.json")["rows"][f"{subject}/flat-30"]
     depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))
     deepest = depth <= 0.18 * finger.thickness
@@ -194,7 +200,7 @@ def test_the_laws_are_those_of_the_presses_that_the_reports_hold():
 
 
 def test_the_law_of_a_finger_goes_with_its_moduli_and_its_relaxation():
-    soft, G = ff.Finger.subject("a.h."), ff.Prony((0.4, 0.6), (10.0,))
+    soft, G = ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Prony((0.4, 0.6), (10.0,))
     double = {
         name: replace(getattr(soft, name), modulus=2 * getattr(soft, name).modulus)
         for name in ("skin", "subcutaneous")
@@ -211,7 +217,7 @@ def test_the_law_of_a_finger_goes_with_its_moduli_and_its_relaxation():
 
 @pytest.mark.parametrize(("angle", "neighbors"), [(20, (15, 30)), (4, (0, 15))])
 def test_the_law_between_two_plates_lies_between_theirs(angle, neighbors):
-    finger = ff.Finger.subject("a.h.")
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
     below, own, above = (
         lumped.respond(scene(finger=finger, indenter=ff.Flat(each), motion=ff.Ramp(60, 0.9)))
         for each in (neighbors[0], angle, neighbors[1])

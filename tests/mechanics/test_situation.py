@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger import mechanics, plan
 from fefinger.mechanics import situation
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
-from fefinger.scene import builtin
 from fefinger.scene.finger import RESOLUTIONS
 from fefinger.scene.scene import Scene
 
 
 def pressed(**changes: Any) -> Scene:
-    return builtin.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
+    return published.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, owner: Any, name: str) -> list[int]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 from fefinger.validation.problems.cube import cube
 
 import fefinger as ff
@@ -21,7 +22,6 @@ from fefinger.mechanics.press import finite_strain
 from fefinger.mechanics.press.failure import most_compressed
 from fefinger.neural.afferents import equivalent_displacements
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
@@ -33,7 +33,7 @@ ELASTIC = ff.Prony((1.0,), ())
 
 def press(motion: Motion, *, strain: bool = False, **finger: object) -> Scene:
     """Return a plate on the coarse finger of flat-press."""
-    scene = builtin.load("flat-press")
+    scene = published.load("flat-press")
     asked = ff.Ask(strain=strain, fields=strain)
     coarse = replace(scene.finger, resolution="coarse", **finger)
     return Scene(finger=coarse, indenter=ff.Flat(30), motion=motion, ask=asked)
@@ -141,7 +141,7 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
 
 @pytest.mark.parametrize("poisson", [0.48, 0.480001])
 def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate(poisson: float):
-    finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ELASTIC)
+    finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ELASTIC, tissue="maeno1998")
     skin, rest = (replace(each, poisson=poisson) for each in (finger.skin, finger.subcutaneous))
     finger = replace(finger, skin=skin, subcutaneous=rest)
     motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
@@ -195,7 +195,7 @@ COMMON = {
 @pytest.fixture(scope="module")
 def plain() -> float:
     """Return the largest force where all tissue relaxes alike, and wholly."""
-    return float(solid.respond(builtin.load("flat-press", COMMON)).force.max())
+    return float(solid.respond(published.load("flat-press", COMMON)).force.max())
 
 
 @pytest.mark.parametrize(
@@ -216,7 +216,7 @@ def plain() -> float:
 def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
     settings: dict[str, object], reason: str, note: str, plain: float
 ):
-    asked = builtin.load("flat-press", COMMON | settings)
+    asked = published.load("flat-press", COMMON | settings)
     plan = ff.explain(asked)
     assert plan.mechanics == "solid"
     for rung in plan.rungs[:-1]:
@@ -272,7 +272,7 @@ def test_a_press_through_the_bone_is_refused():
 
 def test_laws_travel_through_scene_files():
     settings = {"finger.skin.law": "demiray", "finger.skin.exponent": 4.0}
-    scene = builtin.load("flat-press", settings)
+    scene = published.load("flat-press", settings)
     assert scene.finger.skin.exponent == 4.0
     assert Scene.from_toml(scene.to_toml()) == scene
 
@@ -288,12 +288,12 @@ def test_laws_travel_through_scene_files():
 )
 def test_laws_are_checked(settings: dict[str, object], what: str):
     with pytest.raises(InputError, match=what):
-        builtin.load("flat-press", settings)
+        published.load("flat-press", settings)
 
 
 @pytest.mark.parametrize("mechanics", [linear, solid], ids=["linear", "solid"])
 def test_contact_that_reaches_the_rim_of_a_ball_is_refused_with_what_to_do(mechanics: Any):
-    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    finger = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     ask = ff.Ask(pressure=False, strain=False, fields=False)
     motion = ff.Ramp(60, 2.0, corner=0)
     scene = Scene(finger=finger, indenter=ff.Sphere(1.5), motion=motion, ask=ask)

@@ -8,7 +8,8 @@ import pytest
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import smooth
-from fefinger.mesh.build import SETTINGS, build, sizes, touch_point
+from fefinger.mesh.build import SETTINGS, build, sizes
+from fefinger.mesh.finger_shape import touch_point
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe

@@ -8,11 +8,11 @@ from fefinger.fem.body import solid
 from fefinger.mechanics.press import placement
 from fefinger.mesh.first_touch import _shape, directions, first_touch
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.indenter import direction
 
 
-RECIPE = Recipe.of(ff.Finger.subject("a.h."))
+RECIPE = Recipe.of(ff.Finger.subject("a.h.", tissue="maeno1998"))
 
 
 def test_the_standard_plate_touches_at_the_origin_with_the_radii_of_the_shape():
@@ -42,8 +42,8 @@ def test_the_plane_of_a_plate_has_distal_and_sideways():
 @pytest.mark.parametrize("angle", [5, 15, 33, 45])
 def test_a_plate_meets_a_mesh_where_it_meets_the_smooth_skin(angle: float, resolution: str) -> None:
     """On the mesh of another plate; the foremost vertex is up to 1.4 mm away."""
-    finger = ff.Finger.subject("a.h.", resolution=resolution)
-    body = solid(ready(finger, half=True, touch=None), (1, 2))
+    finger = ff.Finger.subject("a.h.", resolution=resolution, tissue="maeno1998")
+    body = solid(load_or_build(finger, half=True, touch=None), (1, 2))
     touch = placement.obstacle(ff.Flat(angle), body)
     expected = first_touch(Recipe.of(finger), touch.axis).point
     assert touch.origin == pytest.approx(expected, abs=0.06)

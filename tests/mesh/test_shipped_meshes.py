@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import vtu
-from fefinger.mesh.build import touch_point
-from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.parametric import parametric, radii
 from fefinger.mesh.quality import (
@@ -20,7 +19,7 @@ from fefinger.mesh.quality import (
     measured_radii,
 )
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.store import data_folder
+from fefinger.mesh.shipped import data_folder
 
 
 Integers = NDArray[np.int64]

@@ -5,7 +5,7 @@ import pytest
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import vtu
-from fefinger.mesh.store import data_folder
+from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import InputError
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mesh import store, vtu
+from fefinger.mesh import shipped, store, vtu
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
@@ -21,7 +21,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
     """Return the smallest shipped half."""
-    return vtu.read(store.data_folder() / "ah-coarse.vtu")
+    return vtu.read(shipped.data_folder() / "ah-coarse.vtu")
 
 
 @pytest.fixture
@@ -107,7 +107,7 @@ def test_sidecar_of_something_else_is_refused(
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
 def test_hash_in_a_damaged_sidecar_counts_as_none(no_cache: Path, text: str) -> None:
-    finger = Finger(15, 11)
+    finger = Finger(15, 11, tissue="maeno1998")
     sidecar = store.cached_path(Recipe.of(finger)).with_suffix(".json")
     sidecar.parent.mkdir(parents=True)
     sidecar.write_text(text)
@@ -135,10 +135,10 @@ def test_surface_that_is_gone_is_named() -> None:
 
 
 def test_shipped_mesh_is_used_without_meshing(no_cache: Path) -> None:
-    half = store.ready(Recipe(14, 10, 14, resolution="coarse"), half=True)
+    half = store.load_or_build(Recipe(14, 10, 14, resolution="coarse"), half=True)
     assert half.name == "ah-coarse"
     assert half.half
-    assert not store.ready(Recipe(14, 10, 14, resolution="coarse"), half=False).half
+    assert not store.load_or_build(Recipe(14, 10, 14, resolution="coarse"), half=False).half
     assert not no_cache.exists()
 
 
@@ -154,11 +154,11 @@ def test_new_mesh_is_built_once_and_cached(
     monkeypatch.setattr("fefinger.mesh.build.build", build)
     recipe = Recipe(15, 11, 14)
     for _ in range(2):
-        assert np.array_equal(store.ready(recipe, half=True).points, mesh.points)
+        assert np.array_equal(store.load_or_build(recipe, half=True).points, mesh.points)
     assert calls == [recipe]
     assert sorted(path.suffix for path in (no_cache / "meshes").iterdir()) == [".json", ".vtu"]
     store.cached_path(recipe).write_bytes(b"damaged")
-    store.ready(recipe, half=True)
+    store.load_or_build(recipe, half=True)
     assert calls == [recipe, recipe]
 
 
@@ -168,7 +168,7 @@ def test_mesh_is_given_even_if_it_cannot_be_cached(
     no_cache.write_text("a file where the folder should be")
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
     said: list[str] = []
-    assert store.ready(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
+    assert store.load_or_build(Recipe(15, 11, 14), half=True, progress=said.append) is mesh
     assert "could not be cached" in said[-1]
 
 
@@ -177,7 +177,7 @@ def test_mesh_that_cannot_be_cached_is_not_drawn_again(
 ) -> None:
     no_cache.write_text("a file where the folder should be")
     for _ in range(2):
-        found = store.ready(Recipe(15, 11, 14), half=True)
+        found = store.load_or_build(Recipe(15, 11, 14), half=True)
         assert found.fingerprint == builds[0].fingerprint
     assert len(builds) == 1
 
@@ -193,7 +193,7 @@ def test_first_mesh_that_is_kept_is_that_of_all(
 
     monkeypatch.setattr("fefinger.mesh.build.build", build)
     for _ in range(2):
-        assert store.ready(recipe, half=True).fingerprint == first.fingerprint
+        assert store.load_or_build(recipe, half=True).fingerprint == first.fingerprint
 
 
 def test_who_needs_a_mesh_that_is_being_built_waits_for_it(
@@ -218,9 +218,9 @@ def test_who_needs_a_mesh_that_is_being_built_waits_for_it(
 
     recipe = Recipe(15, 11, 14)
     with ThreadPoolExecutor(2) as pool:
-        first = pool.submit(store.ready, recipe, half=True)
+        first = pool.submit(store.load_or_build, recipe, half=True)
         assert building.wait(60)
-        second = pool.submit(store.ready, recipe, half=True, progress=say)
+        second = pool.submit(store.load_or_build, recipe, half=True, progress=say)
         assert first.result().fingerprint == second.result().fingerprint
     assert len(builds) == 1
     assert said == ["another process builds this mesh; waiting for it"]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.preliminary import spring
 
 from fefinger.neural import units
 from fefinger.neural.afferents import equivalent_displacements, from_strain, simulate
@@ -12,7 +13,6 @@ from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.preliminary import spring
 from fefinger.neural.reference import Reference
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation

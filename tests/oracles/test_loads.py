@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.point_force import point_displacement
 from oracles import loads
 from oracles.differences import derivative
 
 from fefinger.theory.contact import elastic
-from fefinger.theory.contact.loads import point_displacement
 
 
 POISSON = pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
@@ -192,8 +192,3 @@ def test_a_rectangle_displaces_the_surface_as_four_and_as_a_point():
     halves = sum(moved(place - [x, 0], (0.5, 0.6)) for x in (-0.5, 0.5))
     assert moved(place) == pytest.approx(halves, rel=1e-13)
     assert moved((300.0, 400.0)) == pytest.approx(7 * 2.4 * 0.91 / (np.pi * 3 * 500), rel=1e-5)
-
-
-def test_a_place_at_a_point_force_is_refused():
-    with pytest.raises(ValueError, match="away from the force"):
-        point_displacement(0.0, 0.0, force=1.0, modulus=1.0, poisson=0.3)

@@ -11,7 +11,7 @@ import pytest
 from fefinger.pages import report
 from fefinger.result import Result
 from fefinger.results.records import Rung
-from fefinger.scene.motion import Ramp, RampHold, RampSinusoid
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.view import figures, renderer
 

@@ -13,7 +13,7 @@ import pytest
 
 from fefinger.pages import viewer
 from fefinger.result import Result
-from fefinger.scene.indenter import Flat, Grating, Sphere
+from fefinger.scene.indenters import Flat, Grating, Sphere
 from fefinger.support.checks import InputError
 from fefinger.view import frames, indenter_pose, quantities, surfaces
 

@@ -13,7 +13,7 @@ from fefinger.theory.relaxation import Prony
 
 
 ASK = ff.Ask(strain=False, fields=False)
-FINGER = ff.Finger.subject("a.h.", prony=Prony((1.0,), ()))
+FINGER = ff.Finger.subject("a.h.", prony=Prony((1.0,), ()), tissue="maeno1998")
 SCENE = ff.Scene(finger=FINGER, motion=ff.RampHold(5, 1.0, hold=0.5), ask=ASK)
 
 

@@ -12,8 +12,9 @@ from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
 from fefinger.result import Result
-from fefinger.scene.indenter import INDENTERS, Indenter
-from fefinger.scene.motion import MOTIONS
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import INDENTERS
+from fefinger.scene.motions import MOTIONS
 from fefinger.support.checks import InputError
 from fefinger.view import indenter_pose
 
@@ -41,7 +42,7 @@ EXTENT = {"pressure": False, "strain": False, "fields": False}
 
 def scene(indenter: Indenter, **requested: object) -> ff.Scene:
     return ff.Scene(
-        finger=ff.Finger.subject("a.h.", resolution="coarse"),
+        finger=ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
         indenter=indenter,
         motion=ff.Ramp(60, 0.6),
         ask=ff.Ask(**({"fields": False} | requested)),

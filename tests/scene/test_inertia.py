@@ -11,7 +11,9 @@ from fefinger.scene.inertia import jump, quasistatic, wave_speed
 
 def test_what_is_not_quasi_static_is_warned_of():
     ask = ff.Ask(pressure=False, strain=False, fields=False)
-    soft = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.Ramp(60, 0.5), ask=ask)
+    soft = ff.Scene(
+        finger=ff.Finger.subject("a.h.", tissue="maeno1998"), motion=ff.Ramp(60, 0.5), ask=ask
+    )
     assert wave_speed(soft.finger) == pytest.approx(3390, abs=5)  # mm/s, at 34 kPa
     slow = ff.run(soft, mechanics="lumped")
     assert not [note for note in slow.notes if "quasi-static" in note]

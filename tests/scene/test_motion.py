@@ -5,7 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from fefinger.scene.motion import (
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
     MOTIONS,
     ForceRamp,
     ForceRampHold,
@@ -13,7 +14,6 @@ from fefinger.scene.motion import (
     ForceSampled,
     ForceSinusoid,
     ForceTrapezoid,
-    Motion,
     Ramp,
     RampHold,
     RampSinusoid,

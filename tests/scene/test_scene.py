@@ -6,19 +6,20 @@ from dataclasses import replace
 from datetime import date
 
 import pytest
+from fefinger.validation.problems import published
 
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Ellipsoid, Flat, Sphere
-from fefinger.scene.motion import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.scene.motions import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
 from fefinger.scene.population import Scatter
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError
 
 
-FINGER = Finger.subject("a.h.")
+FINGER = Finger.subject("a.h.", tissue="maeno1998")
 ODD = 0.1 + 0.2  # a float whose short form is another number
 MOTION_VALUES = {
     "speed": 60 / 7,
@@ -83,10 +84,10 @@ def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
 
 
 def test_flat_press_is_the_scene_of_the_issue():
-    scene = builtin.load("flat-press")
+    scene = published.load("flat-press")
     assert scene == Scene(
         name="flat-press",
-        finger=Finger.subject("a.h."),
+        finger=Finger.subject("a.h.", tissue="maeno1998"),
         indenter=Flat(angle=30),
         motion=RampHold(speed=60, depth=1.5, hold=5, corner=0.01),
         ask=Ask(spikes=("SAI", "SAII", "FAI", "FAII"), rel_error=0.4),
@@ -148,10 +149,10 @@ def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():
         "ask.spikes=['FAI']",
         "ask.depths.FAI=0.6",
     ]
-    scene = builtin.load("flat-press", builtin.settings(texts))
+    scene = published.load("flat-press", builtin.settings(texts))
     assert scene.indenter == Sphere(3)
     assert scene.motion == RampHold(0.5, 1, hold=5, corner=0.01)
-    assert scene.finger == Finger.subject("d.s.")
+    assert scene.finger == Finger.subject("d.s.", tissue="maeno1998")
     assert (scene.ask.spikes, scene.ask.depths) == (("FAI",), {"FAI": 0.6})
 
 
@@ -317,7 +318,7 @@ def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
 )
 def test_a_setting_that_cannot_be_used_is_refused(text, message):
     with pytest.raises(InputError, match=message):
-        builtin.load("flat-press", builtin.settings([text]))
+        published.load("flat-press", builtin.settings([text]))
 
 
 @pytest.mark.parametrize(
@@ -338,7 +339,7 @@ def test_python_gets_the_same_checks(changes, message):
     [
         (lambda: Tissue(30, 0.48, prony=3), "tissue.prony: expected a Prony, received 3"),
         (
-            lambda: Finger(14, 10, surface=3),
+            lambda: Finger(14, 10, surface=3, tissue="maeno1998"),
             "finger.surface: expected a file .*received 3, which does not",
         ),
         (lambda: builtin.given(3), "scene: expected a Scene, the name of a built-in one"),
@@ -351,7 +352,7 @@ def test_python_gets_a_sentence_for_what_no_file_can_say(build, message):
 
 def test_the_path_of_a_surface_survives_toml(tmp_path):
     (tmp_path / "scan.stl").touch()
-    finger = Finger(14, 10, surface=tmp_path / "scan.stl")
+    finger = Finger(14, 10, surface=tmp_path / "scan.stl", tissue="maeno1998")
     assert finger.surface == str(tmp_path / "scan.stl")
     assert tomllib.loads(Scene(finger=finger, motion=Ramp(1, 1)).to_toml())["finger"]["surface"]
 
@@ -374,7 +375,7 @@ def test_no_value_anywhere_gives_anything_but_a_scene_or_a_sentence(name, value)
 
 
 def test_toml_written_out_has_every_value_in_plain_tables():
-    table = tomllib.loads(builtin.load("flat-press").to_toml())
+    table = tomllib.loads(published.load("flat-press").to_toml())
     assert table["finger"]["subject"] == "a.h."
     assert table["finger"]["prony"] == {"c": [0.29, 0.47, 0.13, 0.1], "v": [226.0, 8.6, 0.61]}
     assert table["motion"]["kind"] == "ramp-hold"
@@ -382,7 +383,7 @@ def test_toml_written_out_has_every_value_in_plain_tables():
 
 def test_spikes_of_more_than_an_hour_are_refused_before_anything_is_solved():
     parts = {
-        "finger": Finger.subject("a.h."),
+        "finger": Finger.subject("a.h.", tissue="maeno1998"),
         "motion": RampHold(speed=1, depth=0.5, hold=4000),
     }
     with pytest.raises(InputError, match=r"motion: expected at most 3600 s where ask.spikes"):

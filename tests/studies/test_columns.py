@@ -7,8 +7,8 @@ import pytest
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import INDENTERS
-from fefinger.scene.motion import MOTIONS
+from fefinger.scene.indenters import INDENTERS
+from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.studies.columns import column, split, words

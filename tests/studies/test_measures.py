@@ -20,7 +20,7 @@ from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 ELASTIC = replace(FINGER, prony=Prony((1.0,), ()))
 
 

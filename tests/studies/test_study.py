@@ -26,7 +26,9 @@ from fefinger.theory.relaxation import Prony
 
 
 QUICK = {"ask.spikes": [], "motion.hold": 0.05, "motion.speed": 10}
-ELASTIC = ff.Finger.subject("a.h.", prony=Prony((1.0,), ()), resolution="coarse")
+ELASTIC = ff.Finger.subject(
+    "a.h.", prony=Prony((1.0,), ()), resolution="coarse", tissue="maeno1998"
+)
 BARE = ff.Ask(strain=False, fields=False)
 
 
@@ -157,7 +159,7 @@ def test_the_array_blurs_but_keeps_force_and_center(pressed):
 
 def test_a_relaxing_half_space_is_told_with_its_relaxed_modulus():
     scene = ff.Scene(
-        finger=ff.Finger.subject("a.h.", resolution="coarse"),
+        finger=ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
         motion=ff.RampHold(10, 0.5, hold=600),
         ask=BARE,
     )

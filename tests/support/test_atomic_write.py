@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from fefinger.validation import page
+from fefinger.validation.oracles.synthetic import ramp_and_hold
 
 import fefinger as ff
 from fefinger.__main__ import main
@@ -16,7 +17,6 @@ from fefinger.scene import library
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.spring import Spring
-from fefinger.theory.lumped.synthetic import ramp_and_hold
 
 
 resource = pytest.importorskip("resource", reason="limits the size of files")

@@ -126,12 +126,12 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     (tmp_path / "file").write_text("a file where the folder should be")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / name))
     assert cache.entries() == ()
-    finger, recipe = ff.Finger.subject("a.h."), Recipe(15, 11, 14)
+    finger, recipe = ff.Finger.subject("a.h.", tissue="maeno1998"), Recipe(15, 11, 14)
     assert not operator_cache.at_hand(finger, half=True)
-    assert not store.at_hand(ff.Finger(15, 11))
-    mesh = store.ready(finger, half=True)
+    assert not store.at_hand(ff.Finger(15, 11, tissue="maeno1998"))
+    mesh = store.load_or_build(finger, half=True)
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
-    assert store.ready(recipe, half=True) is mesh
+    assert store.load_or_build(recipe, half=True) is mesh
     made = Reduced(None, np.eye(2), np.ones((6, 2)), np.ones((2, 2)))
     monkeypatch.setattr(_operator.reduction, "reduce", lambda *parts: made)
     nothing = sparse.eye(2, format="csr")
@@ -173,7 +173,7 @@ def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(
 def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    finger = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     built = _operator.operator(finger, half=True)
     place = operator_cache.folder(operator_cache.identity(finger, odd=False))
     os.utime(place, (0, 0))
@@ -195,8 +195,10 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
 def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    finger = ff.Finger(14.2, 10.2, resolution="coarse")
-    shipped = store.ready(ff.Finger.subject("a.h.", resolution="coarse"), half=True)
+    finger = ff.Finger(14.2, 10.2, resolution="coarse", tissue="maeno1998")
+    shipped = store.load_or_build(
+        ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"), half=True
+    )
     place = store.cached_path(Recipe.of(finger))
     vtu.write(shipped, place)
     prepared, other = _operator.solid, replace(shipped, points=1.001 * shipped.points)

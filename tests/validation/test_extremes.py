@@ -15,6 +15,7 @@ from fefinger.validation.extremes.nerve import MEMBRANES, _checked
 from fefinger.validation.extremes.scenes import answered, ramp
 from fefinger.validation.extremes.theory import _creep, _pad, _spring, _step
 from fefinger.validation.extremes.trial import THEORY, TookTooLongError, Trial, ending, limited
+from fefinger.validation.oracles.sphere import Sphere
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +26,6 @@ from fefinger.mechanics.situation import Situation
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
-from fefinger.theory.contact.sphere import Sphere
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
@@ -173,14 +173,19 @@ def test_slow_motions_take_longer_steps_and_endless_ones_are_refused(fast):
     assert "at most 250000 time steps, which fit into memory, received one of 4000000" in reason
     with pytest.raises(InputError, match="take fewer cycles or a shorter motion"):
         time_grid(endless, fast=fast)
-    scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=endless, ask=FORCE_ONLY)
+    scene = ff.Scene(
+        finger=ff.Finger.subject("a.h.", tissue="maeno1998"), motion=endless, ask=FORCE_ONLY
+    )
     assert not [each for each in lumped.refuse(Situation.of(scene)) if each.about == "ability"]
     for other in (hertz, layered, linear):
         assert any(each.reason == reason for each in other.refuse(Situation.of(scene))), other.name
 
 
 def scene(**parts):
-    whole = {"finger": ff.Finger.subject("a.h.", resolution="coarse"), "ask": FORCE_ONLY}
+    whole = {
+        "finger": ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
+        "ask": FORCE_ONLY,
+    }
     return ff.Scene(**(whole | {"motion": ff.Ramp(60, 0.5)} | parts))
 
 
@@ -217,7 +222,10 @@ def test_a_contact_smaller_than_a_facet_is_told_from_none():
 @pytest.mark.usefixtures("operators")
 @pytest.mark.parametrize("each", [linear, condensed, solid])
 def test_a_ball_between_the_vertices_of_the_pad_is_refused_by_depth_and_by_force(each):
-    ball = {"finger": ff.Finger.subject("a.h.", resolution="coarse"), "indenter": ff.Sphere(0.5)}
+    ball = {
+        "finger": ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
+        "indenter": ff.Sphere(0.5),
+    }
     with pytest.raises(InputError, match="smaller than a facet of the pad; press deeper"):
         each.respond(ff.Scene(motion=ff.Ramp(20, 0.1), **ball))
     with pytest.raises(InputError, match="one that no vertex of the pad is under; move it, or"):
@@ -358,7 +366,7 @@ def test_the_suite_has_its_trials_and_tells_what_came_out():
     quick = suites.cases("extremes", quick=True)
     (outcome,) = (suites._measured(quick[0]),)
     assert outcome.verdict == "pass"
-    assert outcome.told.startswith(("answered: ", "refused: "))
+    assert outcome.note.startswith(("answered: ", "refused: "))
 
 
 def test_the_page_says_how_the_trials_ended_from_their_record_alone():
@@ -369,7 +377,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         "nerve, pace: fast": ("answered, but finite: 3 > 0", 1e6, "fail"),
     }
     cases = [
-        {"name": name, "told": said, "value": value, "verdict": verdict}
+        {"name": name, "note": said, "value": value, "verdict": verdict}
         for name, (said, value, verdict) in told.items()
     ]
     found = drawings.finding(cases)

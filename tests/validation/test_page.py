@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from fefinger.validation import page, suites
-from fefinger.validation.case import Case, Outcome
+from fefinger.validation.case import Case, Expected, Outcome
 
 from fefinger.commands import console
 from fefinger.support.checks import InputError
@@ -124,7 +124,7 @@ def test_a_missed_target_is_explained_up_front_and_below_its_case():
     ("value", "verdict"), [(1.0, "short"), (1.4, "fail"), (1.19, "pass"), (0.7, "fail")]
 )
 def test_what_is_wanted_is_reached_within_the_tolerance_or_short(value, verdict):
-    one = Case("s", "c", lambda: value, 1.0, 0.2, "1", "the report", wanted=1.3)
+    one = Case("c", lambda: value, Expected(1.0, 0.2, "1"), "the report", wanted=1.3)
     assert Outcome(one, value).verdict == verdict
 
 
@@ -188,7 +188,7 @@ def test_a_case_that_breaks_fails_alone_with_its_error(monkeypatch):
         raise InputError(msg)
 
     def made(name, measure):
-        return Case("thesis", name, measure, 1.0, 0.1, "N", "Eq. 2.1")
+        return Case(name, measure, Expected(1.0, 0.1, "N"), "Eq. 2.1")
 
     todo = (made("broken", breaks), made("good", lambda: 1.05), made("lost", lambda: math.nan))
     monkeypatch.setattr(suites, "cases", lambda suite, *, quick: todo)

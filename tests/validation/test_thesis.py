@@ -33,7 +33,8 @@ def test_every_number_that_the_print_has_wrong_is_explained(outcomes):
 def test_every_tolerance_has_its_reason_and_can_fail(outcomes):
     for case in (o.case for o in outcomes):
         assert case.reason, case.name
-        assert 0 < case.tolerance <= (0.06 * abs(case.expected) or 3.0), case.name
+        expected = case.expected
+        assert 0 < expected.tolerance <= (0.06 * abs(expected.value) or 3.0), case.name
 
 
 def test_names_are_distinct(outcomes):
@@ -52,9 +53,9 @@ def test_names_are_distinct(outcomes):
     ],
 )
 def test_a_verdict_is_about_ours_first(value, printed, verdict):
-    case = case_module.Case("s", "n", lambda: value, 1.0, 0.1, "N", "", printed)
+    case = case_module.Case("n", lambda: value, case_module.Expected(1.0, 0.1, "N"), "", printed)
     assert case_module.Outcome(case, value).verdict == verdict
-    moved = dataclasses.replace(case, expected=2.0)
+    moved = dataclasses.replace(case, expected=case_module.Expected(2.0, 0.1, "N"))
     assert case_module.Outcome(moved, value).verdict == "fail"
 
 

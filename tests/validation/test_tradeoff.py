@@ -19,8 +19,8 @@ from fefinger.mechanics import hertz
 from fefinger.results.records import Pad
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp, RampHold, Sinusoid
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp, RampHold, Sinusoid
 from fefinger.scene.scene import Scene
 
 
@@ -103,7 +103,7 @@ def test_what_is_identified_is_what_was_put_in():
     ids=lambda motion: motion.kind,
 )
 def test_a_press_carries_to_a_motion_as_a_direct_answer_has_it(motion):
-    finger = Finger.subject("a.h.")
+    finger = Finger.subject("a.h.", tissue="maeno1998")
     ask = Ask(fields=False)
     scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=ask)
     relaxed = tradeoff_scenes.press("flat-30")

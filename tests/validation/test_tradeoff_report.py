@@ -22,8 +22,8 @@ from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Bar, Cylinder, Flat, Sphere
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Bar, Cylinder, Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 
 
@@ -36,7 +36,7 @@ def report():
 
 
 def on(indenter, depth, resolution="standard"):
-    finger = Finger.subject("a.h.", resolution=resolution)
+    finger = Finger.subject("a.h.", resolution=resolution, tissue="maeno1998")
     return Scene(
         finger=finger,
         indenter=indenter,
@@ -155,7 +155,9 @@ def test_a_little_beyond_the_deepest_press_errors_grow_on(report):
 
 @pytest.mark.parametrize("quantity", ["pressure", "area", "strain"])
 def test_of_all_but_force_on_another_finger_the_worst_plate_tells(report, quantity):
-    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse"))
+    other = replace(
+        on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="coarse", tissue="maeno1998")
+    )
     found = stated_of("solid coarse", other, quantity)
     every = [
         by_hand(report, {press: 1}, "solid coarse", 1.0, quantity, between=1)
@@ -166,7 +168,9 @@ def test_of_all_but_force_on_another_finger_the_worst_plate_tells(report, quanti
 
 
 def test_on_another_finger_the_model_error_is_larger_by_the_factor_of_the_report(report):
-    other = replace(on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard"))
+    other = replace(
+        on(Flat(30), 1.15), finger=Finger.subject("d.s.", resolution="standard", tissue="maeno1998")
+    )
     factor = report["rules"]["fingers"]["linear"]
     known = by_hand(report, {"flat-30": 1}, "linear standard", 1.0, between=1, factor=factor)
     assert factor > 1
@@ -234,7 +238,7 @@ def test_what_is_known_less_of_has_no_smaller_error_of_mesh_and_steps(
     """Without margins solid stated 1.0 % of a deep press, where 1.5 % was stated of a shallow."""
     finger = Finger.subject("a.h.", tissue=tissue, resolution=mesh)
     scene = Scene(finger=finger, indenter=indenter, motion=Ramp(60, depth, corner=0))
-    pressed = Finger.subject("a.h.", resolution=mesh)
+    pressed = Finger.subject("a.h.", resolution=mesh, tissue="maeno1998")
     like = Scene(finger=pressed, indenter=Flat(30), motion=Ramp(60, 1.5, corner=0))
     known = stated_of(f"solid {mesh}", like)
     assert get("solid").error(Situation.of(scene))[0] >= known.error - known.model
@@ -295,7 +299,7 @@ def test_the_change_since_the_report_is_that_of_the_presses_named(report):
 
 def test_an_object_that_was_not_pressed_states_no_less_than_the_nearest_press() -> None:
     """Without the small strain of that press a bar stated 1.7 %, and was 2.0 % off `solid`."""
-    finger = Finger.subject("a.h.", resolution="standard")
+    finger = Finger.subject("a.h.", resolution="standard", tissue="maeno1998")
     motion, ask = Ramp(60.0, 0.3, corner=0.0), Ask(fields=False)
     bar, plate = (
         Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)

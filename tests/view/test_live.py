@@ -17,7 +17,7 @@ from fefinger.view import live, renderer_lacking
 from fefinger.view.live_window import Window, watch
 
 
-FINGER = Finger.subject("a.h.", resolution="coarse")
+FINGER = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 
 

@@ -14,7 +14,7 @@ from fefinger.__main__ import main
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
 from fefinger.result import Result
-from fefinger.scene.indenter import Flat
+from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError
 from fefinger.view import (
     figures,

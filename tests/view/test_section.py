@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.result import Result
-from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
 from fefinger.view import frames, indenter_pose, quantities
 
 

@@ -5,8 +5,8 @@ import re
 
 from fefinger.result import Result
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Sphere
-from fefinger.scene.motion import Sinusoid
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Sinusoid
 from fefinger.view.titles import titles
 
 
@@ -30,7 +30,7 @@ def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result)
     faces = [dataclasses.replace(each, scene=dataclasses.replace(each.scene, indenter=indenter))
              for each, indenter in zip(both, (Sphere(3.0), Flat(10.0)), strict=True)]  # fmt: skip
     assert titles(faces)[0] == f"{name}, indenter.kind sphere"
-    second = dataclasses.replace(faces[1].scene, finger=Finger.subject("p.w."))
+    second = dataclasses.replace(faces[1].scene, finger=Finger.subject("p.w.", tissue="maeno1998"))
     told = titles([faces[0], dataclasses.replace(faces[1], scene=second)])[1].split(", ")
     assert told[1:3] == ["indenter.kind flat", "finger.subject p.w."]
     wide = dataclasses.replace(both[0].scene.finger, width=15, thickness=9, pad_radius=12)

@@ -17,9 +17,11 @@ from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.plan import choose, settled
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Bar, Flat, Indenter, Pin, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
 from fefinger.scene.library import receptors
-from fefinger.scene.motion import ForceRampHold, Motion, Ramp
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
 

@@ -178,7 +178,8 @@ class Task:
         """Return the unit with these logarithms of the fitted parameters."""
         values = dict(zip(self.names, np.exp(logarithms).tolist(), strict=True))
         fixed = {name: value for name, (value, _) in SET[self.kind].items()}
-        return Recorded(**({"drive": DRIVES[self.kind], "length": self.probe[0]} | fixed | values))
+        first: dict[str, Any] = {"drive": DRIVES[self.kind], "length": self.probe[0]}
+        return Recorded(**(first | fixed | values))
 
     def probed(self, unit: Recorded) -> Probed:
         """Put a unit under the probe."""

@@ -5,6 +5,7 @@ recorded numbers were fitted (`fit.py`), or with "predicted". What misses is sho
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -13,7 +14,7 @@ from fefinger.validation.afferents import data, drawings, predicted
 from fefinger.validation.afferents.fit import Task
 from fefinger.validation.afferents.misses import MISSES
 from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 
 from fefinger.neural.recorded import fitted, record
 
@@ -103,16 +104,12 @@ def _case(
 
     One in MISSES is expected as it is known, and wanted there.
     """
-    middle, width = 0.5 * (low + high), 0.5 * (high - low)
+    limits = Expected.between(low, high, unit)
     if name not in MISSES:
-        return Case("afferents", name, measure, middle, width, unit, source, reason=reason)
+        return Case(name, measure, limits, source, reason=reason)
     value, why = MISSES[name]
-    return Case(
-        *("afferents", name, measure, value, width, unit, source),
-        wanted=middle,
-        shortfall=why,
-        reason=reason,
-    )
+    known = replace(limits, value=value)
+    return Case(name, measure, known, source, wanted=limits.value, shortfall=why, reason=reason)
 
 
 def _fitted() -> Iterator[Case]:
@@ -139,13 +136,18 @@ def _fitted() -> Iterator[Case]:
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
 
 
+def _pin_hold(number: int) -> float:
+    """Return the rate of SAI in Hz in one of the holds of the pin."""
+    return float(predicted.pin_hold()[number])
+
+
 def _of_holds() -> Iterator[Case]:
     """Yield the predictions of holds."""
     for i, (depth, (low, high)) in enumerate(
         zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
     ):
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm"
-        yield _case(name, lambda i=i: float(predicted.pin_hold()[i]), low, high, "Hz", TOUCHSIM)
+        yield _case(name, partial(_pin_hold, i), low, high, "Hz", TOUCHSIM)
     for depth in (0.65, 1.3):
         name = f"predicted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
         reason = "its time constant was set by these two numbers, its size was not"

@@ -18,24 +18,25 @@ import numpy as np
 from fefinger.validation.bench import superlu
 from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.oracles.march import march
+from fefinger.validation.problems import published
 from numpy.typing import NDArray
 
 from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
 from fefinger.fem.contact import lcp_compiled, step_compiled
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import constitutive, hard_parts, operator, operator_cache
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
-from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
+from fefinger.scene.indenters import Flat
 
 
 Array = NDArray[np.float64]
@@ -56,7 +57,7 @@ ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
     load = os.getloadavg()[0]
-    finger = replace(builtin.load("flat-press").finger, resolution="standard")
+    finger = replace(published.load("flat-press").finger, resolution="standard")
     rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
@@ -88,7 +89,7 @@ def motion() -> Array:
 def end_organs(finger: Condensed) -> Sites:
     """Return EACH sites of every type, under the vertices of the pad nearest to the plate."""
     on_pad = finger.patch
-    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.travel)[:EACH]]
+    near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.projected)[:EACH]]
     points, normals = finger.solid.space.points[near], finger.solid.normals[near]
     depths = np.repeat(list(TYPES.values()), EACH)
     outward = np.tile(normals, (len(TYPES), 1))
@@ -98,7 +99,7 @@ def end_organs(finger: Condensed) -> Sites:
 
 def _building(finger: Finger) -> list[Figure]:
     """Build both parities, one thread, and keep them."""
-    mesh, seconds, processor = ready(finger, half=True), 0.0, time.process_time()
+    mesh, seconds, processor = load_or_build(finger, half=True), 0.0, time.process_time()
     for odd in (False, True):
         started = time.perf_counter()
         built = operator.build(finger, mesh, odd=odd)
@@ -234,26 +235,26 @@ def _contact(finger: Condensed) -> list[Figure]:
 
 
 def _agreement(finger: Condensed) -> list[Figure]:
-    """Compare pressures and seconds with `march`, on the same operator, over a short motion."""
+    """Compare pressures and seconds with a plain loop over a short motion."""
     on_pad, prony = finger.patch, finger.finger.prony
     depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
     prescribed = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", prescribed.time[:2], depth[:2])
-    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.travel, memory, few)  # compiles
+    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.projected, memory, few)  # compiles
     for method in (step_compiled.march, march):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()
-        history = method(finger.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
+        history = method(finger.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
         seconds.append((time.thread_time() - begun) / len(depth))
         answers.append(history.pressure)
     error = np.abs(answers[0] - answers[1]).max(axis=1)
     scale = np.abs(answers[1]).max(axis=1)
     worst = float((error[scale > 0] / scale[scale > 0]).max())
-    name = "contact only: step, mean, processor, against linear"
+    name = "contact only: step, mean, processor, against a plain loop"
     return [
-        Figure("pressure against linear's march, worst step", worst, "1"),
+        Figure("pressure against a plain loop, worst step", worst, "1"),
         Figure(name, 1e3 * seconds[0], "ms", 1e3 * seconds[1]),
     ]
 

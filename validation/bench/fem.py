@@ -13,19 +13,20 @@ import numpy as np
 from fefinger.validation.bench import solvers, superlu
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.fem import hertz
+from fefinger.validation.problems import published
 
 from fefinger.fem import body
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.press import constitutive, hard_parts, placement
-from fefinger.mesh.store import ready
-from fefinger.scene import builtin
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD
+from fefinger.scene.indenters import STANDARD
 
 
 RESOLUTION, REPEATS = "standard", 3
@@ -45,8 +46,8 @@ def figures(progress: Progress) -> list[Figure]:
 @one_thread
 def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
-    finger = replace(builtin.load("flat-press").finger, resolution=RESOLUTION)
-    mesh = ready(finger, half=True)
+    finger = replace(published.load("flat-press").finger, resolution=RESOLUTION)
+    mesh = load_or_build(finger, half=True)
     tissues, held = constitutive.tissues(finger), hard_parts.fixed_facets(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
@@ -102,7 +103,7 @@ def contact(solid: body.Body, finger: Finger) -> float:
 
     def pressed() -> Any:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
-        return march(small.flexibility, on_pad.gap, on_pad.travel, memory, prescribed)
+        return march(small.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
 
     return best(pressed)[1]
 

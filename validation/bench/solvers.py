@@ -10,10 +10,10 @@ from typing import cast
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.problems.grids import box
 from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.minres import Iterative

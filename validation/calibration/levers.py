@@ -1,7 +1,7 @@
 """Causes of differences in R, m and c0 b of the thesis's fit of the frames of a slow press.
 
 One lever at a time: in the finger (its modulus and exponent are fitted to the force again), in the
-array and its reading, and in the force that the fit is told to share with Table 2.1.
+array and its reading, and in the force that the fit has to share with Table 2.1.
 """
 
 import math
@@ -173,7 +173,7 @@ def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[floa
 
 def of_fingers(subject: str) -> list[dict[str, float | str]]:
     """Return the levers in the finger of a subject, on the coarse mesh."""
-    start = Work(Finger.subject(subject, resolution="coarse"), None).finger
+    start = Work(Finger.subject(subject, resolution="coarse", tissue="maeno1998"), None).finger
     tried = (of_finger(*each) for each in fingers(start))
     return [asdict(each) for each in tried if each is not None]
 

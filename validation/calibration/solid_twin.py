@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from fefinger.validation.calibration.twin import PRONY, SPREAD, start, written
+from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 from numpy.typing import NDArray
 
 from fefinger.calibration.calibrate import calibrate
@@ -20,9 +21,8 @@ from fefinger.calibration.slow_press import PLATE
 from fefinger.mechanics import solid
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import RampHold
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
-from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 
 
 Array = NDArray[np.float64]

@@ -36,7 +36,7 @@ COUNT = 40
 
 def split(calibration: Calibration) -> dict[str, float]:
     """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
-    finger = Finger.subject(calibration.target, resolution="coarse")
+    finger = Finger.subject(calibration.target, resolution="coarse", tissue="maeno1998")
     wanted = targets.subject(calibration.target)
     deep = float(calibration.curve.depth(wanted.prony.long_time * wanted.force[-1]))
     deep = min(deep, calibration.deepest)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import calibrated, rows
-from fefinger.validation.case import Case, Told
+from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.problems.chain import Array
 
 from fefinger.calibration import pad_radius as pad
@@ -53,32 +53,23 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     """Yield the cases of a shipped subject."""
     yield from _force(subject)
     yield Case(
-        "calibration",
         f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
         partial(levers.oracle, subject),
-        0.0,
-        0.02,
-        "1",
+        Expected(0.0, 0.02, "1"),
         "Table 3.2: its half-space to 2.3 N, with the noise of the array",
         reason="half a unit of the last printed digit of m and b is 1 to 5 %",
     )
     yield Case(
-        "calibration",
         f"{subject}: shipped tissue set against the report",
         partial(shipped, subject),
-        0.0,
-        5e-3,
-        "1",
+        Expected(0.0, 5e-3, "1"),
         "reports/calibrated.json",
         reason="rounded to the digits that are shipped",
     )
     yield Case(
-        "calibration",
         f"{subject}: force of a press on the standard mesh, from a third of its depth on",
         partial(on_standard, subject),
-        0.0,
-        0.02,
-        "1",
+        Expected(0.0, 0.02, "1"),
         f"{STANDARD}, against the curve in the report",
         reason="the force of a coarse mesh, on which three of them were fitted",
     )
@@ -90,24 +81,18 @@ def _force(subject: str) -> Iterator[Case]:
     calibration, bulk = calibrated(subject), library.pawluk_bulk()[subject]
     sd, _ = line_sd(targets.subject(subject))
     yield Case(
-        "calibration",
         f"{subject}: m of stiffness against force of the calibrated finger",
         lambda: calibration.residuals["m"],
-        bulk.m,
-        3 * sd,
-        "1/mm",
+        Expected(bulk.m, 3 * sd, "1/mm"),
         "Table 2.1",
         reason="three standard deviations that VAF_k leaves over these forces",
     )
     for frequency in FREQUENCIES:
         for what, limit in PRINTED.items():
             yield Case(
-                "calibration",
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
                 partial(_predicted, subject, f"{frequency} Hz", what),
-                0.0,
-                limit,
-                "1",
+                Expected(0.0, limit, "1"),
                 "the lumped model of Table 2.1",
                 reason="what the thesis reached on its subjects",
             )
@@ -117,34 +102,25 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     row, calibration = pad.printed(subject), calibrated(subject)
     kept_curve = "the report, whose curves are between presses"
     yield Case(
-        "calibration",
         f"{subject}: a new press of the calibrated finger, coarse mesh",
         partial(again, subject),
-        0.0,
-        0.05,
-        "1",
+        Expected(0.0, 0.05, "1"),
         "the curve in the report",
         reason="exponents and radii between those of the presses, and a mesh of its own",
     )
     yield Case(
-        "calibration",
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
-        calibration.residuals["b"],
-        3 * line_sd(targets.subject(subject))[1],
-        "N/mm",
+        Expected(calibration.residuals["b"], 3 * line_sd(targets.subject(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
         wanted=library.pawluk_bulk()[subject].b,
         shortfall=STIFFER,
         reason="three standard deviations that VAF_k leaves over these forces",
     )
     yield Case(
-        "calibration",
         f"{subject}: R that the thesis's fit finds in frames of a new press, coarse mesh",
         partial(radius_again, subject),
-        calibration.residuals["array radius"],
-        0.06 * row.radius,
-        "mm",
+        Expected(calibration.residuals["array radius"], 0.06 * row.radius, "mm"),
         f"{kept_curve}; wanted is Table 3.2",
         wanted=row.radius,
         shortfall=FLATTER,
@@ -152,14 +128,15 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     )
     profile = rows()[subject]["profiles"][MIDDLE]
     yield Case(
-        "calibration",
         f"{subject}: width of the pressure of a new press at {profile['force_N']:.2g} N over that "
         "of Table 3.2",
         partial(width_again, subject, profile),
-        width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
-        / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
-        0.05,
-        "1",
+        Expected(
+            width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
+            / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
+            0.05,
+            "1",
+        ),
         f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
         wanted=1.0,
         shortfall=FLATTER,
@@ -167,7 +144,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     )
 
 
-def first_stiffness(subject: str) -> Told:
+def first_stiffness(subject: str) -> Noted:
     """Return b in N/mm of the line through stiffness against force, moved by a new press.
 
     Over the forces that the new press reaches.
@@ -179,10 +156,10 @@ def first_stiffness(subject: str) -> Told:
         line(force, stiffness(c, 1.0, calibration.prony, force)) for c in (one, calibration.curve)
     )
     note = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
-    return Told(calibration.residuals["b"] + new[1] - old[1], note)
+    return Noted(calibration.residuals["b"] + new[1] - old[1], note)
 
 
-def radius_again(subject: str) -> Told:
+def radius_again(subject: str) -> Noted:
     """Return the R in mm of the report, times what a new press makes of it.
 
     Over the depth that both reach: the deeper the frames, the smaller R.
@@ -196,7 +173,7 @@ def radius_again(subject: str) -> Told:
     note = (
         f"Compared to {deep:.2f} mm, where the shorter press ends, of {calibration.deepest:.2f} mm."
     )
-    return Told(calibration.residuals["array radius"] * new / old, note)
+    return Noted(calibration.residuals["array radius"] * new / old, note)
 
 
 def line_sd(wanted: Bulk) -> tuple[float, float]:
@@ -230,7 +207,7 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     """Return the curve of a new press of the calibrated finger."""
     calibration = calibrated(subject)
     radius = calibration.finger["pad_radius"]
-    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius)
+    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius, tissue="maeno1998")
     exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
     relaxed = replace(
         finger,
@@ -242,13 +219,13 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     return replace(one, q=one.q + np.log(factor))
 
 
-def on_standard(subject: str) -> Told:
+def on_standard(subject: str) -> Noted:
     """Return the largest relative distance of the force on the standard mesh from the report."""
     row = json.loads(report(STANDARD))["rows"][subject]
     depth, force, reported = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
     off = np.abs(force / reported - 1)[depth > depth[-1] / 3].max()
     values = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
-    return Told(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
+    return Noted(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
 
 
 def again(subject: str) -> float:

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 from numpy.typing import NDArray
 
 from fefinger.calibration import slow_press
@@ -19,9 +20,8 @@ from fefinger.calibration.record import Calibration
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import Ramp, RampSinusoid
+from fefinger.scene.motions import Ramp, RampSinusoid
 from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.lumped.synthetic import FORCE_NOISE, POSITION_NOISE
 from fefinger.theory.relaxation import Prony
 
 
@@ -69,7 +69,7 @@ def finger(mesh: str = COARSE) -> Finger:
 
 def start() -> Finger:
     """Start of the calibration of the twin: a finger with a pad radius a fourth too large."""
-    return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED)
+    return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED, tissue="maeno1998")
 
 
 @cache

@@ -264,7 +264,7 @@ def _limits(rows: Rows) -> Iterator[str]:
         yield (
             "A plate along the bone comes to lie on the pad as far back as the crease of the last "
             "joint, where the modeled finger ends (its proximal cut): a scene whose contact gets "
-            "there has no answer, as told below."
+            "there has no answer, as stated below."
         )
     for row in rows:
         if row["at"] == "":

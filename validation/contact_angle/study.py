@@ -21,7 +21,7 @@ from fefinger.support import atomic_write
 
 ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
 AT = ("0.25N", "0.5N", "1N", "0.5mm", "1mm")
-"""Forces and depths on the loading that rows are told at, besides the peak and the end."""
+"""Forces and depths on the loading at which there are rows, besides the peak and the end."""
 
 COARSE: Mapping[str, Any] = {"finger.resolution": "coarse"}
 SHORT: Mapping[str, Any] = {

@@ -50,8 +50,10 @@ def sure(rows: Rows) -> Iterator[dict[str, Any]]:
         for angle, value in base.items():
             scale = 100 / value if relative else 1.0
             values = [curve(rows, case, "1 mm", name).get(angle) for case in changed.values()]
-            changes = [_told(None if v is None else scale * (v - value), "+.3g") for v in values]
-            rows_of_table.append([f"{angle:g}", _told(value), *changes, _told(other.get(angle))])
+            changes = [_written(None if v is None else scale * (v - value), "+.3g") for v in values]
+            rows_of_table.append(
+                [f"{angle:g}", _written(value), *changes, _written(other.get(angle))]
+            )
         unit = " in %" if relative else ""
         yield part(
             f"Sensitivity: {MEASURES[name]} at 1 mm",
@@ -88,7 +90,7 @@ def _summed(rows: Rows) -> str:
     )
 
 
-def _told(value: float | None, form: str = ".3g") -> str:
+def _written(value: float | None, form: str = ".3g") -> str:
     return "" if value is None else format(value, form)
 
 

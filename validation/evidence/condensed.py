@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation.evidence.linear import PRESSES, costs
+from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import condensed
 from fefinger.mechanics.evidence.table import CONDENSED, LINEAR, read
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report as reported
 
@@ -31,7 +31,7 @@ RESOLUTIONS = ("coarse", "standard", "fine")
 def measure(resolution: str) -> tuple[Response, float]:
     """Return the response to flat-press on a resolution, and its wall time in s."""
     started = time.perf_counter()
-    response = condensed.respond(builtin.load("flat-press", {"finger.resolution": resolution}))
+    response = condensed.respond(published.load("flat-press", {"finger.resolution": resolution}))
     return response, time.perf_counter() - started
 
 
@@ -69,7 +69,7 @@ def force_error(resolution: str, press: str) -> float | None:
     fine = read(LINEAR)["resolutions"]["fine"]
     settings = {"finger.resolution": resolution, "ask.fields": False, **PRESSES[press]}
     try:
-        force = float(condensed.respond(builtin.load("flat-press", settings)).force.max())
+        force = float(condensed.respond(published.load("flat-press", settings)).force.max())
     except InputError:
         return None
     known = float(fine["force_error"][press])

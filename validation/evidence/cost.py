@@ -17,8 +17,9 @@ from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.table import SOLID_COST
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Bar, Flat, Indenter, Sphere
-from fefinger.scene.motion import RampHold
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Bar, Flat, Sphere
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 
 
@@ -59,7 +60,7 @@ def row(mesh: str, subject: str, tissue: str, indenter: Indenter, depth: float) 
     started = time.process_time()
     response = solid.respond(pressed)
     spent, seconds = time.process_time() - started, response.seconds
-    share = spent / sum(seconds.values())  # stages are told in wall time
+    share = spent / sum(seconds.values())  # stages are in wall time
     steps = int(response.numbers["steps"])
     return {
         "mesh": mesh,

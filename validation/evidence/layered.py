@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import layered, linear
 from fefinger.mechanics.evidence.reports import LAYERED_PRESSES
 from fefinger.mechanics.evidence.table import LAYERED
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 
@@ -40,7 +40,7 @@ def scene(press: str, subject: str = "a.h.") -> Scene:
     size = {"angle": float(number)} if kind == "flat" else {"radius": LAYERED_PRESSES[press]}
     motion = {"kind": "ramp", "speed": 60, "depth": DEPTHS[press][-1], "corner": 0}
     changes = {"indenter": {"kind": kind, **size}, "motion": motion, "finger.subject": subject}
-    return builtin.load("flat-press", {**changes, **ALONE})
+    return published.load("flat-press", {**changes, **ALONE})
 
 
 def forces(response: Response, press: str) -> list[float]:
@@ -75,8 +75,8 @@ def seconds() -> dict[str, float]:
     `again_seconds` is that of a second one, whose contacts and fields are kept from the first.
     """
     # Another tissue first: it loads what is loaded once and leaves no contact of this one behind.
-    layered.respond(builtin.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
-    flat_press = builtin.load("flat-press", {"ask.fields": False})
+    layered.respond(published.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
+    flat_press = published.load("flat-press", {"ask.fields": False})
     taken = []
     for _ in range(2):
         started = time.perf_counter()
@@ -91,9 +91,11 @@ def seconds() -> dict[str, float]:
 
 def tissue() -> dict[str, Any]:
     """Ratios of the tissues' moduli, thicknesses and Poisson ratios, on which the error depends."""
-    finger = builtin.load("flat-press").finger
+    finger = published.load("flat-press").finger
     skin, rest = finger.skin, finger.subcutaneous
-    shares = [layered.skin_share(Finger.subject(subject)) for subject in SUBJECTS]
+    shares = [
+        layered.skin_share(Finger.subject(subject, tissue="maeno1998")) for subject in SUBJECTS
+    ]
     return {
         "skin_over_subcutaneous": skin.modulus / rest.modulus,
         "skin_over_stack": [min(shares), max(shares)],

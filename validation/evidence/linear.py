@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence.table import LINEAR
 from fefinger.mechanics.press.time_steps import moving
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report as reported
 
@@ -51,7 +51,7 @@ PRESSES: dict[str, dict[str, Any]] = {
 def measure(resolution: str, press: str) -> Response:
     """Return the response to a press on a resolution."""
     settings = {"finger.resolution": resolution, **PRESSES[press]}
-    return linear.respond(builtin.load("flat-press", settings))
+    return linear.respond(published.load("flat-press", settings))
 
 
 def peak(resolution: str, press: str) -> tuple[float | None, int]:
@@ -124,7 +124,7 @@ def costs(response: Response, seconds: float) -> dict[str, Any]:
     A step has its contact solved; where contact changed, its area is read.
     """
     spent, time = response.seconds, response.time
-    areas = moving(builtin.load("flat-press").motion, time)
+    areas = moving(published.load("flat-press").motion, time)
     parts = {name: spent[name] for name in ("contact", "pressure", "fields")}
     return {
         "setup_seconds": round(seconds - sum(parts.values()), 3),

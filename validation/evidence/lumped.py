@@ -23,8 +23,8 @@ from fefinger.mechanics.evidence.table import LUMPED, SOLID, TRADEOFF, read
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
@@ -46,7 +46,7 @@ EARLY = 0.3
 
 def row(subject: str, angle: float, depth: Array, force: Array, source: str) -> dict[str, Any]:
     """Return b, m of relaxed force in N against depth in mm, the misfit, and whose finger it is."""
-    finger = Finger.subject(subject)
+    finger = Finger.subject(subject, tissue="maeno1998")
     b, m = spring(depth, force)
     off = np.abs(law((b, m), depth) - force).max() / force.max()
     return {

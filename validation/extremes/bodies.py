@@ -8,12 +8,12 @@ from fefinger.validation.extremes.invariants import Array, invariants, off
 from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
 from fefinger.validation.problems import cube
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.contact import lcp_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.step_compiled import check
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import (
@@ -26,10 +26,10 @@ from fefinger.fem.hyperelastic.laws import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Sphere
-from fefinger.scene.motion import ForceRampHold, Ramp
+from fefinger.scene.indenters import Sphere
+from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.theory.relaxation import Prony
 
 
@@ -178,7 +178,7 @@ def _cube(law: Law, compression: float) -> Findings:
     state = State(np.zeros(made.body.space.n_unknowns), np.zeros(places), 0.0)
     for part in np.linspace(0, 1, 9)[1:] if compression > 0.1 else (1.0,):
         state = made.equilibrium.find(state, Target("depth", float(part * compression), memory))
-    force = float(made.equilibrium.contact.travel @ state.pressure)
+    force = float(made.equilibrium.contact.projected @ state.pressure)
     small = 3 * law.shear if law.compressibility == 0 else 2 * law.shear  # nu 0.5 and 0
     exact = small * compression if compression < 1e-6 else cube.nominal(law, 1 - compression)
     return {
@@ -250,7 +250,9 @@ def _places() -> Iterator[Row]:
 
 def _touching(weights: tuple[float, ...], radius: float) -> Findings:
     """Return the invariants of a ball at a place of a facet, and that a nudge changes little."""
-    mesh = ready(Finger.subject(SUBJECT, resolution="coarse"), half=True)
+    mesh = load_or_build(
+        Finger.subject(SUBJECT, resolution="coarse", tissue="maeno1998"), half=True
+    )
     corners = mesh.points[mesh.facets["pad"]]
     middle = corners.mean(axis=1)
     chosen = corners[int(np.argmin(np.linalg.norm(middle - [1.5, 1.5, 0.0], axis=1)))]

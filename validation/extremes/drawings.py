@@ -28,7 +28,7 @@ class Ended:
     def of(cls, case: Mapping[str, Any]) -> "Ended":
         """Read the record of a case, named "group, edge: name"."""
         group, _, rest = case["name"].partition(", ")
-        text = case["told"]
+        text = case["note"]
         refused = REFUSED if text.startswith(REFUSED) else ANSWERED
         kind = FAILED if case["verdict"] == "fail" else refused
         limit = text.rpartition("nearest to its limit: ")[2] if kind == ANSWERED else ""

@@ -9,8 +9,10 @@ from fefinger.validation.extremes.scenes import PULP, pressed
 from fefinger.validation.extremes.trial import Findings, Trial
 
 from fefinger.results.candidate import MECHANICS
-from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
-from fefinger.scene.motion import ForceRampHold, Motion, Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.tissue import Tissue
 from fefinger.theory.relaxation import Prony
 

@@ -10,7 +10,8 @@ from fefinger.geometry.locate import locate
 from fefinger.geometry.profiles import frame
 from fefinger.results.pressure import net, pressed
 from fefinger.results.records import Pad, Response
-from fefinger.scene.indenter import STANDARD, Indenter, direction
+from fefinger.scene.indenter import Indenter, direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 

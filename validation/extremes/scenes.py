@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 from fefinger.validation.extremes.invariants import invariants, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.problems import published
 
 from fefinger.mechanics import get
 from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
-from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Ellipsoid, Flat, Indenter, Sphere
-from fefinger.scene.motion import (
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
     ForceRampHold,
     ForceRampSinusoid,
-    Motion,
     Ramp,
     RampHold,
     RampSinusoid,
@@ -72,7 +73,7 @@ def scene(
     ask_of_scene = Ask(fields=False, pressure=more, strain=more)
     return Scene(
         name=f"{mechanics} at an edge",
-        finger=Finger.subject(SUBJECT, **({"resolution": "coarse"} | finger)),
+        finger=published.subject(SUBJECT, **({"resolution": "coarse"} | finger)),
         indenter=indenter or Flat(30),
         motion=motion,
         ask=replace(ask_of_scene, **(ask or {})),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from fefinger.validation.case import Case, Told
+from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.extremes import bodies, drawings, drawn, nerve, scenes, theory
 from fefinger.validation.extremes.trial import Trial, ending
 
@@ -59,19 +59,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield one case per trial."""
     for trial in trials(quick=quick):
         yield Case(
-            "extremes",
             f"{trial.group}, {trial.edge}: {trial.name}",
             partial(_measured, trial),
-            0.0,
-            1.0,
-            "of the limit",
+            Expected(0.0, 1.0, "of the limit"),
             SOURCES[trial.wants or "either"],
         )
 
 
-def _measured(trial: Trial) -> Told:
+def _measured(trial: Trial) -> Noted:
     end = ending(trial)
-    return Told(end.worst, f"{end.kind}: {end.text}")
+    return Noted(end.worst, f"{end.kind}: {end.text}")
 
 
 def figures_of(cases: Sequence[dict[str, Any]]) -> Iterator[tuple[str, Any]]:

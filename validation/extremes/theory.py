@@ -9,17 +9,17 @@ from fefinger.validation.extremes.invariants import ROUNDING, falling, not_finit
 from fefinger.validation.extremes.scenes import SERIES, ramp
 from fefinger.validation.extremes.scenes import answered as answered_scene
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, THEORY, Findings, Kind, Trial
+from fefinger.validation.oracles.impedance import impedance
+from fefinger.validation.oracles.sphere import Sphere
 
-from fefinger.scene.motion import Sinusoid
+from fefinger.scene.motions import Sinusoid
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid
-from fefinger.theory.contact.sphere import Sphere
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.lumped import spring as lumped
-from fefinger.theory.lumped.impedance import impedance
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

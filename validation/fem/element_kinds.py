@@ -217,7 +217,7 @@ def solved(kind: Kind, body: Quarter, depth: float) -> tuple[Pressed, Array, flo
     answer[free] = factor.solve(right[free])
     moved = loads.T @ answer[: len(loads)]
     pressure = Complementarity((moved[:, :-1] + moved[:, :-1].T) / 2).solve(
-        patch.gap - depth * patch.travel + moved[:, -1]
+        patch.gap - depth * patch.projected + moved[:, -1]
     )
     displacement = wide @ (answer[: len(loads)] @ np.append(pressure, 1.0))
     return Pressed(body, pressure), displacement, time.process_time() - started, len(free)

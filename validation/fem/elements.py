@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.element_kinds import OURS, Kind, assembled
+from fefinger.validation.problems.grids import box
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor
@@ -184,26 +184,20 @@ def cases(*, quick: bool) -> Iterator[Case]:
         patch = f"patch test, nu {nu:g}: strain in shaken cells"
         linear = "a linear displacement"
         yield Case(
-            "fem", patch, lambda n=nu: patch_error(n), 0.0, 1e-9, "1", linear, reason="rounding"
+            patch, lambda n=nu: patch_error(n), Expected(0.0, 1e-9, "1"), linear, reason="rounding"
         )
         for name, (expected, spread, limit) in MEASURES.items():
             yield Case(
-                "fem",
                 f"manufactured, nu {nu:g}: order of {name}",
                 lambda q=name, n=nu: order(q, n),
-                expected,
-                spread,
-                "1",
+                Expected(expected, spread, "1"),
                 MANUFACTURED,
                 reason="fitted over 4, 6 and 9 boxes along an edge",
             )
             yield Case(
-                "fem",
                 f"manufactured, nu {nu:g}: {name} on 9³ boxes",
                 lambda q=name, n=nu: errors(n, CELLS[-1])[q],
-                0.0,
-                limit,
-                "1",
+                Expected(0.0, limit, "1"),
                 MANUFACTURED,
                 reason="relative L2 error: an order alone may lead to a wrong answer",
             )
@@ -213,22 +207,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _stability(cells: int) -> Iterator[Case]:
     why = "Boffi, Brezzi and Fortin 2013, 8.8: bounded from below"
     yield Case(
-        "fem",
         f"inf-sup constant on {cells}³ boxes over that on {cells - 1}³, Taylor-Hood",
         lambda: inf_sup(OURS, cells) / inf_sup(OURS, cells - 1),
-        1.0,
-        0.25,
-        "1",
+        Expected(1.0, 0.25, "1"),
         why,
         reason="does not fall with the mesh",
     )
     yield Case(
-        "fem",
         f"inf-sup constant on {cells}³ boxes, P1-P1, which is unstable",
         lambda: inf_sup(UNSTABLE, cells),
-        0.0,
-        1e-6,
-        "1",
+        Expected(0.0, 1e-6, "1"),
         "pressures that no displacement sees",
         reason="shows that the measure can fail",
     )

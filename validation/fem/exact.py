@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.hertz import LINES, Grading, bowl
+from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.oracles.punch import Cone, FlatPunch
+from fefinger.validation.oracles.sphere import Sphere
+from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Exact, Indenter, Quarter, half_space, outer
 from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import quarter
 from fefinger.fem.elements.spaces import Space
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.elliptic import Elliptic
-from fefinger.theory.contact.layer import Sheet
-from fefinger.theory.contact.punch import Cone, FlatPunch
-from fefinger.theory.contact.sphere import Sphere
 from fefinger.theory.contact.stack import Base, Layer, Stack
 
 
@@ -226,12 +226,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
         limits, source = LIMITS[name]
         for quantity, limit in limits.items():
             yield Case(
-                "fem",
                 f"{name}: {quantity}",
                 lambda n=name, q=quantity: solved(n).errors[q],
-                0.0,
-                limit,
-                "%",
+                Expected(0.0, limit, "%"),
                 source,
                 reason="what the mesh leaves",
             )

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.problems.grids import Size, quarter
 from fefinger.validation.problems.quarter import (
     Exact,
     Indenter,
@@ -21,7 +22,6 @@ from fefinger.validation.problems.quarter import (
 from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import Size, quarter
 from fefinger.fem.elements.spaces import Space
 from fefinger.theory.contact.hertz import Hertz
 
@@ -192,22 +192,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _errors(nu: float, level: int) -> Iterator[Case]:
     for name, (limit, meaning) in TARGETS.items():
         yield Case(
-            "fem",
             f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}",
             lambda n=name: errors(nu, level)[n],
-            0.0,
-            limit if level == FINEST else COARSER * limit,
-            "%",
+            Expected(0.0, limit if level == FINEST else COARSER * limit, "%"),
             SOURCE,
             reason=meaning,
         )
     yield Case(
-        "fem",
         f"Hertz, nu {nu:g}: displacement nodes of that mesh",
         lambda: errors(nu, level)["nodes"],
-        0.0,
-        BUDGETS[level],
-        "nodes",
+        Expected(0.0, BUDGETS[level], "nodes"),
         "the budget of the mesh",
         reason="no more than the budget",
     )
@@ -215,12 +209,9 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
 
 def _balance(nu: float, level: int) -> Iterator[Case]:
     yield Case(
-        "fem",
         f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: force and reactions, over the force",
         lambda: errors(nu, level)["imbalance"],
-        0.0,
-        1e-8,
-        "1",
+        Expected(0.0, 1e-8, "1"),
         "equilibrium of the body",
         reason="the residual of the linear solution, 1e-10, with a margin",
     )
@@ -229,12 +220,9 @@ def _balance(nu: float, level: int) -> Iterator[Case]:
 def _orders(nu: float) -> Iterator[Case]:
     for name, (expected, spread, reason) in ORDERS.items():
         yield Case(
-            "fem",
             f"Hertz, nu {nu:g}: order of {name}",
             lambda n=name: order(n, nu),
-            expected,
-            spread,
-            "1",
+            Expected(expected, spread, "1"),
             "regularity of the exact solution",
             reason=reason,
         )

@@ -9,17 +9,18 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.hertz import bowl
+from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 from numpy.typing import NDArray
 
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import quarter
 from fefinger.scene.library import pawluk_relaxation
 from fefinger.theory.contact import indentation
-from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
@@ -66,12 +67,12 @@ def pressed(relaxing: Prony, control: str, time: Array, value: Array) -> History
     memory = Relaxation(np.array(relaxing.weights), np.array(relaxing.v), len(patch.vertices))
     share = 1.0 if control == "depth" else 0.25  # of the whole body's force
     prescribed = Prescribed(control, time, share * value)
-    return march(layer.flexibility, patch.gap, patch.travel, memory, prescribed)
+    return march(layer.flexibility, patch.gap, patch.projected, memory, prescribed)
 
 
 def force(history: History) -> Array:
     """Return the force (n_t,) on the whole layer in mN."""
-    return np.asarray(4 * history.pressure @ body().patch.travel)
+    return np.asarray(4 * history.pressure @ body().patch.projected)
 
 
 @cache
@@ -219,12 +220,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield _case("depth in creep under a held force", creep_error, 1.0, "%", CREEP, MESH)
     for name in () if quick else UNLOADED:
         yield Case(
-            "fem",
             f"bonded layer, {name}: order in the time step",
             lambda n=name: step_order(n),
-            2.0,
-            0.3,
-            "1",
+            Expected(2.0, 0.3, "1"),
             "exponentials exact for a pressure linear in each step",
             reason="contact that begins or ends inside a step is of second order too",
         )
@@ -255,4 +253,4 @@ def _case(
     source: str,
     reason: str = MESH,
 ) -> Case:
-    return Case("fem", f"bonded layer, {name}", measure, 0.0, limit, unit, source, reason=reason)
+    return Case(f"bonded layer, {name}", measure, Expected(0.0, limit, unit), source, reason=reason)

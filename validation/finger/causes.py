@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.finger.split import (
     factors,
     force,
@@ -52,86 +52,72 @@ def against(cause: str, sign: int) -> int:
 
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield freshness, the signs of the causes, mesh error and what one G leaves unexplained."""
-
-    def case(name: str, measure: object, expected: float, tolerance: float, source: str) -> Case:
-        return Case("finger", name, measure, expected, tolerance, "1", source)
-
     for model in ("hertz", "bone", "layered"):
-        yield case(
+        yield Case(
             f"{model}: report against recomputation, all subjects and presses",
             lambda m=model: max(stale(m, s, p) for p in PRESSES for s in subjects(p)),
-            0.0,
-            1e-4,
+            Expected(0.0, 1e-4, "1"),
             FRESH,
         )
     first = SUBJECTS[0]
-    yield case(
+    yield Case(
         "linear, coarse: the same under the plate on a.h.",
         lambda: stale_coarse("linear", first),
-        0.0,
-        1e-4,
+        Expected(0.0, 1e-4, "1"),
         FRESH,
     )
     if not quick:
-        yield case(
+        yield Case(
             "solid, coarse: the same under the plate, all subjects",
             lambda: max(stale_coarse("solid", subject) for subject in SUBJECTS),
-            0.0,
-            1e-4,
+            Expected(0.0, 1e-4, "1"),
             FRESH,
         )
         for model in ("linear", *ASIDE):
-            yield case(
+            yield Case(
                 f"{model}: the same on the standard mesh, a.h. under the plate",
                 lambda m=model: stale(m, SUBJECTS[0], "flat-30"),
-                0.0,
-                1e-4,
+                Expected(0.0, 1e-4, "1"),
                 FRESH,
             )
     for cause, (sign, why) in SIGNS.items():
         way = "stiffens" if sign > 0 else "softens"
-        yield case(
+        yield Case(
             f"subjects on whom the cause {cause!r} {way} not",
             lambda c=cause, s=sign: against(c, s),
-            0.0,
-            0.0,
+            Expected(0.0, 0.0, "1"),
             why,
         )
-    yield case(
+    yield Case(
         "subjects on whom finite strain does not raise m",
         lambda: sum(steepness(s, "solid") <= steepness(s, "linear") for s in SUBJECTS),
-        0.0,
-        0.0,
+        Expected(0.0, 0.0, "1"),
         "geometric stiffening",
     )
-    yield case(
+    yield Case(
         "subjects on whom m of the flat stack is not above that of the finger",
         lambda: sum(steepness(s, "layered") <= steepness(s, "linear") for s in SUBJECTS),
-        0.0,
-        0.0,
+        Expected(0.0, 0.0, "1"),
         "the finger ends at its sides and tip",
     )
-    yield case(
+    yield Case(
         "subjects on whom Demiray's tissue does not raise m above neo-Hookean tissue",
         lambda: sum(steepness(s, "solid", "demiray") <= steepness(s, "solid") for s in SUBJECTS),
-        0.0,
-        0.0,
+        Expected(0.0, 0.0, "1"),
         "tissue that itself stiffens",
     )
-    yield case(
+    yield Case(
         "force of linear with relaxation over the integral of G",
         lambda: unexplained("a.h.", "flat-30", "linear"),
-        1.0,
-        5e-3,
+        Expected(1.0, 5e-3, "1"),
         "one G in a linear body: separable",
     )
     for press in PRESSES:
         error = row("a.h.", press)["mesh_error"]
         if error is not None:
-            yield case(
+            yield Case(
                 f"solid, {press}: force on the standard mesh against the extrapolated one",
                 lambda e=error: e["standard"],
-                0.0,
-                0.02,
+                Expected(0.0, 0.02, "1"),
                 "order 2 in the cell length",
             )

@@ -15,8 +15,8 @@ from fefinger.validation.finger.split import (
     row,
     steepness,
     subjects,
+    texts,
     together,
-    told,
     unexplained,
 )
 from fefinger.validation.problems.chain import CHAIN, PRESSES, SUBJECTS, models
@@ -52,7 +52,7 @@ ORDER = "; then ".join(CHAIN.values())
 def finding() -> dict[str, Any]:
     """Return the sentences of the finding, and the table of factors."""
     table = {"caption": _table_caption(), "heading": ["factor of", *SUBJECTS], "rows": _table()}
-    return {"texts": told(), "tables": [table]}
+    return {"texts": texts(), "tables": [table]}
 
 
 def figures() -> Iterator[tuple[str, Any]]:

@@ -120,7 +120,7 @@ def subjects(press: str) -> tuple[str, ...]:
     return tuple(subject for subject in SUBJECTS if f"{subject}/{press}" in rows())
 
 
-def told() -> tuple[str, ...]:
+def texts() -> tuple[str, ...]:
     """Return the finding in a few sentences, each to be quoted by itself, with their numbers."""
     at, press = AT["flat-30"], "flat-30"
     whole = _range(lambda s: _over_hertz(s, "solid", at), "{:.1f}")
@@ -144,7 +144,7 @@ def told() -> tuple[str, ...]:
         "thickness: small strain is too soft, and the more so the deeper.",
         f"Under a ball of 5 mm it is {ball} times Hertz's force at that depth: the bone is a "
         f"factor of {bone}, the shape of the finger {narrow}, finite strain {small}.",
-        "Stiffening, told as m of the exponential spring (b / m) (exp(m x) - 1) between the "
+        "Stiffening, stated as m of the exponential spring (b / m) (exp(m x) - 1) between the "
         f"deepest press x and x / 2, is {rates['hertz']} per mm for Hertz (the growing contact "
         f"alone), {rates['layered']} for the flat stack, {rates['linear']} on the finger and "
         f"{rates['solid']} at finite strain; the thesis fitted {theirs} (Table 2.1). So contact, "

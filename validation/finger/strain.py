@@ -5,7 +5,8 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case, Told
+from fefinger.validation.case import Case, Expected, Noted
+from fefinger.validation.problems import published
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -19,9 +20,9 @@ from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mesh.store import ready
-from fefinger.scene import builtin
-from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.mesh.store import load_or_build
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
 
 
 Array = NDArray[np.float64]
@@ -33,9 +34,9 @@ INDENTERS: dict[str, Indenter] = {"plate at 30 degrees": Flat(30), "ball of 5 mm
 @cache
 def strains(resolution: str, name: str) -> Array:
     """Return the strain (2, 4, 6) at the central end organs, recovered and in the cells."""
-    scene = replace(builtin.load("flat-press"), indenter=INDENTERS[name])
+    scene = replace(published.load("flat-press"), indenter=INDENTERS[name])
     finger = replace(scene.finger, resolution=resolution)
-    mesh = ready(finger, half=True, touch=refinement_location(scene.indenter))
+    mesh = load_or_build(finger, half=True, touch=refinement_location(scene.indenter))
     whole = body(mesh, tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(scene.indenter, whole)
     points = central_sites(scene.ask, scene.finger.pulp, touch.origin, touch.axis).points
@@ -45,29 +46,26 @@ def strains(resolution: str, name: str) -> Array:
     )
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * DEPTH)
     small = reduce(whole, on_pad, sparse.vstack(probes).tocsr())
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.travel)
+    pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.projected)
     return np.asarray(small.strain @ pressure).reshape(2, len(points), 6)
 
 
-def apart(name: str) -> Told:
+def apart(name: str) -> Noted:
     """Return by how much the two meshes differ in %, RMS over the organs, recovered."""
     coarse, standard = (strains(resolution, name) for resolution in ("coarse", "standard"))
     size = np.linalg.norm(standard, axis=2)
     each = 100 * np.linalg.norm(coarse - standard, axis=2) / size
     recovered, cells = np.sqrt(np.mean(each**2, axis=1))
-    return Told(float(recovered), f"As it stands in the cells: {cells:.2g} %.")
+    return Noted(float(recovered), f"As it stands in the cells: {cells:.2g} %.")
 
 
 def cases() -> Iterator[Case]:
     """Yield the cases on mesh dependence of the strain at the end organs."""
     for name, limit in zip(INDENTERS, (1.5, 3.0), strict=True):
         yield Case(
-            "finger",
             f"{name}: strain at the end organs, coarse against standard mesh, RMS",
             partial(apart, name),
-            0.0,
-            limit,
-            "%",
+            Expected(0.0, limit, "%"),
             "the mesh of half the cell length",
             reason="less than what the strain as it stands in the cells differs by",
         )

@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.neural.preliminary import spring
 from fefinger.validation.neural.sweep import (
     IN_RANGE,
     SLOWED,
     SPRING,
     THESIS,
     Array,
-    claim,
     current,
     retracting,
     swing,
@@ -23,7 +23,6 @@ from fefinger.neural.chains import Resonant, realize, under_force
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
-from fefinger.neural.preliminary import spring
 
 
 ORGANS = {
@@ -144,12 +143,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for kind, frequencies in PHASED.items():
         for frequency in frequencies:
             yield Case(
-                "neural",
                 f"4.3.4: phase of {kind} at {frequency:g} Hz",
                 partial(phase, kind, frequency),
-                closed_phase(kind, frequency),
-                1e-6,
-                "degrees",
+                Expected(closed_phase(kind, frequency), 1e-6, "degrees"),
                 "Eq. 4.3 and 4.6, by arctangents of the poles and zeros",
                 reason="rounding",
             )
@@ -166,40 +162,36 @@ def _sensitivity() -> Iterator[Case]:
         ("pole 1 to 2 Hz", END_ORGANS["SAI"], PoleZero((0.1,), (2.0,))),
         ("zero 0.1 to 0.2 Hz", END_ORGANS["SAI"], PoleZero((0.2,), (1.0,))),
     ):
-        yield claim(
+        yield Case(
             f"4.3.4: SA filter, {name}: mean change of impulses per cycle, 0.5 to 64 Hz",
             partial(magnitude_change, organ, other),
-            (0.0, 0.15),
-            "1",
+            Expected.between(0.0, 0.15, "1"),
             f"{source}hardly changes the magnitude",
-            "fifteen percent",
+            reason="fifteen percent",
         )
-        yield claim(
+        yield Case(
             f"4.3.4: SA filter, {name}: largest change of phase, 0.5 to 64 Hz",
             partial(phase_change, organ, other),
-            (9.0, 60.0),
-            "degrees",
+            Expected.between(9.0, 60.0, "degrees"),
             f"{source}changes the phase noticeably",
-            "a fortieth of the cycle or more",
+            reason="a fortieth of the cycle or more",
         )
     higher = PoleZero((0.0, 0.0), (10.0, 100.0))
-    yield claim(
+    yield Case(
         "4.3.4: FA filter, poles 1 and 10 to 10 and 100 Hz: largest change of phase",
         partial(phase_change, END_ORGANS["FAI"], higher),
-        (30.0, 180.0),
-        "degrees",
+        Expected.between(30.0, 180.0, "degrees"),
         f"{THESIS}4.3.4: poles placed higher give an increasing lead in the phase",
-        "far more than in the SA filter",
+        reason="far more than in the SA filter",
     )
     for frequency in (2.0, 8.0):
-        yield claim(
+        yield Case(
             f"4.3.4: FA filter, {frequency:g} Hz: share in the retraction with the poles of FAII, "
             "less that with those of FAI",
             partial(_later, frequency),
-            (0.2, 1.0),
-            "1",
+            Expected.between(0.2, 1.0, "1"),
             f"{THESIS}4.3.4: FAII was chosen to respond more to the retraction",
-            "a fifth of the impulses or more",
+            reason="a fifth of the impulses or more",
         )
 
 
@@ -214,60 +206,48 @@ def _forces() -> Iterator[Case]:
     for kind in ("SAI", "FAI"):
         organ = PoleZero(END_ORGANS[kind].zeros, END_ORGANS[kind].poles, 0.5)
         yield Case(
-            "neural",
             f"4.4.1: serial {kind} model: response to a step of force after 10 s, over the first",
             partial(held, under_force(organ, nerve=1.0, parallel=0.0), 10.0),
-            1.0,
-            1e-12,
-            "1",
+            Expected(1.0, 1e-12, "1"),
             f"{THESIS}4.4.1: in a serial chain every unit answers a force as the bare nerve",
             reason="rounding",
         )
-    yield claim(
+    yield Case(
         "4.4.1: FAI model with a parallel spring: response to a step of force after 10 s",
         partial(held, under_force(END_ORGANS["FAI"], nerve=1.0, parallel=1.0), 10.0),
-        (-0.01, 0.01),
-        "1",
+        Expected.between(-0.01, 0.01, "1"),
         f"{THESIS}4.4.1, Fig. 4-18b: FA units do not respond to a constant force",
-        "a hundredth of the first response",
+        reason="a hundredth of the first response",
     )
     yield Case(
-        "neural",
         "4.4.1: SA chain with a parallel spring: response to a step of force after 60 s",
         partial(held, chain.force_filter(1.0), 60.0),
-        1.0 / 7.0,
-        1e-6,
-        "1",
+        Expected(1.0 / 7.0, 1e-6, "1"),
         "statics: the end organ (1/18 mN/mm by Eq. 4.5) bears its share late, the damper early",
         reason="the slowest pole has died away",
     )
 
 
 def _ratios() -> Iterator[Case]:
-    yield claim(
+    yield Case(
         "5.1: springs k = m F + b, b of 1e-6 N/mm: change of x_nerve / x_in from 0.02 to 2 N",
         partial(ratio_drift, 1e-6),
-        (0.0, 0.05),
-        "1",
+        Expected.between(0.0, 0.05, "1"),
         f"{THESIS}Eqs. 5.1 to 5.7: with b near 0 the ratio stays constant",
-        "b = 0 gives none at all",
+        reason="b = 0 gives none at all",
     )
-    yield claim(
+    yield Case(
         "5.1: springs k = m F + b, b of 0.2 N/mm: change of x_nerve / x_in from 0.02 to 2 N",
         partial(ratio_drift, 0.2),
-        (0.2, 2.0),
-        "1",
+        Expected.between(0.2, 2.0, "1"),
         "Eq. 5.1 with b not near 0, as Table 2.1 has it: b = 0.19 N/mm in the mean",
-        "then the argument does not hold",
+        reason="then the argument does not hold",
     )
     for nerve, exact in ((1.0, 1.5), (20.0, 1.025)):
         yield Case(
-            "neural",
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
             partial(printed_share, nerve),
-            exact,
-            1e-12,
-            "1",
+            Expected(exact, 1e-12, "1"),
             "1 + k / kn, with k of skin and end organ in series",
             printed=1.0,
             erratum=(
@@ -279,38 +259,34 @@ def _ratios() -> Iterator[Case]:
 
 
 def _codes(*, quick: bool) -> Iterator[Case]:
-    yield claim(
+    yield Case(
         "5.1: FAII, 256 Hz, 1 against 0.25 mm peak to peak: difference in impulses per cycle",
         lambda: coded("FAII", (0.5, 0.125), 256.0)[0],
-        (0.0, 0.02),
-        "1",
+        Expected.between(0.0, 0.02, "1"),
         f"{THESIS}5.1: indistinguishable by rate",
-        "one impulse in fifty cycles",
+        reason="one impulse in fifty cycles",
     )
-    yield claim(
+    yield Case(
         "5.1: FAII, 256 Hz, 1 against 0.25 mm peak to peak: difference in phase",
         lambda: coded("FAII", (0.5, 0.125), 256.0)[1],
-        (5.0, 180.0),
-        "degrees",
+        Expected.between(5.0, 180.0, "degrees"),
         f"{THESIS}5.1: phase may be a code that tells them apart",
-        "5 degrees are 54 us, 14 times the error of a spike time here",
+        reason="5 degrees are 54 us, 14 times the error of a spike time here",
     )
     if quick:
         return
     low = tuple(2.0**k for k in range(-1, 7))
-    yield claim(
+    yield Case(
         "5.1, Fig. 5-3: amplitude range with the same rate, 0.5 to 64 Hz, 0 dB less -12 dB",
         lambda: width(low, 50.0) - width(low, 12.5),
-        (0.0, 20.0),
-        "dB",
+        Expected.between(0.0, 20.0, "dB"),
         f"{THESIS}5.1: the range is quite large, particularly at higher amplitudes",
-        "larger",
+        reason="larger",
     )
-    yield claim(
+    yield Case(
         "5.1, Fig. 5-3: amplitude range with the same rate at 128 Hz, 0 dB",
         partial(same_rate, 128.0, 50.0),
-        (0.0, 3.0),
-        "dB",
+        Expected.between(0.0, 3.0, "dB"),
         f"{THESIS}5.1, note 1: quite small at 128 Hz and above",
-        "a factor of 1.4",
+        reason="a factor of 1.4",
     )

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
-from fefinger.validation.neural.sweep import SLOWED, claim, current
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.neural.sweep import SLOWED, current
 
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS, threshold_gain
@@ -123,32 +123,25 @@ def cases(*, quick: bool) -> Iterator[Case]:
             continue
         defining = "fires on in the hold" if threshold.sustained else "gives one impulse"
         yield Case(
-            "neural",
             f"gain of {kind}: at 4 mm/s to {1e3 * threshold.displacement:g} um it just {defining}",
             partial(threshold_gain, kind, digits=1e-4),
-            GAINS[kind],
-            1e-3 * GAINS[kind],
-            "uA/cm²/mm",
+            Expected(GAINS[kind], 1e-3 * GAINS[kind], "uA/cm²/mm"),
             f"{threshold.source}; confidence {threshold.confidence}",
             reason="the table is rounded up to four digits",
         )
     for (kind, depth), (low, high, source) in BANDS.items():
-        yield claim(
+        yield Case(
             f"gains: {kind} in a hold of {depth:g} mm",
             partial(hold_rate, kind, depth),
-            (low, high),
-            "Hz",
+            Expected.between(low, high, "Hz"),
             SOURCES[source],
-            "the acceptance band",
+            reason="the acceptance band",
         )
     for (kind, depth), (ours, edge) in OUTSIDE.items():
         yield Case(
-            "neural",
             f"gains: {kind} in a hold of {depth:g} mm",
             partial(hold_rate, kind, depth),
-            ours,
-            0.05,
-            "Hz",
+            Expected(ours, 0.05, "Hz"),
             "order 8, rtol 1e-10",
             wanted=edge,
             shortfall=(
@@ -168,14 +161,17 @@ def _thresholds() -> Iterator[Case]:
     source = "Johansson, Landström & Lundström (1982), Brain Res 244:17, abstract"
     reason = "the published range"
     best = "gains: frequency of the lowest threshold of"
-    yield claim(f"{best} FAI", partial(best_tone, "FAI"), BEST["FAI"], "Hz", source, reason)
     yield Case(
-        "neural",
+        f"{best} FAI",
+        partial(best_tone, "FAI"),
+        Expected.between(*BEST["FAI"], "Hz"),
+        source,
+        reason=reason,
+    )
+    yield Case(
         f"{best} FAII",
         partial(best_tone, "FAII"),
-        tones("FAII")[-1],
-        0.5,
-        "Hz",
+        Expected(tones("FAII")[-1], 0.5, "Hz"),
         source,
         wanted=BEST["FAII"][1],
         shortfall=FALLING,
@@ -183,24 +179,28 @@ def _thresholds() -> Iterator[Case]:
     )
     for kind, (low, high) in BEST.items():
         name = f"gains: lowest threshold of {kind} at {low:g} to {high:g} Hz, amplitude"
-        yield claim(name, partial(lowest_in_band, kind), SMALLEST, "mm", source, reason)
+        yield Case(
+            name,
+            partial(lowest_in_band, kind),
+            Expected.between(*SMALLEST, "mm"),
+            source,
+            reason=reason,
+        )
 
 
 def _range() -> Iterator[Case]:
-    yield claim(
+    yield Case(
         "4.4.3: SAI at the default gain, 3 mm, linear generator: seconds of block",
         partial(blocked, "SAI", 3.0, "linear"),
-        (0.1, 3.0),
-        "s",
+        Expected.between(0.1, 3.0, "s"),
         "Pawluk (1997), 4.2.2 and 4.4.3: overly large inputs bring a plateau",
-        "a tenth of a second or more",
+        reason="a tenth of a second or more",
     )
     for kind in GAINS:
-        yield claim(
+        yield Case(
             f"4.4.3: {kind} at the default gain, 3 mm, saturating generator: seconds of block",
             partial(blocked, kind, 3.0, "saturating"),
-            (0.0, 0.0),
-            "s",
+            Expected.between(0.0, 0.0, "s"),
             "Pawluk (1997), 4.4.3: a saturating channel would relieve that",
-            "none",
+            reason="none",
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from numpy.typing import NDArray
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
@@ -133,36 +133,27 @@ def _bisect(fires: Callable[[float], bool], low: float, high: float, digits: flo
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the action potential, thresholds and rates, and the errors of the integrators."""
     yield Case(
-        "neural",
         "peak after 1 ms of 20 uA/cm²",
         peak,
-        105.5,
-        0.05,
-        "mV",
+        Expected(105.5, 0.05, "mV"),
         "Hodgkin & Huxley (1952), recomputed by an adaptive solution",
         reason="rounding of the print",
     )
     for divisor, table in RATES.items():
         kind = "rates / 6" if divisor == SLOWED else "standard"
         yield Case(
-            "neural",
             f"onset of repetitive firing, {kind}",
             partial(onset, divisor),
-            ONSETS[divisor],
-            5e-4,
-            "uA/cm²",
+            Expected(ONSETS[divisor], 5e-4, "uA/cm²"),
             f"{EXACT}, bisected; a step from rest",
             reason="bisection",
         )
         for current, expected in table.items():
             if not quick or current == 20:
                 yield Case(
-                    "neural",
                     f"rate at {current} uA/cm², {kind}",
                     partial(rate, divisor, current),
-                    expected,
-                    2e-3 * expected,
-                    "Hz",
+                    Expected(expected, 2e-3 * expected, "Hz"),
                     EXACT,
                     reason="spikes in the window",
                 )
@@ -181,43 +172,31 @@ def _protocols() -> Iterator[Case]:
             ("peaks fail 40 mV above", block, BLOCKS[divisor], 0.15, "bisection"),
         ):
             yield Case(
-                "neural",
                 f"{name}, {kind}",
                 partial(measure, divisor),
-                expected,
-                tolerance,
-                "uA/cm²",
+                Expected(expected, tolerance, "uA/cm²"),
                 f"{EXACT}, bracketed",
                 reason=reason,
             )
 
     yield Case(
-        "neural",
         "hysteresis: first impulse on a ramp of 200 uA/cm²/s, standard",
         partial(rising, 200.0),
-        14.05889,
-        1e-4,
-        "uA/cm²",
+        Expected(14.05889, 1e-4, "uA/cm²"),
         f"{EXACT}; rest is stable up to 9.775, beside firing from 6.26 on",
         reason="time step; slower than 40 uA/cm²/s, rounding decides the moment",
     )
     yield Case(
-        "neural",
         "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
         lambda: float(9.775 < rising(2.0) < 16),
-        1.0,
-        0.0,
-        "1",
+        Expected(1.0, 0.0, "1"),
         "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)",
         reason="none",
     )
     yield Case(
-        "neural",
         "accommodation: first impulse on a ramp of 20 uA/cm²/s to 16 (16: none), standard",
         partial(rising, 20.0),
-        16.0,
-        0.0,
-        "uA/cm²",
+        Expected(16.0, 0.0, "uA/cm²"),
         EXACT,
         reason="none",
     )
@@ -226,12 +205,9 @@ def _protocols() -> Iterator[Case]:
 def _ratios() -> Iterator[Case]:
     for current in (7, 100):
         yield Case(
-            "neural",
             f"4.3.2: rate at {current} uA/cm², standard over rates / 6",
             lambda current=current: rate(STANDARD, current) / rate(SLOWED, current),
-            RATES[STANDARD][current] / RATES[SLOWED][current],
-            0.02,
-            "1",
+            Expected(RATES[STANDARD][current] / RATES[SLOWED][current], 0.02, "1"),
             EXACT,
             printed=6.0,
             erratum=(
@@ -242,12 +218,9 @@ def _ratios() -> Iterator[Case]:
         )
     for current in (10, 20, 50, 100):
         yield Case(
-            "neural",
             f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
             partial(cheap, float(current)),
-            1.0,
-            0.13,
-            "1",
+            Expected(1.0, 0.13, "1"),
             EXACT,
             reason="two constants cannot follow the curve any closer",
         )
@@ -256,22 +229,16 @@ def _ratios() -> Iterator[Case]:
 def _integrators() -> Iterator[Case]:
     for method, dt, worst in (("splitting", 2.4e-5, 0.12), ("runge-kutta", 5e-5, 5e-5)):
         yield Case(
-            "neural",
             f"{method} at {1e6 * dt:g} us: worst error of a spike time",
             lambda method=method, dt=dt: spike_times(method, dt)[0],
-            worst / 2,
-            worst / 2,
-            "ms",
+            Expected(worst / 2, worst / 2, "ms"),
             "order 8, rtol 1e-10; ramps to 5 to 60 uA/cm², held",
             reason="what the tolerance of the integrator promises",
         )
         yield Case(
-            "neural",
             f"{method} at {1e6 * dt:g} us: units with another spike count",
             lambda method=method, dt=dt: float(spike_times(method, dt)[1]),
-            0.0,
-            0.0,
-            f"of {len(RAMPS)}",
+            Expected(0.0, 0.0, f"of {len(RAMPS)}"),
             "order 8, rtol 1e-10",
             reason="a count",
         )

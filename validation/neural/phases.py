@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import (
     DAMPER,
     IN_RANGE,
@@ -14,7 +14,6 @@ from fefinger.validation.neural.sweep import (
     SPRING,
     STANDARD,
     THESIS,
-    claim,
     impulses,
     retracting,
     swing,
@@ -46,12 +45,13 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the claims."""
     for what, expected in TRACE.items():
         yield Case(
-            "neural",
             f"4.2.2, Fig. 4-3: spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz: {what}",
             partial(trace, what),
-            expected,
-            0.0 if what == "impulses per cycle" else 0.02,
-            "1" if what == "impulses per cycle" else "degrees",
+            Expected(
+                expected,
+                0.0 if what == "impulses per cycle" else 0.02,
+                "1" if what == "impulses per cycle" else "degrees",
+            ),
             "order 8, rtol 1e-10",
             reason="a count, and straight lines between 400 samples of the cycle",
         )
@@ -69,30 +69,25 @@ def _phases() -> Iterator[Case]:
         ("4.3.4", "FAI", END_ORGANS["FAI"], SLOWED, (0.0, 0.5), "more to the indentation"),
         ("4.3.4", "FAII", END_ORGANS["FAII"], SLOWED, (0.5, 1.0), "more to the retraction"),
     ):
-        yield claim(
+        yield Case(
             f"{section}: {name}: share of impulses in the retraction, 1 Hz",
             partial(retracting, organ, membrane, 1.0, IN_RANGE),
-            limits,
-            "1",
+            Expected.between(*limits, "1"),
             f"{THESIS}{section}: responds {words}",
-            "the impulses between 180 and 360 degrees of the cycle, phi1 and phi2 of Fig. 4-3",
+            reason="impulses between 180 and 360 degrees of the cycle, phi1 and phi2 of Fig. 4-3",
         )
     for kind, membrane in (("6.3 C", STANDARD), ("rates / 6", SLOWED)):
-        yield claim(
+        yield Case(
             f"4.2.2: second derivative, {kind}: share in the retraction, mean of 0.5 to 64 Hz",
             partial(_accelerated, membrane),
-            (0.5, 0.95),
-            "1",
+            Expected.between(0.5, 0.95, "1"),
             f"{THESIS}4.2.2: primarily on the retraction, to some degree on the indentation",
-            "more than half, but not all",
+            reason="more than half, but not all",
         )
     yield Case(
-        "neural",
         "4.2.2: second derivative, 6.3 C: responds more in the retraction at 1 Hz too (1: yes)",
         lambda: float(retracting(SECOND, STANDARD, 1.0, IN_RANGE) > 0.5),
-        0.0,
-        0.0,
-        "1",
+        Expected(0.0, 0.0, "1"),
         "a current symmetric about the turning point; its slow rise fires late",
         printed=1.0,
         erratum=(
@@ -102,21 +97,17 @@ def _phases() -> Iterator[Case]:
         ),
         reason="yes or no",
     )
-    yield claim(
+    yield Case(
         "4.3.4: share in the retraction at 0.5 Hz, SAII less SAI",
         partial(_more, 0.5),
-        (0.02, 0.5),
-        "1",
+        Expected.between(0.02, 0.5, "1"),
         f"{THESIS}4.3.4: SAII was allowed a bit of a response on the retraction as well",
-        "more than SAI by two percent of the impulses or more",
+        reason="more than SAI by two percent of the impulses or more",
     )
     yield Case(
-        "neural",
         "4.3.4: at 2 Hz too SAII responds more in the retraction than SAI (1: yes)",
         lambda: float(_more(2.0) > 0),
-        0.0,
-        0.0,
-        "1",
+        Expected(0.0, 0.0, "1"),
         "Eq. 4.3: at 2 Hz SAII leads by 54 degrees, SAI by 24",
         printed=1.0,
         erratum=(
@@ -151,11 +142,10 @@ def _locking(*, quick: bool) -> Iterator[Case]:
     ):
         if quick and name == "spring, A current":
             continue
-        yield claim(
+        yield Case(
             f"{section}: {name}, {frequency:g} Hz: spread of impulses per cycle, 0 to -12 dB",
             partial(spread, name, frequency),
-            limits,
-            "1",
+            Expected.between(*limits, "1"),
             f"{THESIS}{section}: {words}",
-            "none where the response locks to one impulse",
+            reason="none where the response locks to one impulse",
         )

@@ -6,15 +6,15 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from fefinger.validation.case import Case
-from fefinger.validation.neural.sweep import SPRING, Array, claim
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.neural.preliminary import derivative
+from fefinger.validation.neural.sweep import SPRING, Array
 
 from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.preliminary import derivative
-from fefinger.scene.motion import Trapezoid
+from fefinger.scene.motions import Trapezoid
 
 
 SPEEDS = (2.0, 8.0, 32.0)
@@ -146,21 +146,19 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _spring() -> Iterator[Case]:
     for speed in (2.0, 8.0):
-        yield claim(
+        yield Case(
             f"4.3.5, Fig. 4-13: spring, {speed:g} mm/s: impulses in the retraction",
             partial(retracting, "spring", speed),
-            (3.0, 40.0),
-            "1",
+            Expected.between(3.0, 40.0, "1"),
             f"{THESIS}: the spring model goes on well into the retraction",
-            "three or more",
+            reason="three or more",
         )
-    yield claim(
+    yield Case(
         "4.3.5, Fig. 4-13: spring, 2 mm/s: highest rate in the ramp, over that in the hold",
         lambda: in_ramp("spring", 2.0) / in_hold("spring", 2.0),
-        (0.0, 1.02),
-        "1",
+        Expected.between(0.0, 1.02, "1"),
         f"{THESIS}: the rate of the spring model rises until the steady input and stays",
-        "the last interval of the ramp is that of the hold",
+        reason="the last interval of the ramp is that of the hold",
     )
 
 
@@ -168,46 +166,39 @@ def _slow() -> Iterator[Case]:
     for name in ("SAI", "SAII"):
         figure = "a" if name == "SAI" else "b"
         for speed in SPEEDS:
-            yield claim(
+            yield Case(
                 f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: impulses in the retraction",
                 partial(retracting, name, speed),
-                (0.0, 0.0),
-                "1",
+                Expected.between(0.0, 0.0, "1"),
                 f"{THESIS}: neither SA model continues to respond into the retraction",
-                "none",
+                reason="none",
             )
-            yield claim(
+            yield Case(
                 f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the ramp over the hold",
                 lambda name=name, speed=speed: in_ramp(name, speed) / in_hold(name, speed),
-                (1.05, 3.0),
-                "1",
+                Expected.between(1.05, 3.0, "1"),
                 f"{THESIS}: both SA models fire faster in the ramp than in the hold",
-                "five percent faster or more",
+                reason="five percent faster or more",
             )
-            yield claim(
+            yield Case(
                 f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the hold",
                 partial(in_hold, name, speed),
-                (10.0, 30.0),
-                "Hz",
+                Expected.between(10.0, 30.0, "Hz"),
                 f"{THESIS}: both SA models have a static response",
-                "from the onset of the slowed membrane to its fastest",
+                reason="from the onset of the slowed membrane to its fastest",
             )
-        yield claim(
+        yield Case(
             f"4.3.5: {name}: smallest rise of the rate in the ramp from one speed to the next",
             partial(rise, in_ramp, name, SPEEDS),
-            (0.3, 20.0),
-            "Hz",
+            Expected.between(0.3, 20.0, "Hz"),
             f"{THESIS}: the rate in the ramp rises with the speed",
-            "it rises at each step",
+            reason="it rises at each step",
         )
     for speed, expected in ((2.0, 4.0), (8.0, 0.0), (32.0, 0.0)):
         yield Case(
-            "neural",
             f"4.3.5: SAII at the default gain, {speed:g} mm/s: impulses in the retraction",
             partial(retracting, "SAII", speed, rule=True, generator="saturating"),
-            expected,
-            0.0,
-            "1",
+            Expected(expected, 0.0, "1"),
             "order 8, rtol 1e-10",
             printed=0.0,
             erratum=(
@@ -220,12 +211,9 @@ def _slow() -> Iterator[Case]:
         )
     for name, expected in FIRST.items():
         yield Case(
-            "neural",
             f"4.3.5: {name}, 8 mm/s: first impulse",
             partial(first, name, 8.0),
-            expected,
-            1e-4,
-            "ms",
+            Expected(expected, 1e-4, "ms"),
             "order 8, rtol 1e-10",
             reason="the error of Runge-Kutta at 50 us",
         )
@@ -238,30 +226,27 @@ def _fast() -> Iterator[Case]:
         ("FAII", "left open: "),
     ):
         for speed in SPEEDS:
-            yield claim(
+            yield Case(
                 f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses in the hold",
                 partial(holding, name, speed),
-                (0.0, 0.0),
-                "1",
+                Expected.between(0.0, 0.0, "1"),
                 f"{THESIS}: FA units have no static response",
-                "none",
+                reason="none",
             )
-            yield claim(
+            yield Case(
                 f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses between retraction and return",
                 partial(retracting, name, speed),
-                (0.0, 0.0),
-                "1",
+                Expected.between(0.0, 0.0, "1"),
                 f"{THESIS}: the damper model and FAI do not respond to the retraction",
-                "none",
+                reason="none",
             )
     for name, figure in (("damper", "Fig. 4-16: "), ("FAI", "Fig. 4-17: ")):
-        yield claim(
+        yield Case(
             f"4.3.5, {figure}{name}: rise of the rate in the ramp from 8 to 32 mm/s",
             partial(rise, in_ramp, name, (8.0, 32.0)),
-            (1.0, 30.0),
-            "Hz",
+            Expected.between(1.0, 30.0, "Hz"),
             f"{THESIS}: the firing rate upon indentation increases with velocity",
-            "it rises",
+            reason="it rises",
         )
     for name, speed, expected in (
         *(("damper", speed, 0.0) for speed in SPEEDS),
@@ -270,12 +255,9 @@ def _fast() -> Iterator[Case]:
     ):
         silent = expected == 0.0
         yield Case(
-            "neural",
             f"4.3.5: {name}, {speed:g} mm/s: impulses on the return to zero",
             partial(returning, name, speed),
-            expected,
-            0.0,
-            "1",
+            Expected(expected, 0.0, "1"),
             "order 8, rtol 1e-10",
             printed=None if silent else 0.0,
             erratum=""
@@ -292,19 +274,17 @@ def _fast() -> Iterator[Case]:
 def _faster() -> Iterator[Case]:
     note = f"{THESIS}: recorded rates are higher, so the rates were divided by too much"
     for divisor, least in ((4.0, 1.2), (3.0, 1.5)):
-        yield claim(
+        yield Case(
             f"4.3.5: SAI, 8 mm/s: rate in the hold with rates / {divisor:g}, over that with / 6",
             lambda divisor=divisor: in_hold("SAI", 8.0, divisor) / in_hold("SAI", 8.0),
-            (least, 6.0 / divisor),
-            "1",
+            Expected.between(least, 6.0 / divisor, "1"),
             note,
-            "less than in proportion: the membrane equation is not slowed",
+            reason="less than in proportion: the membrane equation is not slowed",
         )
-        yield claim(
+        yield Case(
             f"4.3.5: SAI, 8 mm/s, rates / {divisor:g}: impulses in the retraction",
             partial(retracting, "SAI", 8.0, divisor=divisor),
-            (0.0, 0.0),
-            "1",
+            Expected.between(0.0, 0.0, "1"),
             f"{THESIS}: this is not expected to change the results qualitatively",
-            "none",
+            reason="none",
         )

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import (
     DAMPER,
     FREQUENCIES,
@@ -16,7 +17,6 @@ from fefinger.validation.neural.sweep import (
     STANDARD,
     THESIS,
     Organ,
-    claim,
     cornered,
     impulses,
     peaks,
@@ -27,7 +27,6 @@ from fefinger.validation.neural.sweep import (
 
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.preliminary import derivative
 
 
 TOP = 111.0
@@ -150,21 +149,19 @@ def _shapes() -> Iterator[Case]:
         ("4.3.4, Fig. 4-10a", "SAI", 4.0),
         ("4.3.4, Fig. 4-10b", "SAII", 4.0),
     ):
-        yield claim(
+        yield Case(
             f"{section}: {name}: fall of impulses per cycle with frequency at 0 dB",
             partial(fall, name),
-            (-1.25, -0.75),
-            "1",
+            Expected.between(-1.25, -0.75, "1"),
             f"{THESIS}{section}: hyperbolic at large amplitudes",
-            FALL,
+            reason=FALL,
         )
-        yield claim(
+        yield Case(
             f"{section}: {name}: peak at the smallest amplitude that fires at {middle:g} Hz",
             partial(smallest, name, middle),
-            (1.0, 32.0),
-            "Hz",
+            Expected.between(1.0, 32.0, "Hz"),
             f"{THESIS}{section}: an inverted U at lower amplitudes",
-            "a peak within the frequencies, at neither end",
+            reason="a peak within the frequencies, at neither end",
         )
     for section, name in (
         ("4.2.2, Fig. 4-4b", "spring, 6.3 C"),
@@ -174,57 +171,51 @@ def _shapes() -> Iterator[Case]:
         ("4.3.4, Fig. 4-11a", "FAI"),
         ("4.3.4, Fig. 4-11b", "FAII"),
     ):
-        yield claim(
+        yield Case(
             f"{section}: {name}: octaves by which the peak moves up as the amplitude falls",
             partial(shift, name),
-            (2.0, 12.0),
-            "1",
+            Expected.between(2.0, 12.0, "1"),
             f"{THESIS}{section}: the peak shifts to higher frequencies at lower amplitudes",
-            "two octaves or more",
+            reason="two octaves or more",
         )
-        yield claim(
+        yield Case(
             f"{section}: {name}: rank correlation of the peak's frequency with the attenuation",
             partial(steadiness, name),
-            (0.8, 1.0),
-            "1",
+            Expected.between(0.8, 1.0, "1"),
             f"{THESIS}{section}: the shift is steady",
-            "1 would be strictly steady; subharmonics compete at the smallest amplitudes",
+            reason="1 would be strictly steady; subharmonics compete at the smallest amplitudes",
         )
-    yield claim(
+    yield Case(
         "4.2.2: spring on integrate-and-fire: octaves by which the peak moves",
         partial(shift, "spring, integrate and fire"),
-        (-0.5, 0.5),
-        "1",
+        Expected.between(-0.5, 0.5, "1"),
         f"{THESIS}4.2.2: the shift is a property of the membrane, so a leaky integrator lacks it",
-        "none",
+        reason="none",
     )
     for name, membrane in (("6.3 C", STANDARD), ("rates / 6", SLOWED)):
-        yield claim(
+        yield Case(
             f"4.2.2: spring, {name}, 1 Hz: R² of growth with log amplitude, less that with it",
             partial(logarithmic, SPRING, membrane, 1.0),
-            (0.02, 1.0),
-            "1",
+            Expected.between(0.02, 1.0, "1"),
             f"{THESIS}4.2.2: the variation with the input amplitude is logarithmic",
-            "a logarithm explains more than a straight line",
+            reason="a logarithm explains more than a straight line",
         )
 
 
 def _ranges(*, quick: bool) -> Iterator[Case]:
-    yield claim(
+    yield Case(
         "4.3.2: spring, 6.3 C, 0.5 Hz: amplitudes with 1 to 20 impulses per cycle",
         partial(few, STANDARD),
-        (0.0, 0.5),
-        "dB",
+        Expected.between(0.0, 0.5, "dB"),
         f"{THESIS}4.3.2: the range below 20 impulses per cycle is extremely small",
-        "the first amplitude that fires gives more at once",
+        reason="the first amplitude that fires gives more at once",
     )
-    yield claim(
+    yield Case(
         "4.3.2: spring, rates / 6, 0.5 Hz: amplitudes with 1 to 20 impulses per cycle",
         partial(few, SLOWED),
-        (6.0, 20.0),
-        "dB",
+        Expected.between(6.0, 20.0, "dB"),
         f"{THESIS}4.3.2: slower kinetics open that range",
-        "a factor of 2 in amplitude or more",
+        reason="a factor of 2 in amplitude or more",
     )
     if quick:
         return
@@ -235,22 +226,18 @@ def _ranges(*, quick: bool) -> Iterator[Case]:
         ("4.3.4", "FAII", "damper", "FAII can finally encompass the large range of the receptors"),
     )
     for section, name, other, words in pairs:
-        yield claim(
+        yield Case(
             f"{section}: input range of {name}, over that of {other}",
             partial(wider, name, other),
-            (6.0, 80.0),
-            "dB",
+            Expected.between(6.0, 80.0, "dB"),
             f"{THESIS}{section}: {words}",
-            "a factor of 2 or more",
+            reason="a factor of 2 or more",
         )
     for name, expected in RANGES.items():
         yield Case(
-            "neural",
             f"input range of {name}, 0.5 to 512 Hz",
             partial(input_range, name),
-            expected,
-            2.0,
-            "dB",
+            Expected(expected, 2.0, "dB"),
             "threshold on steps of 0.5 dB, Runge-Kutta at 2 us instead of 50",
             reason="a step on either side, and the length of the run",
         )
@@ -270,31 +257,28 @@ def _orders() -> Iterator[Case]:
         ("FAI, below its poles", END_ORGANS["FAI"], 0.125, 0.5, (1.0, 2.05)),
         ("FAII, below its poles", END_ORGANS["FAII"], 2.0, 16.0, (1.9, 2.05)),
     ):
-        yield claim(
+        yield Case(
             f"4.3.1: {name}: slope of impulses per second over frequency",
             partial(order, organ, low, high),
-            limits,
-            "1",
+            Expected.between(*limits, "1"),
             source,
-            "0, 1 and 2 for the orders; a first-order corner lies between 0 and 1",
+            reason="0, 1 and 2 for the orders; a first-order corner lies between 0 and 1",
         )
 
 
 def _poles(*, quick: bool) -> Iterator[Case]:
     for pole in (30.0,) if quick else (10.0, 30.0, 100.0):
-        yield claim(
+        yield Case(
             f"4.3.3: damper with a pole at {pole:g} Hz: largest change in impulses per cycle",
             partial(closed, pole),
-            (0.0, 1.0),
-            "1",
+            Expected.between(0.0, 1.0, "1"),
             f"{THESIS}4.3.3: a pole at 10 to 100 Hz keeps magnitude and range",
-            "one impulse, up to 8 Hz",
+            reason="one impulse, up to 8 Hz",
         )
-        yield claim(
+        yield Case(
             f"4.3.3: damper with a pole at {pole:g} Hz: current at 512 Hz, times smaller",
             partial(relief, pole),
-            (2.0, 100.0),
-            "1",
+            Expected.between(2.0, 100.0, "1"),
             f"{THESIS}4.3.3: the pole significantly reduces unrealistically high voltages",
-            "twofold or more",
+            reason="twofold or more",
         )

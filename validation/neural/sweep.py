@@ -4,21 +4,17 @@ The end organ is in its steady state, A [H(0) - Re(H(f) exp(i w t))], so that no
 input stands between the equations of the thesis and the current.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
-from fefinger.neural.preliminary import Derivative
 
 
 Array = NDArray[np.float64]
-Organ = PoleZero | Derivative
 
 SECONDS, CYCLES = 1.0, 4
 """A run lasts this long at least, and so many cycles; its second half is counted."""
@@ -34,6 +30,20 @@ LARGEST = 9000.0
 FREQUENCIES = tuple(2.0**k for k in range(-1, 10))
 DAMPED = tuple(2.0**k for k in range(-3, 10))
 """Hz: 0.5 to 512, and from 0.125 on for the damper (thesis 4.2.2, 4.3.3)."""
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """The derivative of order 1 or 2: the damper model of thesis 4.2.2."""
+
+    order: int
+
+    def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+        """Return (2 pi i f)^order at frequencies in Hz."""
+        return (2j * np.pi * np.asarray(frequency, float)) ** self.order
+
+
+Organ = PoleZero | Derivative
 
 
 @dataclass(frozen=True)
@@ -182,17 +192,3 @@ def retracting(organ: Organ, membrane: Membrane, frequency: float, currents: Arr
 def tallest(organ: Organ, frequency: float) -> float:
     """Return the largest current that an amplitude of 1 gives at a frequency."""
     return float(current(organ, frequency, np.arange(1000) / 1000).max())
-
-
-def claim(
-    name: str,
-    measure: Callable[[], float],
-    limits: tuple[float, float],
-    unit: str,
-    source: str,
-    reason: str,
-) -> Case:
-    """Return the case that a claim makes of a number: it lies between two limits."""
-    low, high = limits
-    middle, half = (low + high) / 2, (high - low) / 2
-    return Case("neural", name, measure, middle, half, unit, source, reason=reason)

@@ -14,8 +14,9 @@ from fefinger.mechanics import hertz, layered, linear, solid
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
@@ -63,7 +64,7 @@ def deepest(finger: Finger, press: str) -> float:
 
 def scene(subject: str, press: str, resolution: str = "standard", *, relaxed: bool = True) -> Scene:
     """Return the ramp of a press, of relaxed tissue or of one that relaxes."""
-    finger = Finger.subject(subject, resolution=resolution)
+    finger = Finger.subject(subject, resolution=resolution, tissue="maeno1998")
     if relaxed:
         finger = replace(finger, prony=Prony((1.0,), ()))
     motion = Ramp(SPEED, deepest(finger, press), corner=0.0)

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from fefinger.validation.problems.grids import box
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.elements.grids import box
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.newton import Equilibrium

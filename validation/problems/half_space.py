@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from fefinger.validation.oracles.point_force import point_displacement
+from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter
 from numpy.typing import NDArray
 
@@ -17,10 +19,8 @@ from fefinger.fem.contact import step_compiled
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
-from fefinger.theory.contact.loads import point_displacement
 from fefinger.theory.relaxation import Prony
 
 
@@ -108,7 +108,7 @@ class HalfSpaceQuarter:
                 )
                 field[away, :2, column] += (outward / r)[:, None] * offset
                 field[away, 2, column] += down
-        field *= self.patch.travel
+        field *= self.patch.projected
         return np.asarray(field.reshape(-1, len(self.patch.vertices))[self.fixed])
 
     def forces(self, prony: Prony, time: Array, depth: Array) -> Array:
@@ -117,12 +117,12 @@ class HalfSpaceQuarter:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
         prescribed = Prescribed("depth", time, depth)
         history = step_compiled.march(
-            self.flexibility, self.patch.gap, self.patch.travel, memory, prescribed
+            self.flexibility, self.patch.gap, self.patch.projected, memory, prescribed
         )
-        if (history.pressure[:, self.patch.edge] > 0).any():
+        if (history.pressure[:, self.patch.border] > 0).any():
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)
-        return 4 * np.asarray(history.pressure @ self.patch.travel)
+        return 4 * np.asarray(history.pressure @ self.patch.projected)
 
 
 def _graded(a: float, cells: int, even: float) -> Array:

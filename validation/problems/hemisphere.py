@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import outer
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.elements.grids import quarter
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.laws import Law
@@ -104,7 +104,7 @@ class Hemisphere:
         forces: list[float] = []
 
         def keep(_: int, state: State) -> None:
-            forces.append(4e-3 * float(self.contact.travel @ state.pressure))
+            forces.append(4e-3 * float(self.contact.projected @ state.pressure))
 
         follow(solver, history, Path("depth", times, lambda t: min(rate * t, DEPTH)), keep)
         return np.array(forces), solver

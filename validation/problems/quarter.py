@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from fefinger.validation.oracles.point_force import point_displacement
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -18,7 +19,6 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
-from fefinger.theory.contact.loads import point_displacement
 
 
 Array = NDArray[np.float64]
@@ -104,7 +104,7 @@ class Quarter:
 
     def pressed(self, depth: float) -> "Pressed":
         """Return the contact at a depth in mm."""
-        free = self.patch.gap - depth * self.patch.travel + self.patch.loads.T @ self.unloaded
+        free = self.patch.gap - depth * self.patch.projected + self.patch.loads.T @ self.unloaded
         return Pressed(self, Complementarity(self.flexibility).solve(free))
 
 
@@ -118,7 +118,7 @@ class Pressed:
     @property
     def force(self) -> float:
         """The force on the whole body in mN."""
-        return 4 * float(self.body.patch.travel @ self.pressure)
+        return 4 * float(self.body.patch.projected @ self.pressure)
 
     @property
     def area(self) -> float:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
 from numpy.typing import NDArray
@@ -171,53 +171,38 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield Figures 3-2 to 3-6, the fit of section 3.4.2 and the numbers of the array."""
     for newtons in FORCES:
         yield Case(
-            "thesis",
             f"Figure 3-4: filtered peak pressure at {newtons:g} N quasi-static, means",
             partial(array_pressure, newtons, 0.0),
-            felt_at_center(newtons),
-            1e-6,
-            "kPa",
+            Expected(felt_at_center(newtons), 1e-6, "kPa"),
             "closed form of Eq. 3.18 in the center: Dawson's integral",
             reason="quadrature of 80 points",
         )
         yield Case(
-            "thesis",
             f"Figure 3-3: mean radius of the 8 kPa isobar at {newtons:g} N, means",
             partial(isobar_radius, newtons),
-            isobar_of_hertz(newtons),
-            2e-3,
-            "mm",
+            Expected(isobar_of_hertz(newtons), 2e-3, "mm"),
             "a sqrt(1 - (p / p0)²); straight lines in triangles of 0.05 mm",
             reason="straight sides of the triangles where the pressure falls as a root",
         )
     for r in ELEMENTS[1:]:
         yield Case(
-            "thesis",
             f"Figure 3-2: felt {r:g} mm off the center at 2.3 N quasi-static, means",
             partial(array_pressure, 2.3, r),
-            felt_on_plane(2.3, r),
-            5e-3,
-            "kPa",
+            Expected(felt_on_plane(2.3, r), 5e-3, "kPa"),
             "second method: sum over a plane grid of 0.02 mm",
             reason="the rim of the contact on the grid",
         )
     yield Case(
-        "thesis",
         "Figure 3-5: largest difference between elements and G after a step",
         unlike_g,
-        0.0,
-        1e-12,
-        "1",
+        Expected(0.0, 1e-12, "1"),
         "section 3.3.2: the elements relax as the force does",
         reason="rounding of the arithmetic",
     )
     yield Case(
-        "thesis",
         "Figure 3-6: first peak of the pressure in the center, means",
         partial(center_peak, "ting"),
-        center_peak("integral"),
-        1e-3 * center_peak("integral"),
-        "kPa",
+        Expected(center_peak("integral"), 1e-3 * center_peak("integral"), "kPa"),
         "second method: Eq. 3.13, which holds until the first retraction",
         erratum="The caption of Figure 3-6 has 8 Hz, the text 4 Hz; this is 4 Hz.",
         reason="256 contact radii joined by straight lines",
@@ -233,23 +218,17 @@ def _fit() -> Iterator[Case]:
         ("m", 1.9, "1/mm"),
     ):
         yield Case(
-            "thesis",
             f"Table 3.2: {name.replace('_', ' ')} of a.h. that its own slow press gives back",
             lambda n=name: fitted(0.0)[n],
-            expected,
-            2e-3 * expected,
-            unit,
+            Expected(expected, 2e-3 * expected, unit),
             "Table 3.2; procedure of section 3.4.2 on readings without noise",
             reason="table of the blurred cap between 120 contact radii",
         )
     for name, offset in (("early", TOUCH), ("late", -TOUCH)):
         yield Case(
-            "thesis",
             f"Section 3.4.2: c0 b when touch is found 80 um {name}, over that found right, a.h.",
             lambda o=offset: fitted(o)["c0_b"] / fitted(0.0)["c0_b"],
-            found_without_blur(offset) / found_without_blur(0.0),
-            0.01,
-            "1",
+            Expected(found_without_blur(offset) / found_without_blur(0.0), 0.01, "1"),
             "second method: least squares on the pressures without the blur",
             printed=1.0,
             erratum="A touch found 80 um off moves b by a quarter, R by 3 to 5 %, and hardly "
@@ -291,12 +270,9 @@ def _array() -> Iterator[Case]:
         ),
     ):  # fmt: skip
         yield Case(
-            "thesis",
             name,
             measure,
-            expected,
-            tolerance,
-            unit,
+            Expected(expected, tolerance, unit),
             text,
             printed=printed,
             erratum={

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_ball
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid_at
-from fefinger.theory.contact.layer import Faced, Sheet
 
 
 Array = NDArray[np.float64]
@@ -87,12 +87,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
         ):
             force = unit == "N"
             yield Case(
-                "thesis",
                 f"A.3: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
                 lambda n=name, q=quantity, s=1e-3 if force else 1.0: s * getattr(bonded(n), q),
-                expected,
-                0.006,
-                unit,
+                Expected(expected, 0.006, unit),
                 "recomputed: integral equation, 1 - L weighted by the share of the cover",
                 printed=PRINTED_FORCE if force else None,
                 erratum=(
@@ -105,12 +102,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
     for name, expected in (("nominal", 1.144), ("fitted", 1.078)):
         yield Case(
-            "thesis",
             f"A.3: printed force of the ball over that of Hertz, {name}",
             lambda n=name: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)),
-            expected,
-            1e-3,
-            "1",
+            Expected(expected, 1e-3, "1"),
             "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one",
             reason=DIGITS,
         )
@@ -120,12 +114,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _fits() -> Iterator[Case]:
     for name, nominal in NOMINAL.items():
         yield Case(
-            "thesis",
             f"A.3: {name} that the fit finds over the true one, cover a half-space",
             lambda n=name: fitted("half-space")[n] / NOMINAL[n],
-            1.0,
-            0.02,
-            "1",
+            Expected(1.0, 0.02, "1"),
             "readings made of the nominal ball, 0.5 kPa of noise",
             printed=PRINTED_FIT[name] / nominal,
             erratum=(
@@ -136,12 +127,9 @@ def _fits() -> Iterator[Case]:
         )
         expected = direct(name) / nominal
         yield Case(
-            "thesis",
             f"A.3: {name} that the fit finds over the true one, cover bonded",
             lambda n=name: fitted("bonded")[n] / NOMINAL[n],
-            expected,
-            0.03 * expected,
-            "1",
+            Expected(expected, 0.03 * expected, "1"),
             "second method: least squares on the pressures without blur and noise",
             printed=PRINTED_FIT[name] / nominal,
             erratum=(

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.energy import slope
 from fefinger.validation.thesis.lumped import DIGITS, finger, ratio, vibrated
 from numpy.typing import NDArray
@@ -126,12 +126,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the claims of chapter 2."""
     for subject, expected in HELD.items():
         yield Case(
-            "thesis",
             f"Figure 2-3: force after 5 s of hold over the steady force, {subject}",
             lambda s=subject: float(finger(s)[1].relaxation(5.0)) / finger(s)[1].long_time,
-            expected,
-            6e-5,
-            "1",
+            Expected(expected, 6e-5, "1"),
             "1 + (c3 / c0) exp(-5 v3) with Table 2.1; recomputed: 1.01 to 1.03",
             reason=DIGITS,
         )
@@ -148,12 +145,9 @@ def _stiffness() -> Iterator[Case]:
             (("m", row.m, "1/mm"), ("b", row.b, "N/mm"))
         ):
             yield Case(
-                "thesis",
                 f"Figure 2-5: {name} of dT/dx against T, {subject}",
                 lambda s=subject, i=index: float(line(s)[i]),
-                expected,
-                1e-5 * expected,
-                unit,
+                Expected(expected, 1e-5 * expected, unit),
                 "Eq. 2.4 and Table 2.1; differences of Eq. 2.1",
                 reason="second differences over 4000 steps",
             )
@@ -162,24 +156,18 @@ def _stiffness() -> Iterator[Case]:
 def _not_instantaneous() -> Iterator[Case]:
     for subject in ("d.p.", "d.s.", "p.w.", "means"):
         yield Case(
-            "thesis",
             f"2.3: P / T at 60 mm/s, {subject}, 2 mm",
             partial(ratio, subject, 60.0),
-            ramp_ratio(subject),
-            1e-6,
-            "1",
+            Expected(ramp_ratio(subject), 1e-6, "1"),
             "second method: hereditary integral of samples of T; recomputed: 69 to 74 %",
             printed=1.0,
             erratum="Section 2.3 takes the ramp at 60 mm/s for instantaneous.",
             reason="straight lines between the samples",
         )
     yield Case(
-        "thesis",
         "2.4.3: instantaneous over relaxed force, means",
         lambda: 1 / finger("means")[1].long_time,
-        3.85,
-        0.006,
-        "1",
+        Expected(3.85, 0.006, "1"),
         "section 2.4.3, recomputed; the text says a factor of about 4",
         reason=DIGITS,
     )
@@ -188,12 +176,9 @@ def _not_instantaneous() -> Iterator[Case]:
 def _explanations() -> Iterator[Case]:
     for (rate, offset), expected in COARSE.items():
         yield Case(
-            "thesis",
             f"2.4.3: peak to peak about {offset:g} mm by rectangles of {1e3 / rate:g} ms, a.h.",
             partial(rectangles, rate, offset),
-            expected,
-            6e-4 if expected < 1 else 0.06,
-            "N",
+            Expected(expected, 6e-4 if expected < 1 else 0.06, "N"),
             "section 2.4.3, recomputed: what a coarse convolution makes of the printed parameters",
             printed={1.5: 0.93, 3.0: 21.0}[offset] if rate == 250 else None,
             erratum="At 250 samples per s it comes within 4 % of the printed peak to peak; the "
@@ -201,12 +186,9 @@ def _explanations() -> Iterator[Case]:
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Eq. 2.20: peak to peak about 3.0 mm over that about 1.5 mm, 16 Hz, 0.28 mm, a.h.",
         lambda: vibrated(3.0, 0.28, 16).peak_to_peak / vibrated(1.5, 0.28, 16).peak_to_peak,
-        math.exp(3.15),
-        2e-4 * math.exp(3.15),
-        "1",
+        Expected(math.exp(3.15), 2e-4 * math.exp(3.15), "1"),
         "exp(m (3.0 - 1.5)): changes of the force scale so; section 2.4.3",
         printed=21.0 / 0.93,
         erratum="21 over 0.93 N is 22.6: the two digits of the print.",
@@ -214,12 +196,9 @@ def _explanations() -> Iterator[Case]:
     )
     for offset, expected in ((1.5, 0.67), (3.0, 16.0)):
         yield Case(
-            "thesis",
             f"2.4.3: mean force if the wave were 1 - cos on {offset:g} mm, 16 Hz, 0.28 mm, a.h.",
             partial(raised_mean, offset),
-            expected,
-            0.006 if offset == 1.5 else 0.06,
-            "N",
+            Expected(expected, 0.006 if offset == 1.5 else 0.06, "N"),
             "section 2.4.3, recomputed",
             printed={1.5: 0.48, 3.0: 11.2}[offset],
             erratum="So the wave of section 2.4.3 is a sine about the offset, not one above it.",
@@ -227,13 +206,10 @@ def _explanations() -> Iterator[Case]:
         )
     for (offset, sign), expected in ROUNDED.items():
         yield Case(
-            "thesis",
             f"2.4.3: {'least' if sign < 0 else 'largest'} c0 T at {offset:g} mm that two digits of "
             "Table 2.1 allow, a.h.",
             partial(rounded, offset, sign),
-            expected,
-            0.006 if offset == 1.5 else 0.06,
-            "N",
+            Expected(expected, 0.006 if offset == 1.5 else 0.06, "N"),
             "section 2.4.3, recomputed; the printed means 0.48 and 11.2 N lie between",
             reason=DIGITS,
         )
@@ -243,34 +219,25 @@ def _ranges() -> Iterator[Case]:
     subjects = tuple(HELD)
     for name, best, corner, steep in (("least", min, 29.1, -17.0), ("largest", max, 42.0, -18.2)):
         yield Case(
-            "thesis",
             f"2.4.2: {name} corner frequency v1 / 2 pi of a subject",
             lambda b=best: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects),
-            corner,
-            0.06,
-            "Hz",
+            Expected(corner, 0.06, "Hz"),
             "section 2.4.2, recomputed: 29 to 42 Hz",
             reason=DIGITS,
         )
         yield Case(
-            "thesis",
             f"2.4.2: {name} fall of |G| from 30 to 200 Hz of a subject",
             lambda b=best: -b(-slope(s, 30, 200) for s in subjects),
-            steep,
-            0.06,
-            "dB/decade",
+            Expected(steep, 0.06, "dB/decade"),
             "section 2.4.2, recomputed: -17.0 to -18.2",
             printed=-20.0,
             erratum="-20 dB per decade is the limit of a spring; no subject's G is there yet.",
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "2.4.2: rise of the stiffness with the force, means",
         lambda: 1e3 * float(line("means")[0]),
-        2100.0,
-        5.0,
-        "1/m",
+        Expected(2100.0, 5.0, "1/m"),
         "Eq. 2.4; section 2.4.2 prints 2100",
         reason="three digits of the printed number",
     )
@@ -279,44 +246,32 @@ def _ranges() -> Iterator[Case]:
 def _apparatus() -> Iterator[Case]:
     for name, offset in (("early", OFFSET), ("late", -OFFSET)):
         yield Case(
-            "thesis",
             f"Section 2.4.1: peak of Figure 2-4 when touch is found 80 um {name}, a.h.",
             partial(moved, offset),
-            moved_by_samples(offset),
-            2e-3,
-            "%",
+            Expected(moved_by_samples(offset), 2e-3, "%"),
             "second method: hereditary integral of exp(m d) [T(x) - T(-d)], sampled",
             erratum="The thesis moves x0 by up to 80 um to lower its peak error from 18 to 10 %: "
             "so much of it can be the touch alone.",
             reason="straight lines between 15 000 samples",
         )
     yield Case(
-        "thesis",
         "Section 2.2.1: gain of the force filter at its corner of 1 kHz",
         _gain,
-        -3.01,
-        0.01,
-        "dB",
+        Expected(-3.01, 0.01, "dB"),
         "Butterworth of second order: 1 / sqrt(2); section 2.2.1",
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         "Section 2.2.1: what the force filter takes from a ramp at 60 mm/s to 2 mm, a.h.",
         partial(filtered_peak, "two_pole"),
-        filtered_peak("lsim"),
-        2e-4,
-        "N",
+        Expected(filtered_peak("lsim"), 2e-4, "N"),
         "second method: scipy.signal.lsim of an analog Butterworth filter",
         reason="20 000 samples of the two methods",
     )
     yield Case(
-        "thesis",
         "3.4.3: fast rate v1 of the means times a step at 2500 Hz",
         lambda: finger("means")[1].v[0] / 2500,
-        0.0924,
-        6e-5,
-        "1",
+        Expected(0.0924, 6e-5, "1"),
         "section 3.4.3, recomputed",
         printed=9.24e-5,
         erratum="Section 3.4.3 has subsampling at 2500 kHz; the raw data came at 13 kHz, so Hz.",

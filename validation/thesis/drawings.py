@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.oracles import goodwin
 from fefinger.validation.thesis.array import ELEMENTS, LEVEL, blurred_nodes, felt_history, sinusoid
 from fefinger.validation.thesis.ball import bonded
 from fefinger.validation.thesis.figures import COLORS, canvas
@@ -12,7 +13,7 @@ from fefinger.validation.thesis.sensor import array_pressure, ball_pressure
 from numpy.typing import NDArray
 
 from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.contact.curvature import at_depth, goodwin, goodwin_radius
+from fefinger.theory.contact.hertz import Hertz
 from fefinger.view.figures import INK, STEEL, figure, style
 
 
@@ -129,7 +130,12 @@ def _goodwin() -> Any:
     drawn, axis = canvas("curvature / 1/m", "relative pressure", xlim=(0, 700), ylim=(0, 1.05))
     curvature = np.linspace(0.0, 700.0, 200)
     for force, color in zip(GOODWIN_FORCES, COLORS, strict=False):
-        axis.plot(curvature, goodwin(curvature / 1e3, force), color=color, label=f"{force:g} gf")
+        axis.plot(
+            curvature,
+            goodwin.peak_at_force(curvature / 1e3, force),
+            color=color,
+            label=f"{force:g} gf",
+        )
     axis.plot([0], [0.3], "x", color=INK, clip_on=False, label="printed")
     axis.legend()
     return drawn
@@ -140,7 +146,7 @@ def _radius() -> Any:
         "curvature / 1/m", "contact radius / that of a plate", xlim=(0, 700), ylim=(0, 1.05)
     )
     curvature = np.linspace(0.0, 700.0, 200)
-    axis.plot(curvature, goodwin_radius(curvature / 1e3), color=INK)
+    axis.plot(curvature, goodwin.contact_radius(curvature / 1e3), color=INK)
     return drawn
 
 
@@ -164,8 +170,8 @@ def _ball() -> Any:
     depth = np.linspace(0.0, 0.7, 100)
     for name, color in (("fitted", COLORS[0]), ("nominal", COLORS[1])):
         plane, at = ball(name)
-        radius = float(at.radius) ** 2 / float(at.depth)
-        right.plot(depth, at_depth(depth, radius, plane).force / 1e3, color=color, label=name)
+        force = [Hertz(at.radius, each, plane, 0.0).force / 1e3 for each in depth.tolist()]
+        right.plot(depth, force, color=color, label=name)
     some = depth[4::5]
     forces = [bonded("nominal", each).force / 1e3 for each in some.tolist()]
     right.plot(some, forces, ":", color=INK, label="nominal, bonded")

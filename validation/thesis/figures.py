@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.oracles.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.validation.thesis.lumped import OFFSETS, finger, sinusoid, vibrated
 from numpy.typing import NDArray
 
-from fefinger.theory.lumped.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.theory.lumped.spring import constant_velocity
 from fefinger.view.figures import INK, STEEL, figure, style
 
@@ -63,7 +63,7 @@ def _velocities() -> Any:
 
 
 def _relaxation() -> Any:
-    from fefinger.theory.lumped.synthetic import ramp_and_hold
+    from fefinger.validation.oracles.synthetic import ramp_and_hold
 
     spring, prony = finger("p.w.")
     trial = ramp_and_hold(spring, prony, peak_force=2.5, seed=3)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from functools import cache, partial
 
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.synthetic import ramp_and_hold
 from fefinger.validation.thesis.lumped import DIGITS, finger
 
 from fefinger.theory.lumped.identify import Identification, joint, thesis
-from fefinger.theory.lumped.synthetic import ramp_and_hold
 
 
 BIASED = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}
@@ -47,22 +47,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _bias(subject)
         for name in ("b", "c0"):
             yield Case(
-                "thesis",
                 f"2.3: error in {name} of a fit of ramp and hold together, {subject}",
                 partial(error, subject, name),
-                0.0,
-                3.0,
-                "%",
+                Expected(0.0, 3.0, "%"),
                 "printed parameters, 3 mN and 3 um of noise",
                 reason="the noise leaves a standard deviation of 1 to 2 % in b of one trial",
             )
         yield Case(
-            "thesis",
             f"2.3: error in b of that fit over its own uncertainty, {subject}",
             partial(deviations, subject),
-            0.0,
-            3.0,
-            "1",
+            Expected(0.0, 3.0, "1"),
             "printed parameters, 3 mN and 3 um of noise",
             reason="three standard deviations",
         )
@@ -71,12 +65,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _bias(subject: str) -> Iterator[Case]:
     spring, prony = finger(subject)
     yield Case(
-        "thesis",
         f"2.3: b that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.b,
-        BIASED[subject],
-        6e-4,
-        "N/mm",
+        Expected(BIASED[subject], 6e-4, "N/mm"),
         "section 2.3, recomputed: protocol P2 with the printed parameters, refitted",
         printed=spring.b,
         erratum=(
@@ -87,23 +78,17 @@ def _bias(subject: str) -> Iterator[Case]:
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         f"2.3: m that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.m / spring.m,
-        1.0,
-        0.015,
-        "1",
+        Expected(1.0, 0.015, "1"),
         "section 2.3, recomputed: within 1.5 %",
         reason="the limit of the recomputation",
     )
     if subject in APPARENT:
         yield Case(
-            "thesis",
             f"2.3: c0 that the thesis's procedure finds, {subject}",
             lambda: identified(subject, unbiased=False).prony.long_time,
-            APPARENT[subject],
-            0.006,
-            "1",
+            Expected(APPARENT[subject], 0.006, "1"),
             "section 2.3, recomputed: 0.30 to 0.42 instead of 0.22 to 0.29",
             printed=prony.long_time,
             erratum="What has relaxed on the ramp is missing in the hold, so c0 comes out high.",

@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.ergonomics import Vibration, vibration
+from fefinger.validation.oracles.impedance import relaxation_spectrum
 from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk
-from fefinger.theory.lumped.ergonomics import Vibration, vibration
-from fefinger.theory.lumped.impedance import relaxation_spectrum
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
@@ -130,12 +130,9 @@ def _velocity() -> Iterator[Case]:
     for speed, expected in SPEEDS:
         printed = {0.2: 0.25, 60: 1.0}.get(speed)
         yield Case(
-            "thesis",
             f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
             lambda v=speed: ratio("a.h.", v),
-            expected,
-            6e-4,
-            "1",
+            Expected(expected, 6e-4, "1"),
             "section 2.3, recomputed: sum of ci m v / (m v + vi)",
             printed=printed,
             erratum=(
@@ -148,12 +145,13 @@ def _velocity() -> Iterator[Case]:
         )
     for subject in pawluk_bulk():
         yield Case(
-            "thesis",
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),
-            100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
-            0.01,
-            "%",
+            Expected(
+                100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
+                0.01,
+                "%",
+            ),
             "closed form for an exponential T: sum of ci m v / (m v + vi); section 2.3, recomputed",
             printed=0,
             erratum="Section 2.3 takes 0.2 mm/s for the steady state; it is 15 to 44 % above.",
@@ -164,12 +162,9 @@ def _velocity() -> Iterator[Case]:
 def _forces() -> Iterator[Case]:
     for offset, name, expected, printed in FORCES:
         yield Case(
-            "thesis",
             f"2.4.3: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
             lambda o=offset, n=name: simulated(o, n),
-            expected,
-            digits(expected),
-            "N",
+            Expected(expected, digits(expected), "N"),
             "section 2.4.3, recomputed with steps of 0.1 ms",
             printed=printed,
             erratum=(
@@ -184,12 +179,9 @@ def _forces() -> Iterator[Case]:
         )
     for name, measure, expected, tolerance, printed, erratum in _factors():
         yield Case(
-            "thesis",
             f"2.4.3: {name}, a.h.",
             measure,
-            expected,
-            tolerance,
-            "1",
+            Expected(expected, tolerance, "1"),
             "section 2.4.3, recomputed",
             printed=printed,
             erratum=erratum,
@@ -225,22 +217,16 @@ def _factors() -> Iterator[tuple[str, Callable[[], float], float, float, float |
 def _sinusoid() -> Iterator[Case]:
     for cycle, expected in enumerate(PEAKS):
         yield Case(
-            "thesis",
             f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm",
             lambda c=cycle: peak(c),
-            expected,
-            0.006,
-            "N",
+            Expected(expected, 0.006, "N"),
             "Figure 2-4, recomputed",
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Figure 2-4: least force by Eq. 2.3, which pulls where contact is lost",
         lambda: float(sinusoid()[1].min()),
-        -0.12,
-        0.006,
-        "N",
+        Expected(-0.12, 0.006, "N"),
         "Figure 2-4, recomputed",
         reason=DIGITS,
     )

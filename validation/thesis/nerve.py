@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 
 from fefinger.neural.chains import SpringDamper, slow_chain
 from fefinger.neural.endorgans import END_ORGANS
@@ -75,24 +75,18 @@ def spring_chain() -> float:
 
 def _equations() -> Iterator[Case]:
     yield Case(
-        "thesis",
         "Eq. B.29: rate of the FAI end organ after a step",
         decay,
-        -2 * np.pi,
-        1e-3,
-        "1/s",
+        Expected(-2 * np.pi, 1e-3, "1/s"),
         "slower pole of Eq. B.28, 1 Hz; the faster one is gone by then",
         printed=5.3,
         erratum="With the printed sign of the last term the response grows at 5.3 1/s and more.",
         reason="what is left of the pole at 10 Hz",
     )
     yield Case(
-        "thesis",
         "Eq. 5.8: part of the displacement that reaches the nerve, springs 2, 0.3, 0.7",
         spring_chain,
-        0.6 / (0.6 + 0.7 * 2.3),
-        1e-6,
-        "1",
+        Expected(0.6 / (0.6 + 0.7 * 2.3), 1e-6, "1"),
         "three springs in series",
         printed=0.6 / (0.7 * 2.3),
         erratum="The printed form is the limit of a stiff nerve; for a soft one it exceeds 1.",
@@ -106,12 +100,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for frequency, counts in SLOWED.items():
         for amplitude, expected in zip(AMPLITUDES, counts, strict=True):
             yield Case(
-                "thesis",
                 f"4.3.3: impulses per cycle at {frequency} Hz, {amplitude:g} uA/cm², rates / 6",
                 partial(per_cycle, 6.0, frequency, amplitude),
-                expected,
-                1e-9,
-                "1",
+                Expected(expected, 1e-9, "1"),
                 "an independent Runge-Kutta solution",
                 reason="a count, locked to the cycle",
             )
@@ -121,12 +112,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     }
     for (tone, current), count in slowed.items():
         yield Case(
-            "thesis",
             f"4.3.2: impulses per cycle at {tone:g} Hz, {current:g} uA/cm², rates / 6",
             partial(per_cycle, 6.0, tone, current),
-            count,
-            1e-9,
-            "1",
+            Expected(count, 1e-9, "1"),
             "an independent Runge-Kutta solution",
             reason="a count, locked to the cycle",
         )
@@ -136,23 +124,17 @@ def cases(*, quick: bool) -> Iterator[Case]:
     ):
         for amplitude, expected in counted.items():
             yield Case(
-                "thesis",
                 what.format(f"impulses per cycle at 0.5 Hz, {amplitude:g} uA/cm²,"),
                 partial(per_cycle, divisor, 0.5, amplitude, CORNERS[divisor]),
-                expected,
-                min(1.0, 0.05 * expected),
-                "1",
+                Expected(expected, min(1.0, 0.05 * expected), "1"),
                 "an independent Runge-Kutta solution of the same straight pieces",
                 reason="an impulse on the border between two cycles, and less of few",
             )
     for temperature in (30.0, 37.0):
         yield Case(
-            "thesis",
             f"4.3.3: impulses in 0.5 s of 50 uA/cm² at {temperature:g} degrees",
             partial(warm, temperature),
-            0.0,
-            1.0,
-            "1",
+            Expected(0.0, 1.0, "1"),
             "an independent Runge-Kutta solution: peaks below 40 mV at 30 and 37 degrees, Q10 = 3",
             printed=500.0,
             erratum=(

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, ball
 from numpy.typing import NDArray
@@ -66,45 +66,33 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the blur, the coupling and the noise."""
     for r, expected in FILTERED:
         yield Case(
-            "thesis",
             f"Figure A-5: filtered pressure of the fitted ball at {r} mm",
             partial(felt_at, float(r)),
-            expected,
-            0.006 if expected < 1 else 0.06,
-            "kPa",
+            Expected(expected, 0.006 if expected < 1 else 0.06, "kPa"),
             "section A.3, recomputed: Eq. A.4 on a grid",
             reason=DIGITS,
         )
     yield Case(
-        "thesis",
         "Figure A-5: force under the filtered pressure, fitted ball",
         felt_force,
-        1.670,
-        6e-4,
-        "N",
+        Expected(1.670, 6e-4, "N"),
         "section A.3, recomputed; the blur conserves force",
         reason=DIGITS,
     )
     yield from _coupling()
     yield Case(
-        "thesis",
         "3.2: noise of 0.5 kPa on an element of 2 x 2 mm",
         lambda: ArraySensor().noise * ArraySensor().pitch ** 2 / GRAM_FORCE,
-        0.204,
-        6e-4,
-        "gf",
+        Expected(0.204, 6e-4, "gf"),
         "section 3.2, recomputed",
         printed=1.2,
         erratum="The quoted 1.2 g fits neither the area of an element nor that of its Gaussian.",
         reason=DIGITS,
     )
     yield Case(
-        "thesis",
         "3.2: samples per second of 64 elements at 200 Hz",
         lambda: ArraySensor().elements ** 2 * ArraySensor().rate / 1e3,
-        12.8,
-        0.05,
-        "kHz",
+        Expected(12.8, 0.05, "kHz"),
         "section 3.2, recomputed",
         erratum="The text has both 13 and 13.5 kHz; 12.8 is 13 in two digits.",
         reason=DIGITS,
@@ -119,14 +107,11 @@ def _coupling() -> Iterator[Case]:
         ("a diagonal neighbor in the total", 1, 1, False, 0.0086, 0.01),
     ):
         yield Case(
-            "thesis",
             f"3.2: coupling of the elements, {name}",
             lambda i=rows, j=columns, c=over_center: (
                 neighbor(i, j) / (neighbor(0, 0) if c else 1.0)
             ),
-            expected,
-            6e-4 if expected == 0.662 else 6e-5,
-            "1",
+            Expected(expected, 6e-4 if expected == 0.662 else 6e-5, "1"),
             "section 3.2, recomputed",
             printed=printed if over_center else None,
             erratum="Chapter 3 has less than 11 %; appendix A divides the same by the total."

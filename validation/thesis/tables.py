@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.relaxation import Prony
@@ -111,12 +111,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _means(table, means)
     for name, (column, printed, tolerance) in FITS.items():
         yield Case(
-            "thesis",
             name,
             lambda c=column: float(np.mean(c)),
-            printed,
-            tolerance,
-            "1",
+            Expected(printed, tolerance, "1"),
             "last row of the table; of the printed column, not of a fit: its data are not public",
             reason="half a unit of the last printed digit",
         )
@@ -128,12 +125,9 @@ def _normalization() -> Iterator[Case]:
     for table, sums in SUMS.items():
         for subject, printed in sums.items():
             yield Case(
-                "thesis",
                 f"{table}: G(0), {subject}",
                 lambda s=f"{table} {subject}": float(prony(s).relaxation(0.0)),
-                1.0,
-                1e-12,
-                "1",
+                Expected(1.0, 1e-12, "1"),
                 "Eq. 2.2, which divides by the sum of c",
                 printed=printed,
                 erratum=(
@@ -148,12 +142,9 @@ def _means(table: str, means: dict[str, tuple[float, float, str]]) -> Iterator[C
     for column, (expected, tolerance, unit) in means.items():
         wrong = (table, column) == ("3.2", "R")
         yield Case(
-            "thesis",
             f"Table {table}: mean of {column}",
             lambda t=table, c=column: float(np.mean(columns(t)[c])),
-            expected,
-            tolerance,
-            unit,
+            Expected(expected, tolerance, unit),
             "mean of the printed column" if wrong else f"Table {table}, last row",
             printed=14 if wrong else None,
             erratum="The column 15, 12, 14, 17, 15 has the mean 14.6, not 14." if wrong else "",
@@ -167,24 +158,18 @@ def _correlations() -> Iterator[Case]:
         ("w", "width", -0.798, -0.79, 0.202),
     ):
         yield Case(
-            "thesis",
             f"Table 2.1: correlation of m and {name}",
             lambda c=column: correlation("m", c)[0],
-            r,
-            0.0015,
-            "1",
+            Expected(r, 0.0015, "1"),
             "section 2.4.1, recomputed",
             printed=printed,
             erratum="The table gives -0.798, which rounds to -0.80." if column == "w" else "",
             reason="three digits of the recomputation",
         )
         yield Case(
-            "thesis",
             f"Table 2.1: p of the correlation of m and {name}",
             lambda c=column: correlation("m", c)[1],
-            p,
-            0.002,
-            "1",
+            Expected(p, 0.002, "1"),
             "recomputed: two-sided, n = 4",
             printed=0.05,
             erratum=(
@@ -199,24 +184,18 @@ def _creep() -> Iterator[Case]:
     for source, weights in CREEP.items():
         for index, expected in enumerate(weights):
             yield Case(
-                "thesis",
                 f"Creep weight k{index + 1}, {source}",
                 lambda s=source, i=index: float(prony(s).creep()[1][i]),
-                expected,
-                1e-4,
-                "1",
+                Expected(expected, 1e-4, "1"),
                 "recomputed: residues of 1 / (s G(s))",
                 reason="four digits of the recomputation",
             )
     for source, points in GROWTH.items():
         for time, expected in points:
             yield Case(
-                "thesis",
                 f"Creep: a / a(0) at {1e3 * time:g} ms of a step force, {source}",
                 lambda s=source, t=time: growth(prony(s), t),
-                expected,
-                6e-4,
-                "1",
+                Expected(expected, 6e-4, "1"),
                 "recomputed: a³ follows J(t)",
                 reason="three digits of the recomputation",
             )

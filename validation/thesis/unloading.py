@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-from fefinger.validation.case import Case
+from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.pressure import pad
 from numpy.typing import NDArray
 
@@ -47,22 +47,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the pressures after a partial retraction."""
     for r, expected in UNLOADED.items():
         yield Case(
-            "thesis",
             f"3.3: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
             lambda r=r: float(retracted()[0][PLACES.index(r)]),
-            printed_by_parts(r),
-            1e-3,
-            "kPa",
+            Expected(printed_by_parts(r), 1e-3, "kPa"),
             f"second method: Eq. 3.13 by parts; section 3.3, recomputed: {expected:g} kPa",
             reason="steps of 0.5 ms, where a place leaves the contact with the slope of a root",
         )
     yield Case(
-        "thesis",
         "3.3: lowest of these pressures, contact resolved",
         lambda: float(retracted()[1].min()),
-        0.0,
-        1e-9,
-        "kPa",
+        Expected(0.0, 1e-9, "kPa"),
         "skin cannot pull on a dry plate; Ting 1966",
         printed=-0.75,
         erratum=(

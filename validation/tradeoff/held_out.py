@@ -171,20 +171,20 @@ def _force(row: dict[str, Any], kind: str = "actual") -> float:
     return np.inf if error is None else float(error)
 
 
-def _told(rows: list[dict[str, Any]], quantity: str) -> list[tuple[float, float]]:
+def _stated_and_actual(rows: list[dict[str, Any]], quantity: str) -> list[tuple[float, float]]:
     """Return stated and actual errors of a quantity, where it is stated."""
     pairs = [(row["stated"].get(quantity), row["actual"].get(quantity)) for row in rows]
     return [(stated, actual) for stated, actual in pairs if stated is not None]
 
 
 def _kept(rows: list[dict[str, Any]], quantity: str) -> float:
-    return _share([actual <= stated for stated, actual in _told(rows, quantity)])
+    return _share([actual <= stated for stated, actual in _stated_and_actual(rows, quantity)])
 
 
 def _over(rows: list[dict[str, Any]], quantity: str) -> float:
     """Return the median of the stated over the actual error, nan where none is stated."""
-    told = [stated / actual for stated, actual in _told(rows, quantity)]
-    return float(np.median(told)) if told else float("nan")
+    ratios = [stated / actual for stated, actual in _stated_and_actual(rows, quantity)]
+    return float(np.median(ratios)) if ratios else float("nan")
 
 
 def _share(held: list[Any]) -> float:

@@ -56,7 +56,7 @@ FINGERS = ("d.p.", "p.w.")
 """Fingers that tell how much the model error differs; the held-out one is not among them."""
 
 LEAST = 0.05
-"""Model error from which that is told."""
+"""Model error from which that is stated."""
 
 QUANTILE = 0.95
 """Share of the depths of all presses, predicted by their neighbors, that the margin covers."""
@@ -212,7 +212,7 @@ def directs(presses: dict[str, Any], motions: dict[str, Any]) -> dict[str, dict[
     """Return by what the errors of a mechanics are larger in direct runs than its press tells.
 
     The largest over the base scenes; on model errors, which carrying a press leaves too small. Of
-    the contact area it is not told: direct runs are on the coarse mesh, too rough for it.
+    the contact area it is not stated: direct runs are on the coarse mesh, too rough for it.
     `condensed` has the model of `linear`, and errors of a mesh that does not follow the touch.
     """
     factors = {name: dict.fromkeys(_of(name), 1.0) for name in (*NO_MESH, *WITH_MESH)}
@@ -396,7 +396,7 @@ def rules() -> dict[str, Any]:
     """Return all that the planner reads."""
     presses, moved = {name: row(name) for name in scenes.BASE}, motions()
     finger = scenes.finger("flat-30")
-    measured = [finger, *(Finger.subject(name) for name in FINGERS)]
+    measured = [finger, *(Finger.subject(name, tissue="maeno1998") for name in FINGERS)]
     shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
         "quantities": tradeoff.MEANT,

@@ -24,12 +24,12 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.results import pressure as pressures
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.atomic_write import moved
@@ -156,8 +156,8 @@ def _at_first(run: Run) -> Iterator[None]:
     """
     finger, touch = run.scene.finger, refinement_location(run.scene.indenter)
     if MECHANICS[run.mechanics].meshed:
-        with suppress(InputError):  # told by the run itself
-            ready(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
+        with suppress(InputError):  # the run itself says so
+            load_or_build(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:
         alone = Path(folder) / "fefinger"

@@ -10,8 +10,10 @@ import numpy as np
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
-from fefinger.scene.motion import Motion, Ramp, RampHold, Sinusoid, Trapezoid
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import Ramp, RampHold, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.theory.relaxation import Prony
 
@@ -70,7 +72,7 @@ PALE = Ask(pressure=True, strain=True, fields=False)
 
 def finger(name: str, resolution: str = "standard") -> Finger:
     """Return the finger of a press."""
-    return Finger.subject(PRESSES[name].subject, resolution=resolution)
+    return Finger.subject(PRESSES[name].subject, resolution=resolution, tissue="maeno1998")
 
 
 def press(name: str, resolution: str = "standard") -> Scene:
@@ -117,7 +119,7 @@ def held_out(count: int = N_HELD_OUT, seed: int = SEED) -> dict[str, Scene]:
         )
         scenes[f"{number:02d} {pressed}"] = Scene(
             name=f"held-out {number:02d}, {pressed}",
-            finger=Finger.subject(PRESSES[pressed].subject),
+            finger=Finger.subject(PRESSES[pressed].subject, tissue="maeno1998"),
             indenter=PRESSES[pressed].indenter,
             motion=_motion(kind, depth, speed),
             ask=ask,

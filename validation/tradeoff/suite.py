@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.case import Case, Outcome
+from fefinger.validation.case import Case, Expected, Outcome
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import held_out, runs, scenes, study
 from fefinger.validation.tradeoff import rules as tradeoff_rules
@@ -57,7 +57,7 @@ RULES = (
     "contact area was corrected all runs were made again, on another mesh of the other finger; the "
     "rules are as before. With six meshes compared 94 % of the errors of pressure were kept, and "
     "with twelve, which are taken since, 95 %: those of the highest pressure on the coarse mesh of "
-    "another finger are told too small by a fifth. When the weighted gaps of `solid` were changed, "
+    "another finger are stated too small by a fifth. When the weighted gaps of `solid` changed, "
     "which had not seen facets fold, its runs were made again. Two dozens of twelve meshes then "
     "made the picks take 2.2 and 3.5 times the least time; twenty-four are compared since."
 )
@@ -103,22 +103,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
     if not quick:
         yield from _campaign()
         yield Case(
-            "tradeoff",
             "stated errors: largest change since the report",
             _changed_since,
-            0.0,
-            0.01,
-            "1",
+            Expected(0.0, 0.01, "1"),
             "reports/tradeoff.json, which the planner reads",
         )
     data: Callable[[], dict[str, Any]] = committed if quick else fresh
     yield Case(
-        "tradeoff",
         "margins of the stated errors, derived again",
         lambda: rederived(committed()["rules"]),
-        0.0,
-        1e-9,
-        "1",
+        Expected(0.0, 1e-9, "1"),
         "the presses of the same report",
     )
     yield from _held_out(data)
@@ -130,12 +124,9 @@ def _campaign() -> Iterator[Case]:
     for kind, name in names:
         own = [run for run in runs.campaign() if (run.kind, run.name) == (kind, name)]
         yield Case(
-            "tradeoff",
             f"{kind} {name}: runs that are missing",
             partial(_made, own),
-            0.0,
-            0.0,
-            "runs",
+            Expected(0.0, 0.0, "runs"),
             f"the campaign: {len(own)} runs",
         )
 
@@ -150,12 +141,9 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
 
     def asked(name: str, key: str, expected: float, tolerance: float, source: str) -> Case:
         return Case(
-            "tradeoff",
             name,
             lambda: float(data()["summary"][key]),
-            expected,
-            tolerance,
-            "1",
+            Expected(expected, tolerance, "1"),
             source,
         )
 
@@ -164,12 +152,9 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     for quantity, said in SAID.items():
         for whose, key in WHOSE.items():
             yield Case(
-                "tradeoff",
                 f"stated error kept by {whose}: {said}",
                 lambda key=key, quantity=quantity: float(data()["summary"][key][quantity]),
-                1.0,
-                0.05,
-                "1",
+                Expected(1.0, 0.05, "1"),
                 "95 % of the scenes",
             )
     yield from _cost(data)
@@ -189,12 +174,9 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     )
     share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
     yield Case(
-        "tradeoff",
         share,
         lambda: float(data()["summary"]["within_1.2"]),
-        known["summary"]["within_1.2"],
-        AS_REPORTED,
-        "1",
+        Expected(known["summary"]["within_1.2"], AS_REPORTED, "1"),
         "what the report says",
         wanted=held_out.KEPT,
         shortfall=(
@@ -205,12 +187,9 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         reason="times of another machine, in ratios",
     )
     yield Case(
-        "tradeoff",
         f"{share}: how much smaller than that of an oracle",
         lambda: max(0.0, reached - float(data()["summary"]["within_1.2"])),
-        0.0,
-        AS_THE_ORACLE,
-        "1",
+        Expected(0.0, AS_THE_ORACLE, "1"),
         f"an oracle that states every actual error {over:.2g} times too large, as the planner does "
         "in the median with that of the cheapest that will do",
         reason="what the planner states is too large by a factor that varies",
@@ -261,9 +240,9 @@ def changed(new: dict[str, Any], old: dict[str, Any], names: list[str]) -> float
 
 def finding() -> dict[str, Any]:
     """Return the text of the report: the verdict on the held-out scenes, and tables."""
-    from fefinger.validation.tradeoff import told
+    from fefinger.validation.tradeoff import texts
 
-    return told.finding(committed())
+    return texts.finding(committed())
 
 
 def figures() -> Iterator[tuple[str, Any]]:

@@ -52,6 +52,7 @@ class Complementarity:
             elif patience > 0:
                 patience -= 1
             else:
+                # The last violation alone (Murty's rule): slow, but it cannot cycle.
                 wrong[: int(np.flatnonzero(wrong)[-1])] = False
             self.active = self.active ^ wrong
         message = (

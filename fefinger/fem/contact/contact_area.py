@@ -153,9 +153,11 @@ class _RimFits:
         corners = surface.points[surface.triangles]
         sides = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+        # The null space of the axis: two unit vectors across it.
         frame = np.linalg.svd(surface.axis[None])[2][1:]
         across = surface.points @ frame.T
         count = min(NEIGHBORS, len(across))
+        # A list of ranks, because a single rank 1 would drop a dimension.
         _, near = cKDTree(surface.points).query(surface.points, k=np.arange(1, count + 1))
         around = np.bincount(surface.triangles.ravel(), minlength=len(across))
         total = np.bincount(surface.triangles.ravel(), np.repeat(areas, 3), minlength=len(across))

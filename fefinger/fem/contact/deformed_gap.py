@@ -66,7 +66,7 @@ class DeformedGap:
     def steepness(self) -> Array:
         """The mean t / m (n,) of phi'."""
         slopes = self.contact.integrated(self.contact.hats * self._slope[:, None])
-        return np.asarray(slopes / self.contact.travel)
+        return np.asarray(slopes / self.contact.projected)
 
     @cached_property
     def loads(self) -> sparse.csc_matrix:
@@ -86,7 +86,7 @@ class DeformedGap:
     def fold_stiffness(self) -> Array:
         """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
         mean = self.contact.integrated(self.contact.hats * self._fall[:, None])
-        return np.asarray(self._multipliers * mean / self.contact.travel)
+        return np.asarray(self._multipliers * mean / self.contact.projected)
 
     def stiffness(self) -> sparse.csr_matrix:
         """Contribution of phi'' to the tangent: the integral of -phi'' psi lambda (grad g . v)².
@@ -142,7 +142,8 @@ class ContactSurface:
     """Contact candidates of a pad at finite deformation, and the obstacle.
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
-    at_rest (n_near, 3) mm: the undeformed positions of the neighborhood.
+    at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
+    of the candidates.
     """
 
     obstacle: Obstacle
@@ -150,13 +151,14 @@ class ContactSurface:
     neighborhood: Neighborhood
     at_rest: Array
     n_unknowns: int
+    reach: float
 
     def __len__(self) -> int:
         """Return the number of candidates."""
         return len(self.on.vertices)
 
     @cached_property
-    def travel(self) -> Array:
+    def projected(self) -> Array:
         """The integrals m (n,) mm² of the hats: closure of the gaps per mm of travel."""
         return self.integrated(self.hats)
 
@@ -213,4 +215,5 @@ def contact_surface(
     """
     on = candidates(space, triangles, normals, obstacle, reach, rings=1)
     around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
-    return ContactSurface(obstacle, on, around, space.points[around.vertices], space.n_unknowns)
+    at_rest = space.points[around.vertices]
+    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach)

@@ -219,6 +219,7 @@ def _solve_active(s: LcpState, offset: Array, scale: float) -> bool:
     last, fresh = np.inf, False
     largest = _residual(s, offset)
     while True:
+        # "not <=" also catches nan. The first time `last` is infinite, and H is used as it is.
         if not largest <= FALLING * last:
             if fresh:
                 return largest <= REFINED * scale
@@ -274,6 +275,7 @@ def solve(s: LcpState, offset: Array, tolerance: float) -> int:
         elif patience > 0:
             patience -= 1
         else:
+            # The last violation alone (Murty's rule): slow, but it cannot cycle.
             first = count - 1
         s.counts[ROUNDS] += 1
         s.counts[EXCHANGED] += count - first

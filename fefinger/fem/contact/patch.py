@@ -41,9 +41,9 @@ class Patch:
     """Discrete contact of a pad: candidate vertices, unit loads and initial weighted gaps.
 
     vertices (n,) of the mesh, triangles (n_tri, 3) that carry their hats, loads (n_unknowns, n) the
-    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, travel (n,) mm² the weights m, moment
-    (n, 3) mm³ those of the moment about the origin, areas (n,) mm² of the hats, edge and rim
-    (n,) as those of the `candidates`.
+    unit loads psi_j n, gap (n,) mm³ the weighted gaps s, projected (n,) mm² the areas m of the
+    hats across the axis, moment (n, 3) mm³ the weights of the moment about the origin, areas (n,)
+    mm² of the hats, border and obstacle_border (n,) as those of the `candidates`.
     At the vertices of `neighborhood`: distance (n_near,) mm along the axis, cosine (n_near,) of n
     and axis, and places (n_unknowns, n_near), whose transpose maps the unknowns to n . u.
     """
@@ -52,22 +52,22 @@ class Patch:
     triangles: Integers
     loads: sparse.csc_matrix
     gap: Array
-    travel: Array
+    projected: Array
     moment: Array
     areas: Array
-    edge: NDArray[np.bool_]
-    rim: NDArray[np.bool_]
+    border: NDArray[np.bool_]
+    obstacle_border: NDArray[np.bool_]
     neighborhood: Neighborhood
     distance: Array
     cosine: Array
     places: sparse.csc_matrix
 
-    def clearance(self, depth: Array, approach: Array) -> Array:
+    def clearance(self, depth: Array, normal_displacement: Array) -> Array:
         """Gap (n_t, n_near) mm at the vertices of the neighborhood, along the obstacle's normal.
 
-        depth (n_t,) mm; approach (n_t, n_near) mm: their displacement along that normal.
+        depth (n_t,) mm; normal_displacement (n_t, n_near) mm: that along that normal.
         """
-        return self.cosine * (self.distance - depth[:, None]) + approach
+        return self.cosine * (self.distance - depth[:, None]) + normal_displacement
 
 
 def smooth_places(points: Array, normals: Array, surface: Trace) -> Array:
@@ -118,16 +118,17 @@ class Candidates:
 
     vertices (n,) of the mesh; part: the trace of the triangles that carry their hats; places
     (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
-    none; edge (n,) the candidates beyond which contact could spread out of the patch; rim (n,)
-    those of them beyond which the obstacle is not ahead, however large the patch.
+    none; border (n,) the candidates beyond which contact could spread out of the patch;
+    obstacle_border (n,) those of them beyond which the obstacle is not ahead, however large the
+    patch.
     """
 
     vertices: Integers
     part: Trace
     places: Array
     owner: Integers
-    edge: NDArray[np.bool_]
-    rim: NDArray[np.bool_]
+    border: NDArray[np.bool_]
+    obstacle_border: NDArray[np.bool_]
 
 
 def candidates(
@@ -200,11 +201,11 @@ def patch(
         triangles=part.triangles,
         loads=_loads(space, part, hats, direction, owner, len(vertices)),
         gap=integrated(cosine * distance),
-        travel=integrated(cosine),
+        projected=integrated(cosine),
         moment=np.stack([integrated(arm[..., k]) for k in range(3)], axis=1),
         areas=integrated(np.ones_like(cosine)),
-        edge=chosen.edge,
-        rim=chosen.rim,
+        border=chosen.border,
+        obstacle_border=chosen.obstacle_border,
         neighborhood=around,
         distance=apart,
         cosine=normal @ obstacle.axis,

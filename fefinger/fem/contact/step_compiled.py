@@ -1,8 +1,8 @@
-"""Compiled contact step of a condensed viscoelastic body, for real time.
+"""Compiled contact step of a linear viscoelastic body, for whole motions and for real time.
 
-The same mathematics as `viscoelastic.march`: p = g y + h with y the elastic pressure, and h
-and F h from one recursion per Prony term, so that the history needs no product with F. A factor
-t on the elastic pressure (the thesis's modulus t(u) over a constant one) enters as y = t q.
+p = g y + h as in `viscoelastic.py`, with y the elastic pressure, and h and F h from one recursion
+per Prony term, so that the history needs no product with F. A factor t on the elastic pressure (the
+thesis's modulus t(u) over a constant one) enters as y = t q.
 """
 
 from collections.abc import Callable
@@ -31,15 +31,15 @@ from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORC
 class PadState(NamedTuple):
     """Viscoelastic state of the pad (Prony internal variables), initial gaps and load vector.
 
-    gap (n,) mm³ and travel (n,) mm² of the patch; weights and rates (m,) of the Prony terms; terms
-    and moved_terms (m, n): the internal variables of the pressure and F times them; elastic and
-    moved_elastic (n,): y and F y; past, moved_past and offset (n,): work; depth (1,) mm; tolerance
-    (1,) of the penetration, over the largest offset; peak (1,) mN: the largest force so far, which
-    scales the tolerance of small forces.
+    gap (n,) mm³ and projected (n,) mm² of the patch; weights and rates (m,) of the Prony terms;
+    terms and moved_terms (m, n): the internal variables of the pressure and F times them; elastic
+    and moved_elastic (n,): y and F y; past, moved_past and offset (n,): work; depth (1,) mm;
+    tolerance (1,) of the penetration, over the largest offset; peak (1,) mN: the largest force so
+    far, which scales the tolerance of small forces.
     """
 
     gap: Array
-    travel: Array
+    projected: Array
     weights: Array
     rates: Array
     terms: Array
@@ -56,7 +56,7 @@ class PadState(NamedTuple):
 
 def pad_state(
     gap: Array,
-    travel: Array,
+    projected: Array,
     weights: Array,
     rates: Array,
     tolerance: float = COMPLEMENTARITY,
@@ -65,7 +65,7 @@ def pad_state(
     n, m = len(gap), len(rates)
     return PadState(
         gap=np.array(gap),
-        travel=np.array(travel),
+        projected=np.array(projected),
         weights=np.array(weights, dtype=np.float64),
         rates=np.array(rates, dtype=np.float64),
         terms=np.zeros((m, n)),
@@ -114,7 +114,7 @@ def read(s: LcpState, m: PadState, out: Output, stiffening: float) -> None:
     for j in range(len(s.x)):
         pressure = s.x[j]
         if pressure > 0.0:
-            force += m.travel[j] * pressure
+            force += m.projected[j] * pressure
             area += out.areas[j]
             weight += out.areas[j] * pressure
             x += out.moments[0, j] * pressure
@@ -236,7 +236,7 @@ def store_history(m: PadState, pressure: Array, moved: Array, dt: float, g: floa
 def _pressure_at_depth(s: LcpState, m: PadState, stiffness: float, depth: float) -> int:
     """Solve for the pressure at a depth; `stiffness` is g t."""
     for j in range(len(m.gap)):
-        m.offset[j] = (m.gap[j] - depth * m.travel[j]) * stiffness - m.moved_past[j]
+        m.offset[j] = (m.gap[j] - depth * m.projected[j]) * stiffness - m.moved_past[j]
     return contact.solve(s, m.offset, m.tolerance[0])
 
 
@@ -245,7 +245,7 @@ def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
     """Solve for pressure and depth at a force in mN, as `viscoelastic.depth_at`."""
     first_touch = np.inf
     for j in range(len(m.gap)):
-        first_touch = min(first_touch, (m.gap[j] - m.moved_past[j] / g) / m.travel[j])
+        first_touch = min(first_touch, (m.gap[j] - m.moved_past[j] / g) / m.projected[j])
     if force <= 0.0:
         m.depth[0] = first_touch
         s.x[:] = 0.0
@@ -260,8 +260,8 @@ def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
         if failed != DONE:
             return failed
         excess = -force
-        for j in range(len(m.travel)):
-            excess += m.travel[j] * s.x[j]
+        for j in range(len(m.projected)):
+            excess += m.projected[j] * s.x[j]
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
@@ -269,7 +269,7 @@ def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
             low = depth
         else:
             high = depth
-        rise = g * contact.slope(s, m.travel)
+        rise = g * contact.slope(s, m.projected)
         depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
         if not (low < depth and depth < high):
             depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
@@ -299,12 +299,15 @@ def check(outcome: int, deepest: float = np.inf) -> None:
 def march(
     flexibility: Array,
     gap: Array,
-    travel: Array,
+    projected: Array,
     relaxation: Relaxation,
     prescribed: Prescribed,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:
-    """Compute the contact history of a body at rest, as `viscoelastic.march`, compiled.
+    """Compute the contact history of a body at rest before `prescribed.time[0]`.
+
+    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and projected (n,) mm² are those of the patch,
+    for the relaxed body; the first value of `prescribed` is reached by a jump.
 
     Raises
     ------
@@ -312,7 +315,7 @@ def march(
         If the contact or the depth under force control does not converge.
     """
     s = contact.lcp_state(flexibility)
-    m = pad_state(gap, travel, relaxation.weights, relaxation.rates)
+    m = pad_state(gap, projected, relaxation.weights, relaxation.rates)
     time, by_force = prescribed.time, prescribed.control == "force"
     m.peak[0] = prescribed.value.max(initial=0.0)
     shape = (len(time), len(gap))

@@ -1,19 +1,18 @@
 """Contact of a linear viscoelastic body through time.
 
-With one relaxation function for the body, u(t) follows the elastic pressure q, of which the
-contact pressure is the hereditary integral p = integral of G(t - s) dq(s). Over a step in which q
+With one relaxation function for the body, the displacement follows from an elastic pressure q: that
+of the fully relaxed body at this displacement (Lee and Radok, J. Appl. Mech. 27:438, 1960). The
+contact pressure is its hereditary integral, p = integral of G(t - s) dq(s). Over a step in which q
 is linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
-Depth control solves q's complementarity problem, force control finds the depth as well.
+`step_compiled.py` marches through time; under force control the depth is part of the solution.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.spaces import Array
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
@@ -25,8 +24,8 @@ CORRECTIONS = 60  # Newton or bisection steps on the depth under force control
 class History:
     """Contact through time.
 
-    depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure, elastic (n_t, n) kPa the pressure
-    of the relaxed body at the same displacement; exchanges counts the contact solutions.
+    depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure p, elastic (n_t, n) kPa the elastic
+    pressure q; exchanges counts the contact solutions.
     """
 
     depth: Array
@@ -76,54 +75,11 @@ class Prescribed:
     value: Array
 
 
-@one_thread
-def march(
-    flexibility: Array,
-    gap: Array,
-    travel: Array,
-    relaxation: Relaxation,
-    prescribed: Prescribed,
-    progress: Callable[[float], None] = lambda fraction: None,
-) -> History:
-    """Compute the contact history of a body at rest before `prescribed.time[0]`.
-
-    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and travel (n,) mm² are those of the patch, for
-    the relaxed body; the first value of `prescribed` is reached by a jump.
-
-    Raises
-    ------
-    ConvergenceError
-        If the contact or the depth under force control does not converge.
-    """
-    solver = Complementarity(flexibility)
-    time, value = prescribed.time, prescribed.value
-    peak = float(value.max(initial=0.0))
-    depths, pressures, elastics = [], [], []
-    depth = 0.0
-    solved = 0
-    for k, target in enumerate(value):
-        step = float(time[k] - time[k - 1]) if k else 0.0
-        g, past = relaxation.history(step)
-        free = gap - flexibility @ past / g
-        if prescribed.control == "depth":
-            depth, pressure, count = float(target), g * solver.solve(free - target * travel), 1
-        else:
-            depth, pressure, count = depth_at(solver, g, free, travel, float(target), depth, peak)
-        elastic = (pressure - past) / g
-        relaxation.advance(step, elastic)
-        depths.append(depth)
-        pressures.append(pressure)
-        elastics.append(elastic)
-        solved += count
-        progress((k + 1) / len(value))
-    return History(np.array(depths), np.array(pressures), np.array(elastics), solved)
-
-
 def depth_at(
     solver: Complementarity,
     g: float,
     free: Array,
-    travel: Array,
+    projected: Array,
     force: float,
     guess: float,
     peak: float,
@@ -134,19 +90,20 @@ def depth_at(
     bracket that starts at the last depth without contact. `peak` in mN is the largest force of the
     path, which scales the tolerance of small forces.
     """
-    first_touch = float(np.min(free / travel))
+    first_touch = float(np.min(free / projected))
     if force <= 0:
         return first_touch, np.zeros(len(free)), 0
     close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
     low, high = first_touch, np.inf
+    # A little beyond first touch, where there is a contact whose slope Newton can follow.
     depth = max(guess, first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for count in range(1, CORRECTIONS + 1):
-        pressure = g * solver.solve(free - depth * travel)
-        excess = float(travel @ pressure) - force
+        pressure = g * solver.solve(free - depth * projected)
+        excess = float(projected @ pressure) - force
         if abs(excess) <= close:
             return depth, pressure, count
         low, high = (depth, high) if excess < 0 else (low, depth)
-        slope = g * float(travel @ solver.on_active(travel))
+        slope = g * float(projected @ solver.on_active(projected))
         depth = depth - excess / slope if slope > 0 else 2 * depth - first_touch
         if not low < depth < high:
             depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - first_touch)

@@ -44,6 +44,7 @@ def pattern(unknowns: Integers, count: int) -> tuple[Places, Places]:
     for fill in (False, True):
         for row in range(count):
             width = 0
+            # Other marks in the second pass, so that they need not be erased between.
             mark = row if not fill else count + row
             for at in range(first[row], first[row + 1]):
                 for k in range(n_local):

@@ -1,6 +1,6 @@
 """Operators from unknowns to strain and displacement gradient, at sites and at mesh vertices."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,14 @@ from fefinger.support.tolerances import INSIDE, SHARED
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Order of the six strain components: xx yy zz xy yz xz, tensor (not engineering) shear."""
 
-Rows = Callable[[Space, Integers, Array], sparse.csr_matrix]
-"""From a space, cells (n,) and reference coordinates (n, 3) to rows for each point."""
+
+def symmetric_part(count: int) -> sparse.csr_matrix:
+    """Return the operator (6 count, 9 count) from gradients du_i/dX_j to strains."""
+    mean = np.zeros((6, 9))
+    for row, (i, j) in enumerate(VOIGT):
+        mean[row, 3 * i + j] += 0.5
+        mean[row, 3 * j + i] += 0.5
+    return sparse.kron(sparse.identity(count), mean, format="csr")
 
 
 def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
@@ -31,8 +37,7 @@ def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    mirrored = _mirrored(points, planes)[:, *np.transpose(VOIGT)]
-    return _at_points(space, points, _strain_rows, mirrored)
+    return symmetric_part(len(points)) @ gradient_at(space, points, planes)
 
 
 def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse.csr_matrix:
@@ -40,7 +45,13 @@ def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> spar
 
     Shared points and mirrors are treated as by `strain_at`, which raises the same error.
     """
-    return _at_points(space, points, _gradient_rows, _mirrored(points, planes))
+    owner, cells, local = locate(space, points)
+    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], 9)
+    place = (9 * owner[:, None] + np.arange(9)).ravel()
+    shape = (9 * len(points), 9 * len(cells))
+    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
+    mirrored = sparse.diags(_mirrored(points, planes).ravel())
+    return (mirrored @ mean @ _gradient_rows(space, cells, local)).tocsr()
 
 
 def _mirrored(points: Array, planes: Sequence[int]) -> Array:
@@ -53,24 +64,13 @@ def _mirrored(points: Array, planes: Sequence[int]) -> Array:
     return factors
 
 
-def _at_points(space: Space, points: Array, rows_at: Rows, mirrored: Array) -> sparse.csr_matrix:
-    """Mean of the rows over the cells of each point, times `mirrored` (n_points, ...)."""
-    owner, cells, local = locate(space, points)
-    width = mirrored[0].size if len(points) else 1
-    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], width)
-    place = (width * owner[:, None] + np.arange(width)).ravel()
-    shape = (width * len(points), width * len(cells))
-    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
-    return (sparse.diags(mirrored.ravel()) @ mean @ rows_at(space, cells, local)).tocsr()
-
-
 def strain_at_vertices(space: Space) -> sparse.csr_matrix:
     """Return the operator (6 n_points, n_unknowns) to the strain at the vertices.
 
     The strain jumps between cells (and tissues); a vertex gets the mean of its cells, weighted by
     their volumes. For pictures, not for numbers.
     """
-    return _at_vertices(space, _strain_rows, 6)
+    return symmetric_part(len(space.points)) @ gradient_at_vertices(space)
 
 
 def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
@@ -78,24 +78,20 @@ def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
 
     A vertex gets the same mean over its cells as in `strain_at_vertices`.
     """
-    return _at_vertices(space, _gradient_rows, 9)
-
-
-def _at_vertices(space: Space, rows_at: Rows, width: int) -> sparse.csr_matrix:
     n_cells = len(space.vertices)
     volumes = space.scalar.dx.sum(axis=1)
     total = np.bincount(space.vertices.ravel(), np.repeat(volumes, 4), len(space.points))
-    mean = sparse.csr_matrix((width * len(space.points), space.n_unknowns))
+    mean = sparse.csr_matrix((9 * len(space.points), space.n_unknowns))
     for corner in range(4):
         local = np.zeros((n_cells, 3))
         if corner:
             local[:, corner - 1] = 1.0
-        rows = rows_at(space, np.arange(n_cells), local)
+        rows = _gradient_rows(space, np.arange(n_cells), local)
         vertex = space.vertices[:, corner]
-        share = np.repeat(volumes / total[vertex], width)
-        place = (width * vertex[:, None] + np.arange(width)).ravel()
-        shape = (mean.shape[0], width * n_cells)
-        entries = (share, (place, np.arange(width * n_cells)))
+        share = np.repeat(volumes / total[vertex], 9)
+        place = (9 * vertex[:, None] + np.arange(9)).ravel()
+        shape = (mean.shape[0], 9 * n_cells)
+        entries = (share, (place, np.arange(9 * n_cells)))
         mean = mean + sparse.csr_matrix(entries, shape) @ rows
     return mean.tocsr()
 
@@ -148,17 +144,13 @@ def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:
     return around(space.points[space.vertices], points, margin=8 * INSIDE)
 
 
-def _inverse_jacobians(space: Space) -> Array:
-    """Gradients (n_cells, 3, 3) of the reference coordinates, one per row."""
-    corners = space.points[space.vertices]
-    return np.asarray(np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)))
-
-
 def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
     """Gradient (9 n, n_unknowns) at reference coordinates `local` (n, 3) of `cells` (n,)."""
     element, n_local = space.scalar.elem, space.nodes.shape[1]
     reference = np.array([element.lbasis(local.T, i)[1] for i in range(n_local)])
-    gradients = np.einsum("kjp,pjd->pkd", reference, _inverse_jacobians(space)[cells])
+    corners = space.points[space.vertices[cells]]
+    inverse = np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2))
+    gradients = np.einsum("kjp,pjd->pkd", reference, inverse)
     block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, n_local))
     rows = np.arange(9 * len(cells)).reshape(len(cells), 3, 3, 1)
     unknowns = 3 * space.nodes[cells][:, None, None, :] + np.arange(3)[:, None, None]
@@ -167,24 +159,4 @@ def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_ma
         np.broadcast_to(unknowns, block.shape).ravel(),
     )
     shape = (9 * len(cells), space.n_unknowns)
-    return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
-
-
-def _strain_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
-    """Strain (6 n, n_unknowns) at reference coordinates `local` (n, 3) of `cells` (n,)."""
-    element = space.scalar.elem
-    n_local = space.nodes.shape[1]
-    reference = np.array([element.lbasis(local.T, i)[1] for i in range(n_local)])
-    gradients = np.einsum("kjp,pjd->pkd", reference, _inverse_jacobians(space)[cells])
-    block = np.zeros((len(cells), 6, n_local, 3))
-    for row, (i, j) in enumerate(VOIGT):
-        block[:, row, :, i] += gradients[:, :, j] / 2
-        block[:, row, :, j] += gradients[:, :, i] / 2
-    unknowns = 3 * space.nodes[cells][:, :, None] + np.arange(3)
-    rows = np.arange(6 * len(cells)).reshape(len(cells), 6, 1, 1)
-    shape = (6 * len(cells), space.n_unknowns)
-    where = (
-        np.broadcast_to(rows, block.shape).ravel(),
-        np.broadcast_to(unknowns[:, None], block.shape).ravel(),
-    )
     return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()

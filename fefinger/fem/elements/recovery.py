@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.probe import VOIGT, gradient_at, locate
+from fefinger.fem.elements.probe import gradient_at, locate, symmetric_part
 from fefinger.fem.elements.spaces import Array, Integers, Space
 
 
@@ -41,12 +41,7 @@ def recovered_strain_at(
     InputError
         If a point (n_points, 3) mm lies outside the body.
     """
-    mean = np.zeros((6, 9))
-    for row, (i, j) in enumerate(VOIGT):
-        mean[row, 3 * i + j] += 0.5
-        mean[row, 3 * j + i] += 0.5
-    strain = sparse.kron(sparse.identity(len(points)), mean, format="csr")
-    return strain @ recovered_gradient_at(space, points, planes)
+    return symmetric_part(len(points)) @ recovered_gradient_at(space, points, planes)
 
 
 def recovered_gradient_at(

@@ -36,7 +36,9 @@ FEW = 6  # iterations of a step with a good factor
 RENEWAL = 200  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
-STIFF = 2.0  # change of the fold stiffness that a factor tolerates, in shear modulus / facet size
+# Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. With 2 a
+# press takes half as many factors again (9 against 6, standard mesh) and 5 % fewer iterations.
+STIFF = 5.0
 NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
 SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
 MEMORY = 12  # iterates of the Anderson acceleration
@@ -192,32 +194,32 @@ class Equilibrium:
         The iteration would oscillate: it converges for changes that are small beside K0.
         """
         gain = float(target.history.gains.mean())
-        skin = gain * self.body.scale / np.sqrt(self.contact.travel)
+        skin = gain * self.body.scale / np.sqrt(self.contact.projected)
         factored = self._factored.fold_stiffness * gain / self._factored.gain
         change = np.abs(fold_stiffness - factored)
         return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
 
     def _error(self, state: State, target: Target, inner: Array, gap: DeformedGap) -> float:
         """Largest of the relative errors of force, volume, gap and prescribed force."""
-        travel, n = self.contact.travel, self.body.space.n_displacements
+        projected, n = self.contact.projected, self.body.space.n_displacements
         force, gaps = gap.loads @ state.pressure, gap.gaps
         free = self.system.free[self.system.free < n]
         load = max(self.load, float(np.linalg.norm(force)))
         self.load, residual = load, inner - force
         load = max(load, target.small)
         size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
-        shallow = target.small / self.body.scale / float(np.sqrt(travel.sum()))
+        shallow = target.small / self.body.scale / float(np.sqrt(projected.sum()))
         size = max(size, target.shallow, shallow)
         forces = float(np.linalg.norm(residual[free]))
         volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
-        apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / travel
+        apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / projected
         errors = [
             forces / load if load > 0 else forces,
-            volumes / (size * travel.sum()) if size > 0 else volumes,
+            volumes / (size * projected.sum()) if size > 0 else volumes,
             float(apart.max()) / size if size > 0 else 0.0,
         ]
         if target.control == "force":
-            reached = float(travel @ state.pressure)
+            reached = float(projected @ state.pressure)
             most = max(target.value, reached, target.small, 1e-300)
             errors.append(abs(reached - target.value) / most)
         worst = max(errors)
@@ -245,7 +247,7 @@ class Equilibrium:
             renewed = self._rough(matrix)
         else:
             under = iterate.gap.support(pressed)
-            unit = gain * body.scale / float(np.sqrt(self.contact.travel.sum()))
+            unit = gain * body.scale / float(np.sqrt(self.contact.projected.sum()))
             while True:
                 support = SUPPORTS[self._support] * unit
                 renewed = self._rough(matrix + support * under)
@@ -270,21 +272,22 @@ class Equilibrium:
         ConvergenceError
             If it is singular.
         """
-        body, travel, gain = self.body, self.contact.travel, float(target.history.gains.mean())
+        body, projected = self.body, self.contact.projected
+        gain = float(target.history.gains.mean())
         values = iterate.state.values
         definite = body.tangent(values, target.history, whole=False)
         difference = body.tangent(values, target.history) - definite
         fixed = definite + iterate.gap.stiffness()
-        unit = gain * body.scale / float(np.sqrt(travel.sum()))
+        unit = gain * body.scale / float(np.sqrt(projected.sum()))
         leans = (iterate.state.pressure > 0) & (target.control == "depth")
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
             renewed = self._rough(fixed + (1 - share) * difference)
-            none, loads = np.zeros(len(travel)), iterate.gap.loads
+            none, loads = np.zeros(len(projected)), iterate.gap.loads
             factored = FactoredTangent(
                 renewed, self.system.free, loads, gain, none, iterate.gap.fold_stiffness
             )
-            negative = renewed.negative - factored.add_support(support, travel)
+            negative = renewed.negative - factored.add_support(support, projected)
             self._factored = factored
             if share >= 1 or negative <= self._pressures:
                 return share
@@ -305,28 +308,28 @@ class Equilibrium:
     def _step(self, iterate: "_Iterate", target: Target, mixing: "Anderson") -> State:
         """Make one iteration: linearized body, exact complementarity of the contact."""
         state, factored = iterate.state, self._factored
-        gaps, loads, travel = iterate.gap.gaps, iterate.gap.loads, self.contact.travel
+        gaps, loads, projected = iterate.gap.gaps, iterate.gap.loads, self.contact.projected
         size = abs(state.depth)
-        apart = gaps / travel
+        apart = gaps / projected
         near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
         # K0 was made with another relaxation factor: K = K0 / softer.
         softer = factored.gain / float(target.history.gains.mean())
         support = factored.support * (state.pressure > 0) / softer
         force = loads @ (state.pressure - support * apart) - iterate.inner
         alone = softer * factored.solve(force)
-        free = gaps + state.depth * travel + loads.T @ alone
+        free = gaps + state.depth * projected + loads.T @ alone
         while True:
             solver = factored.contact(near)
-            pressure, depth = np.zeros(len(travel)), state.depth
+            pressure, depth = np.zeros(len(projected)), state.depth
             clear = free[near] - softer * (solver.flexibility @ state.pressure[near])
             if target.control == "depth":
-                pressure[near] = solver.solve(clear - depth * travel[near]) / softer
+                pressure[near] = solver.solve(clear - depth * projected[near]) / softer
             else:
                 depth, pressure[near], _ = depth_at(
-                    solver, 1 / softer, clear, travel[near], target.value, depth, target.peak
+                    solver, 1 / softer, clear, projected[near], target.value, depth, target.peak
                 )
             change = alone + factored.moved(softer * (pressure - state.pressure))
-            predicted = gaps + (state.depth - depth) * travel + loads.T @ change
+            predicted = gaps + (state.depth - depth) * projected + loads.T @ change
             penetrating = ~near & (predicted < 0)
             if not penetrating.any():
                 break

@@ -9,9 +9,9 @@ from fefinger.support.tolerances import SMALL_FORCE
 
 @dataclass(frozen=True)
 class State:
-    """Displacements, elastic pressures and contact pressure of a body at one indentation.
+    """Displacements, hydrostatic pressures and contact pressure of a body at one indentation.
 
-    values (n_unknowns,): displacements in mm, then elastic pressures in units of the body's
+    values (n_unknowns,): displacements in mm, then hydrostatic pressures in units of the body's
     `scale`; pressure (n,) kPa: coefficients p of the candidates (see `deformed_gap`); depth mm.
     """
 

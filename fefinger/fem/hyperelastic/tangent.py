@@ -41,10 +41,10 @@ class FactoredTangent:
         self._solver: Complementarity | None = None
         self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
 
-    def add_support(self, support: Array, travel: Array) -> int:
-        """Add an elastic `support` (n_candidates,) to the weighted gaps of weights `travel`.
+    def add_support(self, support: Array, projected: Array) -> int:
+        """Add an elastic `support` (n_candidates,) to the gaps, weighted by the areas `projected`.
 
-        K0 becomes K0 + B A B', A = support / travel, by Woodbury's formula on the flexibility F:
+        K0 becomes K0 + B A B', A = support / projected, by Woodbury's formula on the flexibility F:
         exact, and without another factor. Return the number of negative eigenvalues that this
         removes from K0: those of A^-1 + F (Haynsworth, Linear Algebra Appl. 1:73, 1968).
         """
@@ -55,7 +55,7 @@ class FactoredTangent:
         columns = self.solve(loads.toarray())
         flexibility = loads.T @ columns
         values, vectors = np.linalg.eigh(
-            np.diag(travel[chosen] / support[chosen]) + (flexibility + flexibility.T) / 2
+            np.diag(projected[chosen] / support[chosen]) + (flexibility + flexibility.T) / 2
         )
         inverse = (vectors / values) @ vectors.T
         self.support, self._woodbury = support, (loads, columns, inverse)

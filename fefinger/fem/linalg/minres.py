@@ -62,6 +62,7 @@ class Iterative:
         v = right.reshape(len(right), -1)
         z = self.precondition(v)
         old_v, old_w, w, answer = (np.zeros_like(v) for _ in range(4))
+        # A load of zeros has eta = 0, so that it asks for no iteration.
         gamma = _norms(z, v)
         old_gamma, eta = np.ones_like(gamma), np.where(v.any(axis=0), gamma, 0.0)
         wanted = REDUCTION * gamma
@@ -146,8 +147,10 @@ def _strain(deviatoric: sparse.csr_matrix) -> sparse.csr_matrix:
     and the wanted one D + 2/3 G.
     """
     given = deviatoric.tobsr(blocksize=(3, 3))
+    # tr D = (3 + 1 - 2/3) tr G.
     trace = 0.3 * np.trace(given.data, axis1=1, axis2=2)
     rest = given.data - trace[:, None, None] * np.eye(3)
+    # Of rest = G' - 2/3 G: its transpose and 2/3 of itself add up to (1 - 4/9) G.
     slopes = 1.8 * (np.swapaxes(rest, 1, 2) + 2 / 3 * rest)
     blocks = (given.data + 2 / 3 * slopes, given.indices, given.indptr)
     return sparse.bsr_matrix(blocks, shape=given.shape).tocsr()

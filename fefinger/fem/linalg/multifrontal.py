@@ -138,7 +138,8 @@ def dissect(
         pieces.append((pivots, outer, parts))
         return len(pieces) - 1
 
-    root = divide(np.arange(len(unknowns)), _members(unknowns), last)
+    members = np.unique(unknowns)
+    root = divide(np.arange(len(unknowns)), members[members >= 0], last)
     if len(last):
         pieces.append((last, NOTHING, (root,)))
     order = np.concatenate([pivots for pivots, _, _ in pieces])
@@ -241,6 +242,7 @@ def _halved(
         ordered = local[order].ravel()
         place = np.repeat(np.arange(len(cells)), local.shape[1])
         first, last = np.empty_like(members), np.empty_like(members)
+        # Of repeated indices numpy keeps the last value: in reverse, that is the first place.
         first[ordered[::-1]] = place[::-1]
         last[ordered] = place
         real = members >= 0
@@ -255,11 +257,6 @@ def _halved(
             halves = [cells[order[:cut]], cells[order[cut:]]]
             before, after = real & (first < cut), real & (last >= cut)
     return halves, [members[before], members[after]], members[before & after]
-
-
-def _members(unknowns: Integers) -> Integers:
-    members = np.unique(unknowns)
-    return members[members >= 0]
 
 
 @njit(cache=True)
@@ -290,6 +287,7 @@ def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
         lower[b, a] = left[: n - split]
         right = columns[split:, b]
         if split < n:
+            # The pressures have the block -C: minus its Schur complement is positive definite.
             right = left @ lower[b, a].T - right
             lower[b, b] = _cholesky(right[: n - split])
     except LinAlgError as error:
@@ -309,6 +307,7 @@ def _schur(rest: Floats, below: Array, split: int) -> Floats:
     if split > 0:
         rest = dsyrk(-1.0, below[:, :split], beta=1.0, c=rest, lower=1, overwrite_c=1)
     if split < below.shape[1]:
+        # D is -1 on the pressures, so that their part is added.
         rest = dsyrk(1.0, below[:, split:], beta=1.0, c=rest, lower=1, overwrite_c=1)
     return rest
 

@@ -25,9 +25,6 @@ from fefinger.theory.relaxation import Prony
 
 LAW = Candidate("lumped")
 
-MEANS = "means"
-"""Row of Table 2.1 for whom the thesis did not measure."""
-
 SAME = 1e-3
 """Relative difference up to which sizes and ratios of moduli are taken for the same, by rounding
 alone."""
@@ -72,7 +69,7 @@ def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
 ) -> Law:
     rows, subject = library.pawluk_bulk(), case.finger.subject_name
-    name = subject if subject in rows else MEANS
+    name = subject if subject in rows else library.MEANS
     row, source = rows[name], f"Table 2.1, {name} ({library.PAWLUK})"
     if doubt:
         doubt = f"{doubt}; that of Table 2.1, {name}, is taken"

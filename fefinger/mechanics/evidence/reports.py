@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import Measured, read
+from fefinger.mechanics.press.continuation import continued
 from fefinger.mechanics.press.operator_cache import at_hand
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -45,9 +47,15 @@ STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
 
-MESH_SECONDS = {"coarse": 4.5, "standard": 11.0, "fine": 27.0}
-"""CPU seconds of building the mesh of half a finger on the machine of the reports; of the fine one
-in proportion to its unknowns, it was not timed."""
+MORPH_SECONDS = {"coarse": 0.7, "standard": 1.2, "fine": 1.5}
+"""CPU seconds of morphing a shipped mesh to half a finger, on the machine of the reports."""
+
+MESH_SECONDS = {"coarse": 8.0, "standard": 20.0, "fine": 50.0}
+"""The same of meshing it anew: once where the first attempt passes, up to four times that; of the
+fine one in proportion to its unknowns, it was not timed."""
+
+SCAN_SECONDS, SCAN_SECONDS_PER_MEGABYTE = 3.5, 1.0
+"""The same of the shape of a surface file, of few triangles and of many."""
 
 WHOLE = 3.0
 """Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
@@ -87,14 +95,20 @@ def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
 
     `follow`: that is the mesh that follows the touch.
     """
-    from fefinger.mesh.store import at_hand as built
+    from fefinger.mesh import store
 
+    finger, touch = case.finger, case.touch if follow else None
     try:
-        if built(case.finger, case.touch if follow else None):
+        if store.at_hand(finger, touch):
             return 0.0
+        seconds = MORPH_SECONDS if store.morphed(finger, touch) else MESH_SECONDS
     except InputError:  # no mesh can be made for a finger of this size
         return 0.0
-    return MESH_SECONDS[case.mesh] * slowness({})
+    spent = seconds[case.mesh]
+    if finger.surface is not None:
+        megabytes = Path(finger.surface).stat().st_size / 1e6
+        spent += SCAN_SECONDS + SCAN_SECONDS_PER_MEGABYTE * megabytes
+    return spent * slowness({})
 
 
 def condensed_seconds(case: Situation) -> float:
@@ -112,7 +126,8 @@ def condensed_seconds(case: Situation) -> float:
 def condensed_once(case: Situation) -> float:
     """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
     spent = mesh_seconds(case, follow=False)
-    if not at_hand(case.finger, half=case.half):
+    longer = continued(case.finger, case.indenter, case.motion)
+    if not at_hand(case.finger, half=case.half, continued=longer):
         build = _seconds(table.CONDENSED, replace(CONDENSED, resolution=case.mesh), "build")
         spent += (1 if case.half else 2) * build * slowness(read(table.CONDENSED))
     return spent

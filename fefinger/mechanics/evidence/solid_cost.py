@@ -13,7 +13,7 @@ from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.scene.indenter import INDENTERS
+from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.motion import Motion
 from fefinger.theory.relaxation import Prony
 

@@ -18,9 +18,10 @@ from fefinger.mechanics.evidence.table import table
 from fefinger.mechanics.evidence.tradeoff import REPORT, STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
+from fefinger.scene import library
 from fefinger.scene.finger import RESOLUTIONS, Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.support.text import percent
 
 
@@ -166,7 +167,9 @@ def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated 
     object_ = nearest.indenter
     plate_or_ball = object_.flat is not None or object_.ball_radius is not None
     indenter = object_ if plate_or_ball else Flat(30)
-    pressed = replace(nearest, finger=Finger.subject(PRESSED), indenter=indenter)
+    pressed = replace(
+        nearest, finger=Finger.subject(PRESSED, tissue=library.PUBLISHED), indenter=indenter
+    )
     if pressed.place is None:
         return None
     presses = tradeoff.forces()

@@ -28,6 +28,7 @@ SOLID_COST = "solid-cost.json"
 SCATTER = "mesh-scatter.json"
 LUMPED = "lumped-force.json"
 TRADEOFF = "tradeoff.json"
+CARRYING = "pressed.json"
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
@@ -258,6 +259,19 @@ def _tradeoff(name: str) -> Iterator[Measured]:
                 yield _entry(name, Candidate.of(label), f"spikes, {what}", scene, value)
 
 
+def _carrying(name: str) -> Iterator[Measured]:
+    candidate = Candidate("pressed")
+    for scene, row in read(name)["rules"].items():
+        if "refused" in row:
+            continue
+        errors = row["peak"] | {"force on retreat": row["retreat"].get("force", 0.0)}
+        errors |= {"force": row["loading"].get("force", 0.0)}
+        for quantity, error in errors.items():
+            yield _entry(name, candidate, f"error of {quantity}", scene, error)
+    for mesh, row in read(name)["costs"].items():
+        yield from _costs(name, Candidate("pressed", mesh), row)
+
+
 READERS = {
     LINEAR: _linear,
     CONDENSED: _condensed,
@@ -267,5 +281,6 @@ READERS = {
     SCATTER: _scatter,
     LUMPED: _lumped,
     TRADEOFF: _tradeoff,
+    CARRYING: _carrying,
 }
 """How each report is laid out."""

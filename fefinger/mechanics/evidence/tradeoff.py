@@ -15,7 +15,8 @@ from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.table import Measured, Table
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, Indenter, Sphere
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
 
 
 Array = NDArray[np.float64]

@@ -17,7 +17,8 @@ from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter, direction
+from fefinger.scene.indenter import Indenter, direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 
 
 MESHED_ANGLE = 15.0

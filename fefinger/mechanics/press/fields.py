@@ -16,11 +16,11 @@ VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
     """Solve for the whole body at some of the times."""
     contact, on_pad, original = history.contact, history.reduced.patch, press.body.original
-    force = contact.pressure @ on_pad.travel
+    force = contact.pressure @ on_pad.projected
     frames = frames_of(contact.depth, int(np.argmax(force)))
     loads = on_pad.loads @ contact.elastic[frames].T
     unknowns = press.method.unknowns(press.body, np.asarray(loads))
-    fields = _empty(press, press.time[frames])
+    fields = no_fields(press, press.time[frames])
     fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
     at_vertices = strain_at_vertices(press.body.space) @ unknowns
     fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
@@ -31,7 +31,7 @@ def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
 def finite_strain_fields(press: Press, history: FiniteStrainHistory) -> Fields:
     """Return the kept states on the mesh."""
     numbers, original = np.array(sorted(history.frames)), press.body.original
-    fields = _empty(press, history.steps.times[numbers])
+    fields = no_fields(press, history.steps.times[numbers])
     gradients = gradient_at_vertices(press.body.space)
     pressed = original[history.contact.on.vertices]
     for frame, number in enumerate(numbers):
@@ -43,8 +43,8 @@ def finite_strain_fields(press: Press, history: FiniteStrainHistory) -> Fields:
     return fields
 
 
-def _empty(press: Press, times: Array) -> Fields:
-    """Return fields that are zero, as they stay where the mesh is rigid."""
+def no_fields(press: Press, times: Array) -> Fields:
+    """Fields that are zero, as they stay where the mesh is rigid."""
     mesh, shape = press.mesh, (len(times), len(press.mesh.points))
     return Fields(
         mesh.points,

@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from fefinger.fem.body import Solid
 from fefinger.fem.contact.deformed_gap import contact_surface
+from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
@@ -12,6 +14,8 @@ from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.neural.reference import Reference
+from fefinger.results.records import Sites
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
 
@@ -27,17 +31,32 @@ def finite_reference_press(press: Press, elements: Continuum, plate: ReferencePl
     ConvergenceError
         If the plate finds no equilibrium, or its contact leaves the candidates.
     """
-    body = press.body
-    reach = 2 * REACH * REFERENCE_DEPTH
-    contact = contact_surface(body.space, body.pad, body.normals, plate.obstacle, reach)
+    state = reference_state(press, elements, plate.obstacle)
+    return reference_strain(press.body, plate.sites, state.values)
+
+
+def reference_state(press: Press, elements: Continuum, plate: Obstacle) -> State:
+    """Return the relaxed finger under the standard plate at the reference depth.
+
+    Raises
+    ------
+    ConvergenceError
+        If the plate finds no equilibrium, or its contact leaves the candidates.
+    """
+    body, reach = press.body, 2 * REACH * REFERENCE_DEPTH
+    contact = contact_surface(body.space, body.pad, body.normals, plate, reach)
     equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
-    if (states[-1].pressure[contact.on.edge] > 0).any():
+    if (states[-1].pressure[contact.on.border] > 0).any():
         message = "reference press: contact left its patch; the pad is much flatter than expected"
         raise ConvergenceError(message)
-    central = plate.sites
+    return states[-1]
+
+
+def reference_strain(body: Solid, central: Sites, values: Array) -> Reference:
+    """Return the logarithmic strain at central sites for the unknowns (n_unknowns,) of a body."""
     probe = recovered_gradient_at(body.space, central.points, body.planes)
-    strain = logarithmic((probe @ states[-1].values).reshape(-1, 3, 3))
+    strain = logarithmic((probe @ values).reshape(-1, 3, 3))
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)

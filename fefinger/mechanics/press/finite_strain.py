@@ -1,7 +1,7 @@
 """Contact of a finger at finite strain: hyperelastic and relaxing, in load steps."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,16 +12,21 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.load_path import FactorizationBudget, Path, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import (
+    FactorizationBudget,
+    Path,
+    StressHistory,
+    follow,
+)
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement, problem
+from fefinger.mechanics.press import elastic_store, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
 from fefinger.mechanics.press.failure import failure_message
-from fefinger.mechanics.press.finite_reference import finite_reference_press
+from fefinger.mechanics.press.finite_reference import finite_reference_press, reference_strain
 from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,
@@ -35,6 +40,7 @@ from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
@@ -101,10 +107,20 @@ def solve(
     ConvergenceError
         If fewer than WORTH steps converge.
     """
+    motion, finger = press.motion, press.finger
     with stages.stage("factor"):
-        elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
-    steps = load_steps(press.motion, press.time, tissue_relaxations(press.finger), refine)
-    history = _steps(press, elements, steps, stages, allowance)
+        elements = continuum(press.body.space, laws(finger), soft=(1, 2))
+    steps = load_steps(motion, press.time, tissue_relaxations(finger), refine)
+    frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
+    course = Course(
+        Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t))),
+        lambda: StressHistory(
+            elements, relaxations(finger), deviatoric=finger.relaxation == "deviatoric"
+        ),
+        steps,
+        frozenset(frames | peak_steps(motion, steps, tissue_relaxations(finger))),
+    )
+    history = follow_course(press, elements, course, stages, allowance)
     with stages.stage("reference"):
         reference = _reference(press, elements, history.halt)
     return replace(history, reference=reference)
@@ -114,6 +130,10 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
     """Return the reference press of afferents; None after a halt, of which all else is kept."""
     if press.reference is None:
         return None
+    at_hand = elastic_store.at_hand(press.finger, STANDARD, press.mesh)
+    if at_hand is not None:  # that press is one of its depths
+        unknowns = at_hand.reference(press.body.space.n_unknowns)
+        return reference_strain(press.body, press.reference.sites, unknowns)
     try:
         return finite_reference_press(press, elements, press.reference)
     except ConvergenceError:
@@ -129,11 +149,13 @@ class _RimReachedError(Exception):
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, frames: set[int]) -> None:
+    def __init__(
+        self, body: Solid, contact: ContactSurface, probe: Any, frames: frozenset[int]
+    ) -> None:
         self.contact, self.probe, self.wanted = contact, probe, frames
         self.places = body.space.node_points
         on = contact.on
-        self.rim = on.edge | np.isin(on.vertices, placement.border(body))
+        self.rim = on.border | np.isin(on.vertices, placement.border(body))
         self.depth: list[float] = []
         self.pressure: list[Array] = []
         self.gap: list[Array] = []
@@ -166,23 +188,41 @@ class _Recorder:
         return np.asarray(np.cross(arms, forces).sum(axis=0))
 
 
-def _steps(
+@dataclass(frozen=True)
+class Course:
+    """Load path of a press, its stress, the steps of the answer, and those whose state is kept."""
+
+    path: Path
+    stress: Callable[[], StressHistory]
+    steps: LoadSteps
+    frames: frozenset[int]
+
+
+def follow_course(
     press: Press,
     elements: Continuum,
-    steps: LoadSteps,
+    course: Course,
     stages: Stages,
-    allowance: FactorizationBudget | None,
+    allowance: FactorizationBudget | None = None,
 ) -> FiniteStrainHistory:
-    """Solve all steps, with more candidate vertices as long as the contact reaches their rim."""
+    """Solve all steps, with more candidate vertices as long as the contact reaches their rim.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
+    ConvergenceError
+        If fewer than WORTH steps converge.
+    """
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
         contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
         limits.check_under(press.motion, len(contact))
-        history = _on_candidates(press, elements, contact, steps, stages, allowance)
+        history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact.on, pressed, history.depth)
-        if not (pressed & contact.on.edge).any():
+        if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))
@@ -192,26 +232,21 @@ def _on_candidates(
     press: Press,
     elements: Continuum,
     contact: ContactSurface,
-    steps: LoadSteps,
+    course: Course,
     stages: Stages,
     allowance: FactorizationBudget | None,
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
-    body, motion, finger = press.body, press.motion, press.finger
-    path = Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t)))
+    body, steps = press.body, course.steps
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
-    frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
-    frames |= peak_steps(motion, steps, tissue_relaxations(finger))
     equilibrium = Equilibrium(elements, contact, press.system)
-    deviatoric = finger.relaxation == "deviatoric"
-    stress = StressHistory(elements, relaxations(finger), deviatoric=deviatoric)
-    recorder = _Recorder(body, contact, probe, frames)
+    recorder = _Recorder(body, contact, probe, course.frames)
     halt = ""
     with stages.stage("steps") as report:
         try:
-            follow(equilibrium, stress, path, recorder.keep, report, allowance)
+            follow(equilibrium, course.stress(), course.path, recorder.keep, report, allowance)
         except _RimReachedError:
             pass  # seen again by the caller
         except ConvergenceError as error:
@@ -240,5 +275,5 @@ def _check_contact(body: Solid, on: Candidates, pressed: NDArray[np.bool_], dept
     placement.check_inside(body, on.vertices[pressed], float(depth.max()))
     if not pressed.any():
         raise InputError(limits.unresolved(float(depth.max())))
-    if (pressed & on.rim).any():
+    if (pressed & on.obstacle_border).any():
         raise InputError(limits.rim_reached(len(pressed)))

@@ -14,7 +14,6 @@ from scipy import sparse
 from fefinger.fem import condensation as reduction
 from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
-from fefinger.fem.contact import step_compiled
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Array
@@ -23,8 +22,9 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
-from fefinger.mechanics.press.problem import Method
-from fefinger.mesh.store import ready
+from fefinger.mechanics.press.problem import SolutionMethod
+from fefinger.mesh.extend import CONTINUED
+from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
@@ -38,9 +38,15 @@ ARRAYS = ("order", "table", "rest", "values", "matrix")
 
 
 def operator(
-    finger: Finger, *, half: bool, progress: Callable[[float], None] = lambda fraction: None
+    finger: Finger,
+    *,
+    half: bool,
+    continued: bool = False,
+    progress: Callable[[float], None] = lambda fraction: None,
 ) -> Operator:
     """Return the operator of a finger, or of half of it, from the cache or built and put there.
+
+    `continued`: of the finger that is longer behind its proximal cut.
 
     Raises
     ------
@@ -51,7 +57,7 @@ def operator(
     for reason in (*yielding(finger), *apart(finger)):
         message = f"{reason}; use the mechanics 'solid'"
         raise InputError(message)
-    mesh = ready(finger, half=True)
+    mesh = load_or_build(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
@@ -115,7 +121,7 @@ def reduced(
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
         digest.update(np.ascontiguousarray(array).tobytes())
-    names = ("flexibility", "strain", "approach")
+    names = ("flexibility", "strain", "normal_displacement")
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
@@ -189,10 +195,11 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
         yield Eliminated(front, lower, under, signs)
 
 
-METHOD = Method(
-    lambda finger, mesh, solver, report: operator(finger, half=mesh.half, progress=report),
+METHOD = SolutionMethod(
+    lambda finger, mesh, solver, report: operator(
+        finger, half=mesh.half, continued=CONTINUED in mesh.recipe, progress=report
+    ),
     reduction.reduce,
-    step_compiled.march,
     reduction.displaced,
     lambda indenter: None,
 )

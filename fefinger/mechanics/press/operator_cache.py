@@ -22,15 +22,16 @@ FORMAT = 1
 
 
 def identity(
-    finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None
+    finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None, continued: bool = False
 ) -> dict[str, Any] | None:
     """Return all that decides an operator; None where the mesh is in no file.
 
-    `mesh` is the one that it is built on; without it, the one that is at hand now.
+    `mesh` is the one that it is built on; without it, the one that is at hand now, `continued`
+    behind its proximal cut or not.
     """
     from fefinger.mesh.store import sha256
 
-    source = sha256(finger) if mesh is None else mesh.source_sha256
+    source = sha256(finger, continued=continued) if mesh is None else mesh.source_sha256
     if not source:
         return None
     return {
@@ -61,12 +62,12 @@ def folder(identity: dict[str, Any]) -> Path:
     return root() / key[:16]
 
 
-def at_hand(finger: Finger, *, half: bool) -> bool:
+def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
     """Return whether the operators of a finger are in the cache and need not be built."""
     if not os.path.isdir(root()):  # then not even the name of the mesh is needed
         return False
     try:
-        keys = [identity(finger, odd=odd) for odd in parities(half=half)]
+        keys = [identity(finger, odd=odd, continued=continued) for odd in parities(half=half)]
     except InputError:  # no mesh can be made for a finger of this size
         return False
     return all(each is not None and os.path.isdir(folder(each)) for each in keys)

@@ -11,7 +11,8 @@ from fefinger.fem.contact.patch import foremost, smooth_places
 from fefinger.fem.elements.spaces import trace
 from fefinger.geometry.boundary import boundary_edges
 from fefinger.geometry.locate import locate
-from fefinger.scene.indenter import STANDARD, Indenter, direction
+from fefinger.scene.indenter import Indenter, direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.support.checks import InputError
 
 

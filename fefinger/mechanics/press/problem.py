@@ -7,21 +7,22 @@ from typing import Any, Self
 
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
+from fefinger.mechanics.press.continuation import FORCE_DEPTH, continued
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.notes import of_finger
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -38,21 +39,17 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 ATTEMPTS = 4
 
 
-FORCE_DEPTH = 0.22  # first guess of the depth under force control, of the finger's thickness
-
-
 @dataclass(frozen=True)
-class Method:
+class SolutionMethod:
     """How a mechanics builds a body and solves it.
 
     body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
-    reduce and march as in `fem.body` and `fem.contact.viscoelastic`; unknowns(body, loads) gives
-    the displacement under loads on the pad; touch(indenter) where the mesh is fine.
+    reduce as in `fem.body`; unknowns(body, loads) gives the displacement under loads on the pad;
+    touch(indenter) where the mesh is fine.
     """
 
     body: Callable[..., Any]
     reduce: Callable[..., Reduced]
-    march: Callable[..., History]
     unknowns: Callable[[Any, Array], Array]
     touch: Callable[[Indenter], float | tuple[float, float] | None]
 
@@ -78,7 +75,7 @@ class Press:
     """
 
     mechanics: str
-    method: Method
+    method: SolutionMethod
     mesh: FingerMesh
     body: Solid
     finger: Finger
@@ -96,7 +93,7 @@ class Press:
     def of(
         cls,
         scene: Scene,
-        method: Method,
+        method: SolutionMethod,
         stages: Stages,
         *,
         mechanics: str,
@@ -116,7 +113,8 @@ class Press:
         with stages.stage("mesh"):
             # Scenes that are their own mirror image are solved on half a finger.
             half = scene.indenter.mirrored
-            mesh = ready(finger, half=half, touch=method.touch(scene.indenter))
+            touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
+            mesh = load_or_build(finger, half=half, touch=touch, continued=long)
         with stages.stage("factor") as report:
             body = method.body(finger, mesh, ask.solver, report)
         obstacle = placement.obstacle(scene.indenter, body)

@@ -7,14 +7,14 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.mechanics.press.problem import REACH, Method, Press, ReferencePlate
+from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.neural.reference import Reference
 from fefinger.support.checks import ConvergenceError
 
 
 def reference_press(
-    body: Solid, plate: ReferencePlate, method: Method, reduced: Reduced | None = None
+    body: Solid, plate: ReferencePlate, method: SolutionMethod, reduced: Reduced | None = None
 ) -> Reference:
     """Press the standard plate a little and return the strain at the sites under it.
 
@@ -26,9 +26,9 @@ def reference_press(
         candidates = patch(body.space, body.pad, body.normals, plate.obstacle, reach)
         probe = recovered_strain_at(body.space, central.points, body.planes)
         reduced = method.reduce(body, candidates, probe)
-    free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.travel
+    free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
-    if (pressure[reduced.patch.edge] > 0).any():
+    if (pressure[reduced.patch.border] > 0).any():
         message = "reference press: contact left its patch; the pad is much flatter than expected"
         raise ConvergenceError(message)
     strain = tensors((reduced.strain @ pressure).reshape(-1, 6))

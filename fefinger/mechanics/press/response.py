@@ -25,8 +25,8 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
         pad, column = whole_pad(press.body, on_pad.neighborhood)
         pressure = on_seen(contact.pressure, on_pad.neighborhood)[:, column]
-        approach = contact.elastic @ history.reduced.approach.T
-        gap = on_pad.clearance(contact.depth, approach)[:, column]
+        displacement = contact.elastic @ history.reduced.normal_displacement.T
+        gap = on_pad.clearance(contact.depth, displacement)[:, column]
         area = middle = moment = None
         if press.pressure:
             surface = CandidateSurface(
@@ -34,7 +34,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             )
             area, middle = surface.area(pressure > 0, gap), centroid(pad, pressure)
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
-        force = press.sides * contact.pressure @ on_pad.travel * NEWTON_PER_MILLINEWTON
+        force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = _small_strain(press, history)
     penetration = inside(gap)
     return Response(
@@ -76,7 +76,8 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         if press.pressure:
             pad, column = whole_pad(press.body, seen)
             pressure = on_seen(pressure, seen)[:, column]
-            area, middle = steps.bounded(_areas(history, pad, column)), centroid(pad, pressure)
+            area = steps.bounded(areas_of_steps(history, pad, column))
+            middle = centroid(pad, pressure)
             gap = steps.smooth(history.gap)[:, column]
             moment = whole_moment(steps.smooth(history.moment), half)
         by_force = press.motion.control == "force"
@@ -171,15 +172,15 @@ def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
 def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:
     """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times."""
     pressure = history.steps.bounded(history.pressure)
-    force = press.sides * pressure @ history.contact.travel * NEWTON_PER_MILLINEWTON
+    force = press.sides * pressure @ history.contact.projected * NEWTON_PER_MILLINEWTON
     if press.motion.control == "force":  # that is prescribed between the steps as well
         ratio = np.divide(history.steps.path, force, out=np.ones_like(force), where=force > 0)
         pressure, force = pressure * ratio[:, None], force * ratio
     return pressure, force
 
 
-def _areas(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
-    """Return the contact areas (n,) mm² of the whole, deformed finger at the steps."""
+def areas_of_steps(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
+    """Contact areas (n,) mm² of the whole, deformed finger at the steps."""
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow

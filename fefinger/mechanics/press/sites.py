@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
-from fefinger.scene.indenter import STANDARD, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.library import receptors
 from fefinger.support.checks import InputError
 

@@ -1,6 +1,6 @@
 """Contact of a finger as a linear viscoelastic body: one factor, unit loads on the pad, then time.
 
-Shared by `linear` and `condensed`, which differ in the `Method` alone.
+Shared by `linear` and `condensed`, which differ in the `SolutionMethod` alone.
 """
 
 from collections.abc import Callable
@@ -9,7 +9,8 @@ import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, march
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
@@ -18,7 +19,7 @@ from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
 from fefinger.mechanics.press.history import SmallStrainHistory
-from fefinger.mechanics.press.problem import Method, Press
+from fefinger.mechanics.press.problem import Press, SolutionMethod
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response
@@ -40,10 +41,9 @@ def _factored(
     return assembled(finger, mesh, solver, factored=True)
 
 
-WHOLE_MESH = Method(
+WHOLE_MESH = SolutionMethod(
     _factored,
     reduce,
-    march,
     lambda body, loads: body.system.solve(loads),
     refinement_location,
 )
@@ -56,7 +56,7 @@ def respond(
     *,
     mechanics: str,
     notes: tuple[str, ...],
-    method: Method = WHOLE_MESH,
+    method: SolutionMethod = WHOLE_MESH,
     refine: int = 1,
 ) -> Response:
     """Answer the scene; `refine` divides every time step.
@@ -112,10 +112,10 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
             np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
         )
         with stages.stage("contact") as report:
-            history = method.march(
+            history = march(
                 reduced.flexibility,
                 candidates.gap,
-                candidates.travel,
+                candidates.projected,
                 relaxation,
                 prescribed,
                 report,
@@ -126,9 +126,9 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
         placement.check_inside(body, candidates.vertices[pressed], deepest)
         if not pressed.any():
             raise InputError(limits.unresolved(deepest))
-        if (pressed & candidates.rim).any():
+        if (pressed & candidates.obstacle_border).any():
             raise InputError(limits.rim_reached(len(candidates.vertices)))
-        if not (pressed & candidates.edge).any():
+        if not (pressed & candidates.border).any():
             return reduced, history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))

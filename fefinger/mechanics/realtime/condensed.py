@@ -10,7 +10,6 @@ indenter is placed in about a second, and then no array is made from one step to
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal, cast
 
@@ -34,13 +33,15 @@ from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mesh.store import ready
+from fefinger.mechanics.realtime.step import Step
+from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
@@ -50,25 +51,6 @@ from fefinger.support.vocabulary import FAMILIES
 
 
 Array = NDArray[np.float64]
-
-
-@dataclass(slots=True)
-class Step:
-    """What a step gives; the arrays are those of the finger, and change with its next step.
-
-    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
-    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
-    zz xy yz xz of the tensor. contact_area mm² is what the vertices under pressure stand for: it
-    jumps with each of them, where `Response.contact_area` follows the rim within an element.
-    """
-
-    depth: float
-    force: float
-    contact_area: float
-    x: float
-    y: float
-    pressure: Array
-    strain: NDArray[np.floating]
 
 
 class Condensed:
@@ -130,10 +112,10 @@ class Condensed:
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
-        gap, travel = self.patch.gap, self.patch.travel
-        self._memory = step_compiled.pad_state(gap, travel, weights, np.array(prony.v), tolerance)
+        gap, areas = self.patch.gap, self.patch.projected
+        self._memory = step_compiled.pad_state(gap, areas, weights, np.array(prony.v), tolerance)
         self._output = _output(solid, reduced, self.sites.points, precision)
-        nothing = np.empty((len(travel), 0), dtype=self._output.rows.dtype)
+        nothing = np.empty((len(areas), 0), dtype=self._output.rows.dtype)
         self._without = self._output._replace(rows=nothing, strain=nothing[0])
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
@@ -275,7 +257,7 @@ class Condensed:
         return problem.Press(
             mechanics=condensed.name,
             method=operator.METHOD,
-            mesh=ready(self.finger, half=self.solid.half),
+            mesh=load_or_build(self.finger, half=self.solid.half),
             body=self.solid,
             finger=self.finger,
             obstacle=cast(Obstacle, self._touch),  # small strain asks for its axis and gap alone
@@ -321,8 +303,10 @@ def _reduced_to_candidates(
             reduced = operator.reduced(finger, solid, on_pad, where, probe)
         except OutsideError:
             break
-        pressure = Complementarity(reduced.flexibility).solve(on_pad.gap - deepest * on_pad.travel)
-        if not (pressure[on_pad.edge & ~on_pad.rim] > 0).any():
+        pressure = Complementarity(reduced.flexibility).solve(
+            on_pad.gap - deepest * on_pad.projected
+        )
+        if not (pressure[on_pad.border & ~on_pad.obstacle_border] > 0).any():
             break
     if reduced is None:
         message = (
@@ -376,13 +360,15 @@ def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> st
     areas = np.bincount(column, pad.areas, minlength=count)
     first = first_moments(pad)
     moments = [np.bincount(column, first[:, c], minlength=count) for c in (0, 1)]
-    edge = on_pad.edge | np.isin(on_pad.vertices, placement.border(solid))
+    edge = on_pad.border | np.isin(on_pad.vertices, placement.border(solid))
     kind = np.float32 if precision == "single" else np.float64
     return step_compiled.Output(
         areas=np.asarray(areas, dtype=np.float64),
         moments=np.array(moments),
         limits=np.select(
-            [on_pad.rim, edge], [lcp_compiled.TURNED, lcp_compiled.BEYOND], lcp_compiled.DONE
+            [on_pad.obstacle_border, edge],
+            [lcp_compiled.TURNED, lcp_compiled.BEYOND],
+            lcp_compiled.DONE,
         ),
         elastic=np.zeros(count),
         rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),

@@ -22,10 +22,11 @@ from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics.press import operator, placement, problem
-from fefinger.mechanics.realtime.condensed import Step
+from fefinger.mechanics.realtime.step import Step
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat, direction
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -94,7 +95,7 @@ class Rolling:
         prony, nothing = finger.prony, np.zeros(2 * n)
         factors = np.array(prony.weights[1:]) / prony.weights[0]
         self._memory = step_compiled.pad_state(nothing, nothing, factors, np.array(prony.v))
-        self._along = -every[1].moment[chosen, 1] / every[1].travel[chosen]
+        self._along = -every[1].moment[chosen, 1] / every[1].projected[chosen]
         self._strain = np.zeros(6 * len(sites.points))
         strain = self._strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import STANDARD, Indenter
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
 from fefinger.support.checks import ConvergenceError, InputError, number
 from fefinger.theory.lumped.spring import LARGEST
 from fefinger.theory.relaxation import Prony, exprel

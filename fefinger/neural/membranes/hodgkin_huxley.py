@@ -182,6 +182,7 @@ class HodgkinHuxley:
 
         rest = self.rest()
         how = (step, method == "splitting", self.speed, 0.0 if frozen else 1.0)
+        # 2 spikes per ms are ten times what the membrane fires.
         room = int(2.0 * max(1.0, self.speed) * (time_ms[-1] - time_ms[0])) + 16
 
         def block_of(columns: NDArray[np.float64]) -> Run:

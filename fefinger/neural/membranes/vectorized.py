@@ -80,6 +80,8 @@ def _slope(
     """Time derivative as `equations.slope`, by one division, no exponential; melt = slow * thaw."""
     inside = min(max(v, _LOW), _HIGH)
     e80, e20, e18, e10 = _powers(inside)
+    # exp((10 - v) / 10), exp((25 - v) / 10) and exp((30 - v) / 10) from one power: the constants
+    # are e, e^2.5 and e^3.
     x_n, d_n = _linoid(inside, 10.0, 2.718281828459045 * e10)
     x_m, d_m = _linoid(inside, 25.0, 12.182493960703473 * e10)
     d_h = 20.085536923187668 * e10 + 1.0

@@ -1,1 +1,1 @@
-"""The template and the style sheet of the report."""
+"""Templates, style sheet and script of the pages; all templates extend `base.html`."""

@@ -176,6 +176,7 @@ def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: 
     above = pressure[corners] > level
     crossed = corners[above.any(axis=1) & ~above.all(axis=1)]
     inside = pressure[crossed] > level
+    # The corner that is alone on its side of the level: both cut edges meet there.
     lone = np.argmax(inside == (inside.sum(axis=1) == 1)[:, None], axis=1)
     rows = np.arange(len(crossed))
     one = crossed[rows, lone]
@@ -227,10 +228,12 @@ def blurred(
     r = elastic.numbers("blurred", "r", r)
     count = max(QUADRATURE, math.ceil(PER_SIGMA * reach / sigma))
     nodes, weights = np.polynomial.legendre.leggauss(count)
+    # s = reach sin(angle) removes the square root in which the pressure ends.
     angle = np.pi / 4 * (nodes + 1)
     s = reach * np.sin(angle)
     weights = np.pi / 4 * weights * reach * np.cos(angle)
     apart = np.exp(-((r[..., None] - s) ** 2) / (2 * sigma**2))
+    # ive is I0 without its growth exp(r s / sigma²), which is in `apart`: no overflow.
     kernel = s / sigma**2 * apart * ive(0, r[..., None] * s / sigma**2)
     return np.asarray(kernel @ (weights * pressure(s)))
 
@@ -273,6 +276,7 @@ def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Shar
         misfit = weights @ fitted - pressure
         return np.asarray(fitted, np.float64), float(np.sqrt(np.mean(misfit**2)))
 
+    # Bisection of the decimal logarithm of the smoothing, which raises the misfit.
     low, high = -10.0, 6.0
     for _ in range(40):
         middle = (low + high) / 2
@@ -300,6 +304,7 @@ def two_pole(time: ArrayLike, signal: ArrayLike, corner: float = 1000.0) -> Arra
     if time.ndim != 1 or signal.shape != time.shape or (np.diff(time) <= 0).any():
         msg = "two_pole: expected a value at each of rising times, (n_t,) both"
         raise ValueError(msg)
+    # One of the conjugate pair; the real part of its state, doubled in `gain`, holds both.
     pole = 2 * np.pi * corner * np.exp(0.75j * np.pi)
     gain = 2 * (2 * np.pi * corner) ** 2 / (pole - pole.conjugate())
     state = -signal[0] / pole + 0j

@@ -24,7 +24,7 @@ class Hertz:
         R in mm.
     depth
         Approach in mm, 0 (touch, no field) to R, where the contact is as wide as the sphere.
-        `sphere.py` is for the true sphere: the force differs by 0.4 % at a/R = 0.2.
+        The force on a true sphere differs by 0.4 % at a/R = 0.2 (Sneddon 1965).
     modulus, poisson
         E in kPa and nu in 0 to 0.5.
 

@@ -157,6 +157,7 @@ class Stack:
         """Compute the waves of each layer, top first, under unit pressure on the surface."""
         carried, steps = self._join(xi)
         load = np.zeros((len(xi), 2, 1))
+        # Rows 2 and 3 of the surface state are its stresses: a unit pressure and no shear.
         load[:, 0] = -1.0
         down = np.asarray(np.linalg.solve(carried[:, 2:], load), np.float64)
         waves = []

@@ -186,6 +186,8 @@ def _march(
     depth, edge = np.empty(len(time)), np.empty(len(time))
     for step, (g, decay, ramp) in enumerate(zip(gains, decays, ramps, strict=True)):
         past = (weights[1:] * decay) @ memory - (weights[1:] @ ramp) * share
+        # In contact Phi_q = depth - node, so Phi_p = g (depth - node) + past: positive, as a
+        # contact only pushes, where g depth exceeds the onset.
         onset = g * nodes - past
         depth[step] = depth_at(step, g, onset)
         push = g * depth[step] - onset

@@ -254,7 +254,8 @@ def _relaxation(
 
     The warning is on a fit that did not converge.
     """
-    t, _, f, size = (values[-_groups(record) :] for values in averages(record))
+    start = int(np.sum(averages(record)[0] < record.time[record.hold]))
+    t, _, f, size = (values[start:] for values in averages(record))
     root = np.sqrt(size)
     fit = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
     order = np.argsort(fit.x[terms + 1 :])[::-1]
@@ -262,7 +263,7 @@ def _relaxation(
     rates = np.exp(np.clip(fit.x[terms + 1 :], -20, 20))
     prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
     covariance = covariance_of(fit.jac, fit.fun)
-    share = _rows(order, offset=1)
+    share = [0, *(1 + int(i) for i in order)]
     weights = np.array(prony.weights)
     jacobian = np.diag(weights) - np.outer(weights, weights)
     deviation = deviations(jacobian, covariance[np.ix_(share, share)])
@@ -286,6 +287,7 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
     from scipy.optimize import least_squares, nnls
 
     def basis(log_rates: Array) -> Array:
+        # exp(-inf) = 0: the constant is the exponential that never decays.
         rates = np.exp(np.append(-np.inf, log_rates))
         return np.exp(-np.multiply.outer(t, rates))
 
@@ -295,13 +297,9 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
 
     rates = np.log(np.geomspace(FASTEST, 4.0 / seconds, terms))
     amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
+    # NNLS leaves some amplitudes at 0, which have no logarithm to start from.
     start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
     return least_squares(residual, start, x_scale="jac", max_nfev=EVALUATIONS)
-
-
-def _groups(record: RampHold) -> int:
-    """Count the averages in the hold."""
-    return int(np.sum(averages(record)[0] >= record.time[record.hold]))
 
 
 def _packed(spring: Spring, prony: Prony) -> Array:
@@ -326,11 +324,6 @@ def _sorted(prony: Prony, order: NDArray[np.intp]) -> Prony:
     """Sort the terms of G by `order`; the tables of the thesis have the fastest first."""
     c, v = prony.weights, prony.v
     return Prony((c[0], *(c[1 + i] for i in order)), tuple(v[i] for i in order))
-
-
-def _rows(order: NDArray[np.intp], *, offset: int) -> list[int]:
-    """Return the rows of the sorted weights, after `offset` rows of others."""
-    return [*range(offset), *(offset + int(i) for i in order)]
 
 
 def _spread(

@@ -248,6 +248,7 @@ def smooth_position(record: RampHold) -> Array:
     removes noise alone is used: none for a smooth start and stop with few samples.
     """
     ramp, rest = np.split(record.position, [record.hold])
+    # | 1: a symmetric window has an odd number of points.
     wide = SMOOTHING * max(1, round((record.hold - record.touch) / RAMP_POINTS)) | 1
     noise = record.position_noise
     ways = ((wide, 1), (SMOOTHING, 1), (SMOOTHING, 3))

@@ -92,9 +92,11 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     ValueError
         Arrays of two shapes or with values that are not finite, or times that decrease.
 
-    Notes ----- Where x falls fast, P is below zero: Eq. 2.3 lets the indenter adhere to the skin.
-    On a segment each exponential gains b e^(m y) dy e^(max(A, -v h)) (1 - e^-|z|) / |z| with A = m
-    dy, z = A + v h, y the indentation at its start, dy its change and h the part of the segment in
+    Notes
+    -----
+    Where x falls fast, P is below zero: Eq. 2.3 lets the indenter adhere to the skin. On a segment
+    each exponential gains b e^(m y) dy e^(max(A, -v h)) (1 - e^-|z|) / |z| with A = m dy,
+    z = A + v h, y the indentation at its start, dy its change and h the part of the segment in
     contact.
     """
     time, position = _samples(time, position)
@@ -125,6 +127,7 @@ def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: Array
     elastic = spring.force(position).tolist()
     memory, surface, out = np.full(len(prony.v), elastic[0]), elastic[0], [elastic[0]]
     for i, (before, after) in enumerate(pairwise(elastic)):
+        # Exact on purpose: `surface` is a copy of `before`, unless the skin was free.
         touching = surface == before
         decayed = decay[i] * memory
         added = gain[i] if touching else ramp[i] * (after - surface)
@@ -205,5 +208,6 @@ def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[
 
 def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:
     """Yield q_0 = start and q_(n+1) = decay_n q_n + gain_n."""
+    # Lists of floats: step by step, Python is faster on them than on numpy scalars.
     pairs = zip(decay.tolist(), gain.tolist(), strict=True)
     return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)

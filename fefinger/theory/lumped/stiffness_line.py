@@ -28,6 +28,7 @@ CUT = SMOOTHING // 2 + 1  # samples before the hold that smoothing mixes with it
 def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
     """Fit m and b of Eq. 2.4; also return their covariance (2, 2) and variance accounted for."""
     part, each = _steady(record), -(-(record.beyond - record.touch) // RAMP_POINTS)
+    # | 1 makes it odd, and the window symmetric; a wider one mixes more of the corner in.
     width = SMOOTHING * each | 1
     steady = slice(part.start, part.stop - (width - SMOOTHING) // 2, each)
     x, f = (smooth(values, width)[steady] for values in (record.position, record.force))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy.spatial import Delaunay
 
 from fefinger.fem.contact import contact_area as areas
@@ -11,7 +12,6 @@ from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.rim_fit import fit_rims
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.linalg.system import factor
 from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Profile
 
@@ -175,7 +175,7 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     on = patch(space, top, np.zeros_like(space.points), obstacle, 1.5)
     moved = system.solve(on.loads.toarray())
     flexibility = on.loads.T @ moved
-    pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.travel)
+    pressure = Complementarity((flexibility + flexibility.T) / 2).solve(on.gap - 0.3 * on.projected)
     gap = on.clearance(np.array([0.3]), (on.places.T @ moved @ pressure)[None])
     number = np.full(len(space.points), -1)
     number[on.neighborhood.vertices] = np.arange(len(on.neighborhood.vertices))

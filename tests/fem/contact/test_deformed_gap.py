@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy.linalg import expm, logm
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import candidates, patch
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
@@ -62,11 +62,11 @@ def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_sa
     state, h = moved(space, contact, 1), 1e-6
     found = contact.at(state)
     before, after = (contact.at(replace(state, depth=0.2 + s)).weighted for s in (-h, h))
-    assert (before - after) / (2 * h) == pytest.approx(found.steepness * contact.travel)
-    assert contact.travel.sum() == pytest.approx(1.0)
+    assert (before - after) / (2 * h) == pytest.approx(found.steepness * contact.projected)
+    assert contact.projected.sum() == pytest.approx(1.0)
     rigid = np.zeros(space.n_unknowns)
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
-    assert found.loads.T @ rigid == pytest.approx(contact.travel)
+    assert found.loads.T @ rigid == pytest.approx(contact.projected)
 
 
 def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
@@ -76,7 +76,7 @@ def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     rigid, across = np.zeros((2, space.n_unknowns))
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
     across[: space.n_displacements] = np.tile([0.8, 0.0, 0.6], space.n_nodes)
-    assert rigid @ support @ rigid == pytest.approx(contact.travel.sum())
+    assert rigid @ support @ rigid == pytest.approx(contact.projected.sum())
     assert np.abs(support @ across).max() < 1e-15
     one = np.arange(len(contact)) == 0
     assert found.support(one).sum() < support.sum()
@@ -107,7 +107,7 @@ def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less()
     size, at = contact.sizes.max(), space.node_points
     top = at[:, 2] == 1
     flat = contact.at(raised(space, top * -0.02 * size))
-    assert flat.gaps == pytest.approx(0.02 * size * contact.travel, rel=0.05)
+    assert flat.gaps == pytest.approx(0.02 * size * contact.projected, rel=0.05)
     touching = contact.at(raised(space, 0.0 * top))
     assert touching.gaps == pytest.approx(0.0, abs=1e-15)
     middle = top & (np.abs(3 * at[:, :2] - np.round(3 * at[:, :2])) > 0.1).any(axis=1)
@@ -140,7 +140,7 @@ def test_skin_beside_an_edge_may_fold_around_it_though_its_gap_is_beyond_all_rea
     across = {name: set(space.points[each.vertices][:, 0].round(3)) for name, each in under.items()}
     assert across[0.3] == {0.0, 0.333} == across[1.0]
     assert set(space.points[around.vertices][:, 0].round(3)) == {0.0, 0.333, 0.667}
-    assert not around.rim.any()
+    assert not around.obstacle_border.any()
 
 
 def test_beyond_the_outline_of_a_ball_no_patch_goes_and_its_rim_is_marked():
@@ -151,8 +151,8 @@ def test_beyond_the_outline_of_a_ball_no_patch_goes_and_its_rim_is_marked():
     on = contact_surface(space, top, np.zeros_like(space.points), ball, 5.0).on
     away = np.linalg.norm(space.points[on.vertices][:, :2], axis=1)
     assert away.max() < BALL.radii[0]
-    assert on.rim.any()
-    assert not on.rim[away == 0].any()
+    assert on.obstacle_border.any()
+    assert not on.obstacle_border[away == 0].any()
 
 
 def test_the_gaps_at_vertices_are_distances_along_the_normal():
@@ -170,7 +170,7 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     values = np.zeros(space.n_unknowns)
     values[: space.n_displacements : 3] = 10.0
     found = contact.at(State(values, np.ones(len(contact)), 0.0))
-    assert (found.gaps > 0.5 * FAR * contact.travel).all()
+    assert (found.gaps > 0.5 * FAR * contact.projected).all()
     assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
     for each in (found.loads.data, found.fold_stiffness, found.stiffness().data):
         assert np.isfinite(each).all()

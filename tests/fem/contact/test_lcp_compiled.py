@@ -1,11 +1,12 @@
-"""Compiled contact and its steps, against the solver and the march that they repeat."""
+"""Compiled contact and its steps, against a solver with factors and a plain loop over it."""
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.march import march
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, march
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
@@ -102,28 +103,28 @@ def test_steps_repeat_the_march(pad: tuple, force: bool) -> None:
 def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(
     pad: tuple, through: object, shift: float
 ) -> None:
-    matrix, _, travel = pad
-    gap = travel * (np.linspace(-1, 1, N) + shift) ** 2 / 2
+    matrix, _, projected = pad
+    gap = projected * (np.linspace(-1, 1, N) + shift) ** 2 / 2
     rising = 0.3 * np.geomspace(1e-17, 1, 60)
     value = np.concatenate([[0.0], rising, rising[::-1], [0.0], rising[::3]])
     asked = Prescribed("force", np.linspace(0, 1, len(value)), value)
-    found = through(matrix, gap, travel, Relaxation(WEIGHTS, RATES, N), asked)
-    assert found.pressure @ travel == pytest.approx(value, rel=1e-9, abs=1e-15 * value.max())
+    found = through(matrix, gap, projected, Relaxation(WEIGHTS, RATES, N), asked)
+    assert found.pressure @ projected == pytest.approx(value, rel=1e-9, abs=1e-15 * value.max())
 
 
 def test_an_unreachable_force_is_reported(pad: tuple) -> None:
-    matrix, gap, travel = pad
+    matrix, gap, projected = pad
     state = lcp_compiled.lcp_state(matrix)
-    memory = step_compiled.pad_state(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    memory = step_compiled.pad_state(gap, projected, WEIGHTS[1:] / WEIGHTS[0], RATES)
     assert step_compiled.step(state, memory, 0.0, np.nan, True, 1.0) == lcp_compiled.MISSED
     with pytest.raises(ConvergenceError, match="shorter steps"):
         step_compiled.check(lcp_compiled.MISSED)
 
 
 def test_a_reset_forgets(pad: tuple) -> None:
-    matrix, gap, travel = pad
+    matrix, gap, projected = pad
     state = lcp_compiled.lcp_state(matrix)
-    memory = step_compiled.pad_state(gap, travel, WEIGHTS[1:] / WEIGHTS[0], RATES)
+    memory = step_compiled.pad_state(gap, projected, WEIGHTS[1:] / WEIGHTS[0], RATES)
     first = []
     for _ in range(2):
         step_compiled.reset(state, memory)

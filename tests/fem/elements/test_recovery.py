@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import POWERS, recovered_gradient_at, recovered_strain_at
 from fefinger.fem.elements.spaces import Space

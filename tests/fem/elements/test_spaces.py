@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.contact.patch import foremost, smooth_places
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space, trace
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box, quarter
 from oracles.potential import energy
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementTetP2
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box, quarter
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import (

@@ -52,7 +52,7 @@ def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, obj
     for depth in depths:
         state = solver.find(state, Target("depth", depth, pressed.body.at_rest))
     return (
-        float(solver.contact.travel @ state.pressure),
+        float(solver.contact.projected @ state.pressure),
         stretches(state.values, pressed.body),
         state,
     )
@@ -86,7 +86,7 @@ def test_factors_that_fail_in_single_precision_are_made_in_double(
     solver._renew(solver._evaluate(state, target), target)
     assert len(solver.system.failed) == solver.factors + 1 >= 2
     state = solver.find(state, replace(target, value=0.4))
-    assert float(solver.contact.travel @ state.pressure) == pytest.approx(usual, rel=1e-6)
+    assert float(solver.contact.projected @ state.pressure) == pytest.approx(usual, rel=1e-6)
     unsound(np.float32, np.float64)
     with pytest.raises(ConvergenceError, match="tangent of an iterate is singular"):
         solver._renew(solver._evaluate(state, target), target)
@@ -131,7 +131,7 @@ def passed(material: Law, times: np.ndarray, depth: object, **options: object) -
     forces: list[float] = []
 
     def keep(_: int, state: State) -> None:
-        forces.append(float(pressed.equilibrium.contact.travel @ state.pressure))
+        forces.append(float(pressed.equilibrium.contact.projected @ state.pressure))
 
     history = StressHistory(pressed.body, SERIES, **options)
     follow(pressed.equilibrium, history, Path("depth", times, depth), keep)
@@ -176,7 +176,7 @@ def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be
     found: list[float] = []
 
     def keep(_: int, state: State) -> None:
-        found.append(float(pressed.equilibrium.contact.travel @ state.pressure))
+        found.append(float(pressed.equilibrium.contact.projected @ state.pressure))
 
     follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, keep)
     assert found == pytest.approx(forces, rel=EQUILIBRIUM, abs=1e-6 * EQUILIBRIUM * forces.max())
@@ -249,7 +249,7 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
 
     def keep(_: int, state: State) -> None:
         depths.append(state.depth)
-        force = float(pressed.equilibrium.contact.travel @ state.pressure)
+        force = float(pressed.equilibrium.contact.projected @ state.pressure)
         assert force == pytest.approx(target, rel=1e-6)
 
     follow(pressed.equilibrium, history, path, keep)
@@ -367,13 +367,13 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
     tangent = pressed.body.tangent(state.values, target.history)
     loads = solver.contact.at(state).loads
     support = np.full(len(solver.contact), 1e3)
-    stiff = (tangent + loads @ sparse.diags(support / solver.contact.travel) @ loads.T).tocsr()
+    stiff = (tangent + loads @ sparse.diags(support / solver.contact.projected) @ loads.T).tocsr()
     none = np.zeros_like(support)
     alone, whole = (
         FactoredTangent(solver._rough(matrix), solver.system.free, loads, 1.0, none, none)
         for matrix in (tangent, stiff)
     )
-    taken = alone.add_support(support, solver.contact.travel)
+    taken = alone.add_support(support, solver.contact.projected)
     assert taken > 0
     assert alone.approximate_factor.negative - taken == whole.approximate_factor.negative
     right = np.random.default_rng(0).normal(size=space.n_unknowns)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.bench import superlu
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Array, Integers, Space
 from fefinger.fem.linalg import minres, multifrontal, solvers
 from fefinger.fem.linalg import system as solve

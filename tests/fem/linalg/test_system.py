@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg import system as solve

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from fefinger.validation.evidence import cost
 from fefinger.validation.evidence.linear import costs
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
@@ -14,15 +15,14 @@ from fefinger.mechanics.evidence import machine, reports, table
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.build import SETTINGS
-from fefinger.scene import builtin
-from fefinger.scene.motion import Ramp
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue
 from fefinger.support.text import percent
 
 
 def scene(**changes: Any) -> Scene:
-    return builtin.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
+    return published.load("flat-press", {key.replace("__", "."): v for key, v in changes.items()})
 
 
 def at(depth: float) -> Scene:
@@ -96,7 +96,7 @@ def test_a_ball_is_judged_by_the_next_blunter_one_that_went_as_deep() -> None:
     )
     assert reports.solid_press(Situation.of(scene(indenter=ball, motion__depth=1.0))) == "sphere-5"
     assert reports.solid_press(Situation.of(scene(indenter=ball, motion__depth=2.2))) == "flat-30"
-    assert reports.solid_press(Situation.of(builtin.load("edge-press"))) == "flat-30"
+    assert reports.solid_press(Situation.of(published.load("edge-press"))) == "flat-30"
 
 
 def pressed_to(row: dict[str, Any]) -> str:

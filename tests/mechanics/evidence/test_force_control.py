@@ -13,7 +13,7 @@ from fefinger.mechanics.evidence.table import TRADEOFF, read
 from fefinger.mechanics.situation import Situation
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 PRESSES = {
     "flat-30": ff.Flat(30),
     "flat-15": ff.Flat(15),

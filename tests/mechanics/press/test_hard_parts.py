@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.grids import box
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
@@ -17,14 +18,13 @@ from fefinger.mechanics import LADDER, Mechanics, condensed, get, linear, solid
 from fefinger.mechanics.press import failure, hard_parts
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import ready
+from fefinger.mesh.store import load_or_build
 from fefinger.pipeline import run
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 from fefinger.scene.ask import SOLVERS
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Flat
-from fefinger.scene.motion import Ramp
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.checks import InputError
@@ -32,11 +32,11 @@ from fefinger.theory.relaxation import Prony
 
 
 BONE, NAIL = Hard(17e6), Hard(2e6)
-FINGER = replace(builtin.load("flat-press").finger, resolution="coarse")
+FINGER = replace(published.load("flat-press").finger, resolution="coarse")
 
 
 def scene(solver: str | None = None, depth: float = 0.5, **parts: object) -> Scene:
-    asked = builtin.load("flat-press").ask
+    asked = published.load("flat-press").ask
     ask = replace(asked, spikes=(), fields=False, strain=False, rel_error=0.5, solver=solver)
     motion = Ramp(60, depth, corner=0.0)
     return Scene(finger=replace(FINGER, **parts), indenter=Flat(30), motion=motion, ask=ask)
@@ -83,7 +83,7 @@ def test_a_nail_of_tissue_is_no_nail_and_a_stiff_one_moves_as_one_piece() -> Non
 
 
 def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
-    mesh = ready(FINGER, half=True)
+    mesh = load_or_build(FINGER, half=True)
     found = hard_parts.with_nail(replace(FINGER, nail=NAIL), mesh)
     nail = found.region == hard_parts.NAIL
     assert (mesh.region[nail] == 1).all()
@@ -231,4 +231,4 @@ def test_the_held_facets_follow_the_hard_parts() -> None:
     assert held(cut="nail") == ("bone", "nail")
     assert held(bone=BONE) == ("bone-cut", "nail", "cut")
     assert held(bone=BONE, nail=NAIL, cut="nail") == ("bone-cut",)
-    assert isinstance(Finger.subject("a.h.", bone=BONE).bone, Hard)
+    assert isinstance(Finger.subject("a.h.", bone=BONE, tissue="maeno1998").bone, Hard)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 from fefinger.mechanics.press.load_steps import (
     BY_DISTANCE,
@@ -10,12 +11,11 @@ from fefinger.mechanics.press.load_steps import (
     tissue_relaxations,
 )
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
-from fefinger.scene.motion import (
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
     ForceRampHold,
     ForceSampled,
-    Motion,
     Ramp,
     RampHold,
     RampSinusoid,
@@ -25,7 +25,7 @@ from fefinger.scene.motion import (
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
-PRONY = tissue_relaxations(Finger.subject("a.h."))
+PRONY = tissue_relaxations(Finger.subject("a.h.", tissue="maeno1998"))
 MOTIONS: list[Motion] = [
     Ramp(20, 1.0),
     RampHold(60, 1.5, hold=5),
@@ -86,7 +86,7 @@ def stiffening(depth: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("refine", [1, 2])
 def test_the_steps_carry_the_relaxation_through_a_rounded_ramp(refine: int) -> None:
     peak = 5e-3 / refine**2  # second order
-    scene = builtin.load("flat-press")
+    scene = published.load("flat-press")
     time = time_grid(scene.motion, fast=True)
     steps = load_steps(scene.motion, time, tissue_relaxations(scene.finger), refine)
     fine = np.linspace(0.0, scene.motion.duration, 100_001)
@@ -162,7 +162,7 @@ def test_a_small_sinusoid_on_a_press_keeps_its_size() -> None:
 
 
 def test_the_step_of_the_largest_force_comes_before_that_of_the_largest_depth() -> None:
-    scene = builtin.load("flat-press")
+    scene = published.load("flat-press")
     steps = load_steps(scene.motion, time_grid(scene.motion, fast=True), PRONY)
     (found,) = peak_steps(scene.motion, steps, PRONY)
     (prony,) = PRONY

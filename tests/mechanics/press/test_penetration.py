@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import Mechanics, linear, solid
@@ -12,7 +13,6 @@ from fefinger.mechanics.press.response import inside
 from fefinger.plan import choose
 from fefinger.result import Result
 from fefinger.results.records import Response
-from fefinger.scene import builtin
 
 
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])
@@ -20,7 +20,7 @@ AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])
 
 
 def pressed(depth: float, resolution: str = "coarse", *, fields: bool = True) -> ff.Scene:
-    finger = replace(builtin.load("flat-press").finger, resolution=resolution)
+    finger = replace(published.load("flat-press").finger, resolution=resolution)
     ask = ff.Ask(strain=False, fields=fields, rel_error=0.5)
     return ff.Scene(
         finger=finger, indenter=ff.Flat(30), motion=ff.Ramp(60, depth, corner=0), ask=ask

@@ -8,14 +8,15 @@ import pytest
 import fefinger as ff
 from fefinger.fem.contact.patch import smooth_places
 from fefinger.fem.elements.spaces import trace
+from fefinger.mechanics.press.continuation import FORCE_DEPTH
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.operator import METHOD
-from fefinger.mechanics.press.problem import FORCE_DEPTH, Press
+from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.support.progress import Stages
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 LEAN = ff.Ask(pressure=False, strain=False, fields=False)
 
 

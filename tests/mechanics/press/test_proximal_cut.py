@@ -1,54 +1,106 @@
-"""A plate along the finger reaches its proximal cut: told before anything is solved."""
-
-from dataclasses import replace
+"""A plate along the finger: it is continued behind its cut, and what goes beyond is told."""
 
 import pytest
 
 import fefinger as ff
 from fefinger.mechanics import solid
-from fefinger.mechanics.press import proximal_cut, small_strain
-from fefinger.mechanics.press.proximal_cut import FAR, NEAR
+from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics.press.continuation import CLOSE, NEAR, continued, gap
+from fefinger.mechanics.press.proximal_cut import FAR
 from fefinger.mechanics.situation import Situation
-from fefinger.results.records import Response
+from fefinger.mesh.extend import NOTE
+from fefinger.pipeline import run
 from fefinger.support.checks import InputError
 
 
+SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
+TISSUES = ("maeno1998", "calibrated")
+
+
+def finger(subject: str, tissue: str = "maeno1998") -> ff.Finger:
+    if tissue == "calibrated":
+        return ff.Finger.subject(subject, resolution="coarse")
+    return ff.Finger.subject(subject, resolution="coarse", tissue=tissue)
+
+
 def pressed(subject: str, depth: float, angle: float = 0.0) -> ff.Scene:
-    finger = ff.Finger.subject(subject, resolution="coarse")
     ask = ff.Ask(pressure=False, strain=False, fields=False)
     motion = ff.Ramp(60.0, depth, corner=0.0)
-    return ff.Scene(finger=finger, indenter=ff.Flat(angle), motion=motion, ask=ask)
+    return ff.Scene(finger=finger(subject), indenter=ff.Flat(angle), motion=motion, ask=ask)
 
 
-METHODS = {  # no mesh for a plate along it is shipped of d.p.: that of the 30 degree plate
-    "a.h.": small_strain.WHOLE_MESH,
-    "d.p.": replace(small_strain.WHOLE_MESH, touch=lambda indenter: None),
-}
+@pytest.mark.parametrize("tissue", TISSUES)
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_no_finger_refuses_two_millimeters_at_any_angle(subject: str, tissue: str) -> None:
+    for angle in range(0, 61, 5):
+        scene = ff.Scene(
+            finger=finger(subject, tissue), indenter=ff.Flat(angle), motion=ff.Ramp(60.0, 2.0)
+        )
+        assert proximal_cut.reached("linear", Situation.of(scene)) == ()
 
 
-@pytest.mark.parametrize("subject", METHODS)
-def test_contact_reaches_the_cut_where_the_undeformed_gap_says(subject: str) -> None:
-    def answer(depth: float) -> Response:
-        asked = pressed(subject, depth)
-        return small_strain.respond(asked, mechanics="linear", notes=(), method=METHODS[subject])
+@pytest.mark.parametrize("subject", ["d.p.", "p.w."])
+def test_a_press_that_reached_the_cut_is_answered_on_the_continued_finger(subject: str) -> None:
+    """2 mm, where the cut is 0.3 and 0.8 mm away from the plate."""
+    scene = pressed(subject, 2.0)
+    assert 2.0 > FAR * gap(scene.finger, ff.Flat(0.0))
+    answer = run(scene, mechanics="linear")
+    steeper = run(pressed(subject, 2.0, angle=10.0), mechanics="linear")
+    assert 0.8 < answer.force[-1] / steeper.force[-1] < 1.2
+    assert NOTE in answer.notes
 
-    scene = pressed(subject, 1.0)
-    gap = proximal_cut._gap(scene.finger, ff.Flat(0.0))
-    assert proximal_cut.reached("linear", Situation.of(pressed(subject, 0.99 * NEAR * gap))) == ()
-    assert answer(0.99 * NEAR * gap).force[-1] > 0
-    (doubt,) = proximal_cut.reached("linear", Situation.of(pressed(subject, 1.05 * gap)))
+
+def test_the_gap_at_the_continued_end_is_that_of_the_mesh() -> None:
+    from fefinger.mesh.store import load_or_build
+
+    mesh = load_or_build(finger("a.h."), half=True, continued=True)
+    low = mesh.points[mesh.facets["cut"].ravel(), 2].min()
+    first = mesh.points[mesh.facets["pad"].ravel(), 2].min()
+    assert low - first == pytest.approx(gap(finger("a.h."), ff.Flat(0.0), continued=True), abs=0.03)
+
+
+def test_the_finger_is_continued_only_where_the_plate_comes_close() -> None:
+    near = gap(finger("a.h."), ff.Flat(0.0))
+    for depth, expected in ((0.99 * CLOSE * near, False), (1.01 * CLOSE * near, True)):
+        scene = pressed("a.h.", depth)
+        assert continued(scene.finger, scene.indenter, scene.motion) is expected
+    for other in (ff.Flat(30.0), ff.Sphere(5.0)):
+        assert not continued(scene.finger, other, ff.Ramp(60.0, 3.0))
+    assert continued(finger("d.p."), ff.Flat(0.0), ff.ForceRamp(1.0, 2.0))
+
+
+def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_percents(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The vertices under the plate are the same: what changes is the tissue behind them."""
+    scene = pressed("a.h.", 0.99 * CLOSE * gap(finger("a.h."), ff.Flat(0.0)))
+    short = run(scene, mechanics="linear").force[-1]
+    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: True)
+    long = run(scene, mechanics="linear").force[-1]
+    assert 0.96 < long / short < 0.999
+
+
+def test_beyond_the_continuation_the_press_is_refused() -> None:
+    end = gap(finger("d.p."), ff.Flat(0.0), continued=True)
+    assert proximal_cut.reached("linear", Situation.of(pressed("d.p.", 0.99 * NEAR * end))) == ()
+    (doubt,) = proximal_cut.reached("linear", Situation.of(pressed("d.p.", 1.05 * end)))
     assert doubt.about == "accuracy"
-    assert "contact may reach the cut" in doubt.reason
-    with pytest.raises(InputError, match="it reaches the proximal cut"):
-        answer(1.01 * FAR * gap)  # from 1.05 on, by the draw of the mesh
-    (sure,) = proximal_cut.reached("solid", Situation.of(pressed(subject, 1.01 * FAR * gap)))
+    assert "contact may reach the end" in doubt.reason
+    deep = Situation.of(pressed("d.p.", 1.01 * FAR * end))
+    (sure,) = proximal_cut.reached("solid", deep)
     assert sure.about == "ability"
-    assert "contact reaches the cut" in sure.reason
-    assert sure in solid.refuse(Situation.of(pressed(subject, 1.01 * FAR * gap)))
+    assert "contact reaches the end" in sure.reason
+    assert sure in solid.refuse(deep)
+
+
+def test_contact_that_does_reach_the_end_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: False)
+    with pytest.raises(InputError, match="it reaches the proximal cut"):
+        run(pressed("d.s.", 2.4), mechanics="linear")
 
 
 def test_steeper_plates_and_other_objects_are_not_asked_about_it() -> None:
     deep = pressed("a.h.", 2.0, angle=30.0)
-    assert proximal_cut.reached("linear", deep) == ()
+    assert proximal_cut.reached("linear", Situation.of(deep)) == ()
     ball = ff.Scene(finger=deep.finger, indenter=ff.Sphere(5.0), motion=deep.motion)
-    assert proximal_cut.reached("linear", ball) == ()
+    assert proximal_cut.reached("linear", Situation.of(ball)) == ()

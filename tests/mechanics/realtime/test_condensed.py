@@ -23,7 +23,7 @@ from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import hereditary_integral
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 BALL = Ellipsoid((1.0, 1.0, 1.0))
 DEPTHS = 0.6 * np.sin(np.linspace(0, 9, 60))
 

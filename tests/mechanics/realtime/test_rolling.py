@@ -17,7 +17,7 @@ from fefinger.results.records import Sites
 from fefinger.support.checks import InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 INSIDE = np.array([[0.5, 0.3, 1.5], [-1.0, 0.8, 2.0]])
 SITES = Sites(INSIDE, np.tile([0.0, 0.0, -1.0], (2, 1)), np.full(2, 1.5), ("SAI", "FAI"))
 DEPTHS = 0.5 + 0.4 * np.sin(np.linspace(0, 9, 50))

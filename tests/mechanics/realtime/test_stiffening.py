@@ -14,7 +14,7 @@ from fefinger.scene.library import pawluk_bulk
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-FINGER = ff.Finger.subject("a.h.", resolution="coarse")
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 DEPTHS = np.linspace(0.1, 1.4, 14)
 
 

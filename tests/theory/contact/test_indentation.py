@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.oracles.punch import FlatPunch
 from oracles.loads import circle_displacement
 from scipy.integrate import quad
 from scipy.special import j0
 
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import flat_punch, paraboloid, paraboloid_at
-from fefinger.theory.contact.layer import Sheet
-from fefinger.theory.contact.punch import FlatPunch
 from fefinger.theory.contact.stack import Layer, Stack
 
 

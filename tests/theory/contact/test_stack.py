@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.layer import Sheet
 from oracles.differences import derivative
 from scipy.linalg import expm
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import flat_punch, paraboloid
-from fefinger.theory.contact.layer import Sheet
 from fefinger.theory.contact.quadrature import panels
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.contact.subsurface import subsurface_field

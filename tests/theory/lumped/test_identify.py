@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles import synthetic
 from scipy import optimize
 
 from fefinger.scene import library
-from fefinger.theory.lumped import confidence, identify, ramp_hold, synthetic
+from fefinger.theory.lumped import confidence, identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral

@@ -94,7 +94,7 @@ def test_where_a_step_is_held_the_force_is_the_relaxation_function():
 
 def test_a_small_sinusoid_gives_the_spectrum_of_the_relaxation():
     """P = K i w G(i w) X for a small amplitude; K is that of the relaxed preload."""
-    from fefinger.theory.lumped import impedance
+    from fefinger.validation.oracles import impedance
 
     spring, prony = AH
     frequency, cycles, n = 5.0, 60, 400

@@ -1,0 +1,244 @@
+"""Carries a tabulated elastic press along a motion, and reads the Response of a scene from it."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from fefinger.fem.body import solid
+from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
+from fefinger.fem.elements.probe import gradient_at_vertices
+from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.geometry import mirror
+from fefinger.mechanics.press import elastic_press
+from fefinger.mechanics.press.constitutive import tissues
+from fefinger.mechanics.press.elastic_table import ElasticPress
+from fefinger.mechanics.press.fields import VOIGT_COLUMNS, VOIGT_ROWS, no_fields
+from fefinger.mechanics.press.finite_reference import reference_strain
+from fefinger.mechanics.press.hard_parts import with_nail
+from fefinger.mechanics.press.history import frames_of
+from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
+from fefinger.mechanics.press.problem import Press, SolutionMethod
+from fefinger.mechanics.press.response import exact, inside
+from fefinger.mechanics.press.small_strain import WHOLE_MESH
+from fefinger.neural.reference import Reference
+from fefinger.results.records import Fields, Response
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.theory.contact.one_spring import Carried, ElasticForce, carry
+
+
+METHOD: SolutionMethod = replace(
+    WHOLE_MESH,
+    body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
+)
+"""How `pressed` sees a finger: the solid alone, which is only factored to solve a new press."""
+
+GROW, TABLES = 1.15, 5
+"""Factor on the depth at which a force is expected, and the most presses to find it."""
+
+
+@dataclass(frozen=True)
+class CarriedPress:
+    """An elastic press on the body of a Press, with what is read from it.
+
+    contact: the candidates that its pressures belong to.
+    """
+
+    press: Press
+    table: ElasticPress
+    contact: ContactSurface
+
+    @classmethod
+    def of(cls, press: Press, table: ElasticPress) -> "CarriedPress":
+        """Place a tabulated press on the body of a Press."""
+        body = press.body
+        on = contact_surface(body.space, body.pad, body.normals, press.obstacle, table.reach)
+        return cls(press, table, on)
+
+    @cached_property
+    def pressure(self) -> Array:
+        """Elastic pressure (n_nodes, n_candidates) kPa at the nodes of depth."""
+        return self.table.bounded(self.table.pressure)
+
+    @cached_property
+    def force(self) -> Array:
+        """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
+        unit = self.press.sides * NEWTON_PER_MILLINEWTON
+        return np.asarray(unit * self.pressure @ self.contact.projected)
+
+    @cached_property
+    def elastic(self) -> ElasticForce:
+        """Force of the press in N over the depth."""
+        return ElasticForce(self.table.nodes, self.force)
+
+    def along(self, time: Array) -> Carried:
+        """Carry the press along the motion."""
+        motion = self.press.motion
+        value = np.asarray(motion.value(time), dtype=np.float64)
+        return carry(self.elastic, self.press.finger.prony, time, value, motion.control)
+
+    def pressures(self, shares: Carried) -> Array:
+        """Pressure (n_t, n_candidates) kPa: none pulls, and they bear the force."""
+        pushing = np.maximum(shares.stress @ self.pressure, 0.0)
+        unit = self.press.sides * NEWTON_PER_MILLINEWTON
+        borne = unit * pushing @ self.contact.projected
+        factor = np.divide(shares.force, borne, out=np.zeros_like(borne), where=borne > 0)
+        return np.asarray(factor[:, None] * pushing)
+
+    def strain(self, points: Array) -> Array:
+        """Logarithmic strain (n_nodes, n, 3, 3) at points of the whole finger, at the nodes."""
+        body = self.press.body
+        where = mirror.to_half(points) if body.half else points
+        probe = recovered_gradient_at(body.space, where, body.planes)
+        modes = self.table.modes
+        unknowns = self.table.unknowns(modes.amplitudes[: len(self.table.depth)], probe.shape[1])
+        gradients = unknowns @ probe.T
+        strain = logarithmic(gradients.reshape(len(gradients), -1, 3, 3))
+        strain = mirror.from_half(strain, points) if body.half else strain
+        return np.asarray(np.tensordot(self.table.between, strain, 1))
+
+    def displacement(self, weights: Array) -> Array:
+        """Unknowns (n_t, n_unknowns) with the displacements of weights (n_t, n_nodes)."""
+        amplitudes = self.table.modes.amplitudes[: len(self.table.depth)]
+        count = self.press.body.space.n_unknowns
+        return self.table.unknowns(weights @ self.table.between @ amplitudes, count)
+
+    def reference(self) -> Reference | None:
+        """Strain at the central sites of the reference press, where spikes are requested."""
+        plate = self.press.reference
+        if plate is None:
+            return None
+        body = self.press.body
+        return reference_strain(body, plate.sites, self.table.reference(body.space.n_unknowns))
+
+
+def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
+    """Read or solve the elastic press that a motion needs: to its depth, or to its force.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the force is too large.
+    ConvergenceError
+        If an equilibrium is not reached.
+    """
+    motion, finger = press.motion, press.finger
+    if motion.control == "depth":
+        return elastic_press.load_or_solve(press, indenter, motion.peak, stages)
+    depth = 0.0
+    for _ in range(TABLES):
+        table = elastic_press.load_or_solve(press, indenter, depth, stages)
+        if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
+            return table
+        (low, high), (below, above) = table.force[-2:], table.depth[-2:]
+        power = np.log(high / low) / np.log(above / below)
+        depth = GROW * table.deepest * (motion.peak / high) ** (1 / power)
+        check_reached(motion, finger.pulp, depth / GROW)
+    return table
+
+
+def respond(
+    scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
+) -> Response:
+    """Answer the scene from an elastic press that is at hand, or solved now and kept.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If an equilibrium of the elastic press is not reached.
+    """
+    stages = Stages(progress)
+    press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
+    carried = CarriedPress.of(press, table_of(press, scene.indenter, stages))
+    with stages.stage("motion"):
+        shares = carried.along(press.time)
+    return _response(press, carried, shares, stages)
+
+
+def _response(press: Press, carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
+    table, half = carried.table, press.body.half
+    with stages.stage("fields"):
+        fields = _fields(carried, shares) if press.fields else None
+    with stages.stage("pressure"):
+        pressure, force = carried.pressures(shares), shares.force
+        pad = area = middle = gap = moment = seen_pressure = None
+        if press.pressure:
+            seen = carried.contact.neighborhood
+            pad, column = whole_pad(press.body, seen)
+            seen_pressure = on_seen(pressure, seen)[:, column]
+            area = np.interp(shares.edge, table.nodes, table.bounded(table.area))
+            middle = centroid(pad, seen_pressure)
+            gap = _gaps(carried, shares)[:, column]
+            moment = whole_moment(shares.stress @ table.between @ table.moment, half)
+    with stages.stage("strain"):
+        strain = None
+        if press.sites is not None:
+            strain = np.tensordot(shares.strain, carried.strain(press.sites.points), 1)
+        reference = carried.reference()
+    penetration = inside(table.gap)
+    return Response(
+        mechanics=press.mechanics,
+        time=press.time,
+        depth=shares.depth,
+        force=force,
+        contact_area=area,
+        centroid=middle,
+        pad=pad,
+        pressure=seen_pressure,
+        sites=press.sites,
+        strain=strain,
+        reference=reference,
+        fields=fields,
+        status=(
+            f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
+            f"mm, carried along {len(press.time)} times; {exact(penetration)}."
+        ),
+        seconds=stages.seconds,
+        notes=press.notes,
+        numbers={
+            "unknowns": press.body.space.n_unknowns,
+            "candidates": len(carried.contact),
+            "half": float(half),
+            "penetration_mm": penetration,
+        },
+        sources={
+            "mesh": press.mesh.name,
+            "mesh_sha256": press.mesh.fingerprint,
+            "memory": stages.memory,
+        },
+        gap=gap,
+        moment=moment,
+    )
+
+
+def _gaps(carried: CarriedPress, shares: Carried) -> Array:
+    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus what the skin has yielded."""
+    table = carried.table
+    yielded = table.gap + table.depth[:, None] - table.gap[0]
+    return np.asarray(
+        table.gap[0] - shares.depth[:, None] + (shares.strain @ table.between) @ yielded
+    )
+
+
+def _fields(carried: CarriedPress, shares: Carried) -> Fields:
+    """Fields on the mesh at some of the times."""
+    press = carried.press
+    frames = frames_of(shares.depth, int(np.argmax(shares.force)))
+    original, gradients = press.body.original, gradient_at_vertices(press.body.space)
+    fields = no_fields(press, press.time[frames])
+    pressed = original[carried.contact.on.vertices]
+    pressure = carried.pressures(shares)[frames]
+    for frame, values in enumerate(carried.displacement(shares.strain[frames])):
+        fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
+        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
+        fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
+        fields.pressure[frame, pressed] = pressure[frame]
+    return fields

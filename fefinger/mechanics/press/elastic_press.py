@@ -1,0 +1,146 @@
+"""Solves the elastic press of a relaxed finger at finite strain, which `pressed` carries.
+
+`solve` presses the finger of a Press in steps of equal size in the root of the depth.
+"""
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from fefinger.fem.elements.spaces import Array
+from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.load_path import Path, StressHistory
+from fefinger.mechanics.press import elastic_store, placement
+from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
+from fefinger.mechanics.press.finite_reference import reference_state
+from fefinger.mechanics.press.finite_strain import FINITE_STRAIN, Course, follow_course
+from fefinger.mechanics.press.load_steps import LoadSteps
+from fefinger.mechanics.press.pad import whole_pad
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.response import areas_of_steps
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motions import Ramp
+from fefinger.support import cache
+from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.progress import Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 12
+"""Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
+which no mesh resolves the contact; and those of a press that cannot go so deep."""
+
+
+def depths(thickness: float, least: float) -> Array:
+    """Return depths (n,) mm from 0 to at least `least`, and at least PART of the thickness."""
+    deep = PART * thickness
+    last = max(STEPS, int(np.ceil(STEPS * np.sqrt(least / deep) * (1 - 1e-9))))
+    steps = np.arange(FIRST, last + 1) / STEPS
+    return np.concatenate([[0.0], deep * steps**2])
+
+
+def no_deeper(depth: float) -> Array:
+    """Return depths (n,) mm from 0 to a depth, for an object that cannot go as deep as `depths`."""
+    return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
+
+
+def solve(press: Press, least: float, stages: Stages) -> ElasticPress:
+    """Solve the elastic press of a finger under the obstacle of a press, to `least` mm or more.
+
+    It goes to PART of the thickness where it can, so that other motions find it.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
+    ConvergenceError
+        If an equilibrium is not reached.
+    """
+    wanted = depths(press.finger.thickness, least)
+    if press.standard:  # the reference press is one of its depths
+        wanted = np.union1d(wanted, REFERENCE_DEPTH)
+    try:
+        return _solved(press, wanted, stages)
+    except (InputError, ConvergenceError):
+        if not least:
+            raise
+    return _solved(press, no_deeper(least), stages)
+
+
+def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
+    """Solve the elastic press at the `wanted` depths (n,) in mm."""
+    with stages.stage("factor") as report:
+        body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
+        elements = continuum(body.space, laws(press.finger), soft=(1, 2))
+    whole = replace(
+        press,
+        method=FINITE_STRAIN,
+        body=body,
+        motion=Ramp(1.0, float(wanted[-1]), corner=0.0),
+        sites=None,
+        reference=None,
+    )
+    times = np.arange(len(wanted), dtype=np.float64)
+    course = Course(
+        Path("depth", times, lambda time: float(np.interp(time, times, wanted))),
+        lambda: StressHistory(elements, {}),
+        LoadSteps(times, wanted, np.arange(len(wanted)), times, np.array([0, len(wanted) - 1])),
+        frozenset(range(len(wanted))),
+    )
+    history = follow_course(whole, elements, course, stages)
+    if history.halt:
+        raise ConvergenceError(history.halt)
+    fields = [history.frames[k] for k in range(len(wanted))]
+    if not (press.standard and REFERENCE_DEPTH in wanted):
+        with stages.stage("reference"):
+            plate = placement.obstacle(STANDARD, body)
+            fields.append(reference_state(whole, elements, plate).values)
+    pressure, travel = history.pressure, history.contact.projected
+    force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
+    pad, column = whole_pad(body, history.contact.neighborhood)
+    return ElasticPress(
+        depth=wanted,
+        force=force,
+        moment=history.moment,
+        area=areas_of_steps(history, pad, column),
+        pressure=pressure,
+        gap=history.gap,
+        modes=Modes.of(np.array(fields)[:, : body.space.n_displacements]),
+        reach=history.contact.reach,
+        modulus=press.finger.skin.modulus,
+    )
+
+
+def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages) -> ElasticPress:
+    """Read or solve the elastic press of a finger under an object, to `least` mm or more.
+
+    Raises
+    ------
+    InputError
+        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
+    ConvergenceError
+        If an equilibrium is not reached.
+    """
+
+    def stored() -> ElasticPress | None:
+        found = elastic_store.at_hand(press.finger, indenter, press.mesh)
+        deep = found is not None and found.deepest >= least * (1 - 1e-9)
+        return found if deep else None
+
+    found = stored()
+    if found is not None:
+        return found
+    mesh = press.mesh.source_sha256 or press.mesh.fingerprint
+    place = elastic_store.cached_path(elastic_store.key(press.finger, indenter, mesh))
+    with cache.alone(place):
+        found = stored()  # another process may have solved it meanwhile
+        if found is None:
+            found = solve(press, least, stages)
+            with suppress(OSError):  # without room for it, it is solved again the next time
+                elastic_store.write(found, place)
+                cache.limit("elastic")
+    return found

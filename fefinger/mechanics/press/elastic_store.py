@@ -1,0 +1,138 @@
+"""Files of elastic presses: shipped with the package, or in the user's cache.
+
+A press depends on the mesh, the object and the tissues up to one modulus, not on the relaxation
+nor on the motion but for its depth.
+"""
+
+import hashlib
+import json
+import os
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
+
+from fefinger.mechanics.press.continuation import continued
+from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.store import sha256
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.motion import Motion
+from fefinger.support import cache
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import InputError
+
+
+if TYPE_CHECKING:
+    from fefinger.geometry.finger_mesh import FingerMesh
+    from fefinger.mechanics.press.elastic_table import ElasticPress
+
+FORMAT = 1
+"""Raised when the solver, the depths or the files change, so that presses are solved again."""
+
+PREFIX = "press-"
+"""Of the names of shipped presses, which end with the first DIGITS of their key."""
+
+DIGITS = 16
+
+DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
+"""Errors of reading a missing or damaged press, which is then solved again."""
+
+EXACT = ("depth", "force", "moment", "area")
+ROUNDED = ("pressure", "gap")
+"""Arrays that are stored in double and in single precision."""
+
+
+def key(finger: Finger, indenter: Indenter, mesh_sha256: str) -> str:
+    """Hash of all that decides an elastic press but for its depth."""
+    layers = (finger.skin, finger.subcutaneous)
+    parts = [
+        FORMAT,
+        mesh_sha256,
+        finger.subcutaneous.modulus / finger.skin.modulus,
+        [[layer.poisson, layer.law, layer.exponent, layer.share] for layer in layers],
+        [repr(part) for part in (finger.bone, finger.nail, finger.cut, indenter)],
+    ]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
+    """Depth in mm and force in N up to which a press is shipped or cached; 0, 0 where none is."""
+    long = continued(finger, indenter, motion)
+    try:
+        source = sha256(finger, refinement_location(indenter), continued=long)
+    except InputError:  # no mesh can be made for a finger of this size
+        source = None
+    if source is None:
+        return 0.0, 0.0
+    deepest = [(0.0, 0.0)]
+    for path in _paths(key(finger, indenter, source)):
+        with suppress(*DAMAGED):
+            ends = _read(path, ("depth", "force", "modulus"))
+            scale = finger.skin.modulus / float(ends["modulus"])
+            deepest.append((float(ends["depth"][-1]), float(ends["force"][-1]) * scale))
+    return max(deepest)
+
+
+def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> "ElasticPress | None":
+    """Read the deepest press that is shipped or cached; None where none is, or all are damaged."""
+    found = []
+    for path in _paths(key(finger, indenter, mesh.source_sha256 or mesh.fingerprint)):
+        with suppress(*DAMAGED):
+            found.append(read(path).of_modulus(finger.skin.modulus))
+    return max(found, key=lambda press: press.deepest, default=None)
+
+
+def cached_path(name: str) -> Path:
+    """Where the user's cache keeps a press."""
+    return cache.root() / "elastic" / f"{name[:DIGITS]}.npz"
+
+
+def shipped(name: str) -> Iterator[Path]:
+    """Shipped files of a press: one or none."""
+    yield from data_folder().glob(f"{PREFIX}*-{name[:DIGITS]}.npz")
+
+
+def _paths(name: str) -> Iterator[Path]:
+    yield from shipped(name)
+    place = cached_path(name)
+    if os.path.isfile(place):
+        cache.touch(place)
+        yield place
+
+
+def write(press: "ElasticPress", place: Path) -> None:
+    """Write a press to a file, which appears complete or not at all."""
+    import numpy as np
+
+    values: dict[str, Any] = {name: getattr(press, name) for name in EXACT}
+    values |= {name: getattr(press, name).astype(np.float32) for name in ROUNDED}
+    values |= {name: getattr(press, name) for name in ("reach", "modulus")}
+    values |= {"amplitudes": press.modes.amplitudes, "shapes": press.modes.shapes}
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with moved(place) as new:
+        np.savez_compressed(new, **values)
+
+
+def read(place: Path) -> "ElasticPress":
+    """Read a press from a file; raises one of DAMAGED where it cannot be read."""
+    from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
+
+    values = _read(place)
+    return ElasticPress(
+        **{name: values[name].astype(float) for name in (*EXACT, *ROUNDED)},
+        modes=Modes(values["amplitudes"], values["shapes"]),
+        reach=float(values["reach"]),
+        modulus=float(values["modulus"]),
+    )
+
+
+def _read(place: Path, names: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Read arrays by name, all of them without names."""
+    import numpy as np
+
+    with place.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
+        return {name: stored[name] for name in names or stored.files}

@@ -1,0 +1,113 @@
+"""Record of an elastic press of a relaxed finger, tabulated over the depth.
+
+The displacements of all depths are stored as a few modes, from which any strain and field is read.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.mechanics.press.sites import REFERENCE_DEPTH
+from fefinger.support.arrays import Array
+from fefinger.theory.contact.one_spring import depth_nodes
+
+
+RANK = 1e-6
+"""Least singular value of a mode over the largest."""
+
+STEP, LEVELS = 3e-5, 32767
+"""Displacement in mm to which modes are rounded, and the most steps of one: 16 bits."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Displacements as a few modes: fields (n, m) = amplitudes (n, r) @ shapes (r, m).
+
+    The shapes are whole numbers of steps, which files hold in few bits.
+    """
+
+    amplitudes: Array
+    shapes: NDArray[np.int16]
+
+    @classmethod
+    def of(cls, fields: Array) -> Self:
+        """Return the modes of fields (n, m) mm, from their singular values, rounded."""
+        left, size, shapes = np.linalg.svd(fields, full_matrices=False)
+        kept = size > RANK * size[0]
+        amplitudes, shapes = left[:, kept] * size[kept], shapes[kept]
+        step = STEP / np.abs(amplitudes).max(axis=0)
+        step = np.maximum(step, np.abs(shapes).max(axis=1) / LEVELS)
+        return cls(amplitudes * step, np.rint(shapes / step[:, None]).astype(np.int16))
+
+
+@dataclass(frozen=True)
+class ElasticPress:
+    """Elastic press of a relaxed finger over the depth; the first depth is 0.
+
+    depth (n,) mm; force (n,) N of the whole finger; moment (n, 3) mN mm of the meshed part; area
+    (n,) mm²; pressure (n, n_candidates) kPa; gap (n, n_seen) mm; modes: displacements (n,
+    n_displacements) mm at the depths and, unless one of them is it, of the reference press; reach
+    mm: that of the candidates; modulus kPa: of the skin, which forces and pressures grow with.
+    """
+
+    depth: Array
+    force: Array
+    moment: Array
+    area: Array
+    pressure: Array
+    gap: Array
+    modes: Modes
+    reach: float
+    modulus: float
+
+    @property
+    def deepest(self) -> float:
+        """Largest depth in mm."""
+        return float(self.depth[-1])
+
+    def unknowns(self, amplitudes: Array, count: int) -> Array:
+        """Unknowns (..., count) of a body for amplitudes (..., r); its pressures are not stored."""
+        unknowns = np.zeros((*amplitudes.shape[:-1], count))
+        unknowns[..., : self.modes.shapes.shape[1]] = amplitudes @ self.modes.shapes
+        return unknowns
+
+    def reference(self, count: int) -> Array:
+        """Unknowns (count,) of a body in the reference press."""
+        amplitudes = self.modes.amplitudes
+        at = -1
+        if len(amplitudes) == len(self.depth):
+            at = int(np.flatnonzero(self.depth == REFERENCE_DEPTH)[0])
+        return self.unknowns(amplitudes[at], count)
+
+    def of_modulus(self, modulus: float) -> "ElasticPress":
+        """Return the press of a finger whose skin has another modulus in kPa, all else in ratio."""
+        factor = modulus / self.modulus
+        return replace(
+            self,
+            modulus=modulus,
+            force=self.force * factor,
+            moment=self.moment * factor,
+            pressure=self.pressure * factor,
+        )
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Depths (n_nodes,) mm between which a carried press is linear."""
+        return depth_nodes(self.deepest)
+
+    @cached_property
+    def between(self) -> Array:
+        """Weights (n_nodes, n) of the depths at the nodes, by splines in the root of the depth."""
+        from scipy.interpolate import CubicSpline
+
+        splines = CubicSpline(np.sqrt(self.depth), np.eye(len(self.depth)))
+        return np.asarray(splines(np.sqrt(self.nodes)))
+
+    def bounded(self, values: Array) -> Array:
+        """Interpolate (n, ...) to the nodes without overshoot, so that no pressure pulls."""
+        from scipy.interpolate import PchipInterpolator
+
+        return np.asarray(PchipInterpolator(np.sqrt(self.depth), values)(np.sqrt(self.nodes)))

@@ -1,0 +1,85 @@
+"""Finite strain in a second: the elastic press of `solid`, tabulated by depth, along any motion.
+
+With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
+the same depth, carried by a hereditary integral (`theory/contact/one_spring.py`). The table
+(`press/elastic_press.py`) is solved once per finger and object and kept; those of the calibrated
+fingers under the plate at 30 degrees and a ball of 5 mm are shipped. What the carrying leaves out
+is measured against `solid` on the same mesh (`evidence/carrying.py`).
+"""
+
+import math
+
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.evidence import carrying
+from fefinger.mechanics.press.notes import RIGID_BONE, apart, yielding
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.records import Refusal, Response
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
+from fefinger.support.progress import Progress
+
+
+name = "pressed"
+
+NOTES = (
+    "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
+    "are per undeformed area, contact areas are those of the deformed skin.",
+    "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
+    "around each vertex, not at every point.",
+    "The press of the relaxed finger was solved at some depths; through time it is carried by the "
+    "relaxation of the whole stress, as if the tissue deformed as in that press at every speed.",
+    "On retreat the depth still fixes the deformation, as long as the finger pushes; after "
+    "lift-off it recovers along the same press, and what strain is left is less certain.",
+    "Quasi-static: no inertia and no waves.",
+)
+
+
+def refuse(case: Situation) -> tuple[Refusal, ...]:
+    """Return why it should not answer: tissues that relax apart, or what `solid` refuses."""
+    unable = [*apart(case.finger), *yielding(case.finger)]
+    if case.ask.solver is not None:
+        reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
+        unable.append(Doubt("ask.solver", reason))
+    if unable:
+        return refusals(name, "ability", unable)
+    return solid.refused(name, case)
+
+
+def cost(case: Situation) -> float:
+    """Return the expected wall time in s, less where the press is at hand."""
+    return carrying.seconds(case)
+
+
+def once(case: Situation) -> float:
+    """Return the time in s of building mesh and press, which are kept; 0 where at hand."""
+    return carrying.once(case)
+
+
+def error(case: Situation) -> tuple[float, str]:
+    """Return the expected relative error of the force, of mesh and carrying, and its source."""
+    error, source = solid.error(case)
+    carried = carrying.error(case, "force")
+    # Not their sum: on loading a mesh makes the force too large, and carrying it too small.
+    return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"
+
+
+def coarser(scene: Scene) -> Finger | None:
+    """Return the finger on the next coarser mesh, if that is at hand."""
+    return linear.coarser(scene)
+
+
+def respond(scene: Scene, progress: Progress | None = None) -> Response:
+    """Answer the scene from the elastic press of its finger, which is solved if not at hand.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If an equilibrium of the elastic press is not reached.
+    """
+    from fefinger.mechanics.press import carried
+
+    notes = (*NOTES, RIGID_BONE)
+    return carried.respond(scene, progress, mechanics=name, notes=notes)

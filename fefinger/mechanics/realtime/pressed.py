@@ -1,0 +1,162 @@
+"""A finger at finite strain to drive from a loop, by its tabulated elastic press.
+
+    finger = ff.Pressed(ff.Finger.subject("a.h."), ff.Flat(angle=30), deepest=1.5)
+    step = finger.step(depth=0.3, dt=1e-3)
+    step.force, step.strain
+
+It is `mechanics/pressed` without a scene. The press is read, or solved once and kept.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.fem.elements.probe import VOIGT
+from fefinger.mechanics import pressed
+from fefinger.mechanics.press import elastic_press
+from fefinger.mechanics.press.carried import METHOD, CarriedPress
+from fefinger.mechanics.press.notes import apart, yielding
+from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.realtime.step import Step
+from fefinger.neural.streaming import Afferents
+from fefinger.results.records import Sites
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motions import Ramp
+from fefinger.scene.scene import Scene
+from fefinger.support.checks import InputError, number
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.support.vocabulary import TYPES
+from fefinger.theory.contact.one_spring import Spring
+
+
+Array = NDArray[np.float64]
+
+
+class Pressed:
+    """A finger at finite strain under an indenter, stepped in real time.
+
+    Parameters
+    ----------
+    finger, indenter
+        As in a scene.
+    deepest
+        Largest depth in mm of a step.
+    sites
+        End organs at which the strain is wanted; the central ones by default.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
+
+    Raises
+    ------
+    InputError
+        If the indenter misses the pad, a site lies outside the soft tissue, or the tissues do not
+        relax as one.
+    ConvergenceError
+        If an equilibrium of the elastic press is not reached.
+    """
+
+    def __init__(
+        self,
+        finger: Finger,
+        indenter: Indenter = STANDARD,
+        *,
+        deepest: float = 1.5,
+        sites: Sites | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        for reason in (*apart(finger), *yielding(finger)):
+            message = f"{reason}; use the mechanics 'solid'"
+            raise InputError(message)
+        stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
+        ask = Ask(spikes=TYPES)
+        scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
+        press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
+        table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
+        self._carried = carried = CarriedPress.of(press, table)
+        central = press.sites
+        self.finger, self.indenter = finger, indenter
+        self.sites: Sites = sites or central  # type: ignore[assignment]  # as spikes are asked for
+        rows, columns = zip(*VOIGT, strict=True)
+        strain = carried.strain(self.sites.points)[..., rows, columns]
+        self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
+        self._pressure, self._travel = carried.pressure, carried.contact.projected
+        self._area = table.bounded(table.area)
+        pad, column = whole_pad(press.body, carried.contact.neighborhood)
+        seen = np.eye(len(self._travel))
+        self._loads = on_seen(seen, carried.contact.neighborhood)[:, column] @ np.column_stack(
+            [pad.areas, first_moments(pad)[:, :2]]
+        )
+        self._spring = Spring(carried.elastic, finger.prony)
+        count = len(self.sites.points)
+        zeros = np.zeros(len(self._travel)), np.zeros((count, 6))
+        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
+
+    def afferents(self, **options: Any) -> Afferents:
+        """Return one unit per site, to be stepped with the strain of every step of this finger.
+
+        `options` as for `neural.streaming.Afferents`.
+        """
+        reference = self._carried.reference()
+        assert reference is not None
+        return Afferents.of(self.sites.types, self.sites.normals, reference, **options)
+
+    def reset(self) -> None:
+        """Lift the indenter off and clear the stress history."""
+        self._spring.reset()
+        self._read()
+
+    def step(self, depth: float, dt: float) -> Step:
+        """Move the indenter to `depth` mm in `dt` s and return force, pressure and strain.
+
+        Raises
+        ------
+        InputError
+            A depth beyond `deepest`, or a number that is not finite; the finger stays as it was.
+        """
+        if not (depth <= self.deepest and 0.0 <= dt < math.inf and depth > -math.inf):
+            number("depth", depth, at_most=self.deepest, unit="mm")
+            number("dt", dt, at_least=0, unit="s")
+        self._spring.advance(dt, depth)
+        return self._read()
+
+    def step_force(self, force: float, dt: float) -> Step:
+        """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
+
+        Raises
+        ------
+        InputError
+            A force that presses deeper than the elastic press goes; the finger stays as it was.
+        """
+        number("force", force, at_least=0, unit="N")
+        number("dt", dt, at_least=0, unit="s")
+        try:
+            self._spring.advance_force(dt, force)
+        except ValueError as error:
+            message = f"{error} N; give a larger `deepest`"
+            raise InputError(message) from None
+        return self._read()
+
+    def _read(self) -> Step:
+        """Read force, pressure, area and strain of the present state."""
+        now, spring = self.now, self._spring
+        now.depth, now.force = spring.depth, spring.force
+        np.maximum(spring.stress @ self._pressure, 0.0, out=now.pressure)
+        unit = self._carried.press.sides * NEWTON_PER_MILLINEWTON
+        borne = unit * float(now.pressure @ self._travel)
+        now.pressure *= spring.force / borne if borne > 0 else 0.0
+        load, x, y = (now.pressure @ self._loads).tolist()
+        now.x, now.y = (x / load, y / load) if load > 0 else (math.nan, math.nan)
+        now.contact_area = float(np.interp(spring.edge, spring.elastic.nodes, self._area))
+        low, part = spring.elastic.between(spring.body)
+        flat = now.strain.reshape(-1)
+        np.multiply(self._strain[low], 1.0 - part, out=flat)
+        flat += part * self._strain[low + 1]
+        return now

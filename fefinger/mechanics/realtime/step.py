@@ -1,0 +1,29 @@
+"""What a real-time finger returns from a step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Step:
+    """Result of a step; the arrays are those of the finger, and change with its next step.
+
+    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
+    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
+    zz xy yz xz of the tensor. contact_area mm²: of `Condensed` the summed area of the vertices
+    under pressure, which jumps with each of them, where `Response.contact_area` follows the rim
+    within an element.
+    """
+
+    depth: float
+    force: float
+    contact_area: float
+    x: float
+    y: float
+    pressure: Array
+    strain: NDArray[np.floating]

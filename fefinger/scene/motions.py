@@ -1,0 +1,289 @@
+"""The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
+
+Each class holds its fields; how it moves is in its base, a shape of `motion.py`.
+"""
+
+from dataclasses import KW_ONLY, dataclass, field
+from typing import final
+
+from fefinger.scene.motion import (
+    AS_LONG_AS_FITS,
+    Motion,
+    RampHoldMotion,
+    RampMotion,
+    RampSinusoidMotion,
+    SampledMotion,
+    SinusoidMotion,
+    TrapezoidMotion,
+)
+from fefinger.support.checks import InputError
+
+
+MOST_CYCLES = 1_000_000
+"""Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
+
+APPROACH = 10.0
+"""Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
+vibration begins."""
+
+
+@final
+@dataclass(frozen=True)
+class Ramp(RampMotion):
+    """A ramp from rest at `speed` mm/s to `depth` mm, which ends while moving."""
+
+    kind = "ramp"
+    control = "depth"
+
+    speed: float
+    depth: float
+    _: KW_ONLY
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class RampHold(RampHoldMotion):
+    """A ramp at `speed` mm/s to `depth` mm, and then a rest of `hold` s."""
+
+    kind = "ramp-hold"
+    control = "depth"
+
+    speed: float
+    depth: float
+    _: KW_ONLY
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class Trapezoid(TrapezoidMotion):
+    """A ramp at `speed` mm/s to `depth` mm, a rest of `hold` s, and the same ramp back to 0."""
+
+    kind = "trapezoid"
+    control = "depth"
+
+    speed: float
+    depth: float
+    _: KW_ONLY
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class RampSinusoid(RampSinusoidMotion):
+    """A ramp at `speed` mm/s to `depth` mm, `settle` s of rest, then a sine about that depth.
+
+    The sine starts upward (`cycles` whole ones of `amplitude` mm at `frequency` Hz); its amplitude
+    rises over `corner` s, which keeps the speed continuous, or is there at once if corner is 0.
+    An amplitude above `depth` lifts the indenter off the finger.
+    """
+
+    kind = "ramp-sinusoid"
+    control = "depth"
+
+    speed: float
+    depth: float
+    _: KW_ONLY
+    amplitude: float
+    frequency: float
+    cycles: int
+    settle: float = 0.0
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class Sinusoid(SinusoidMotion):
+    """Depths amplitude (1 - cos(2 pi frequency t)) in mm: from first touch, at rest at both ends.
+
+    `amplitude` in mm is half of the largest depth, `frequency` in Hz, `cycles` whole ones (Pawluk
+    1997, Eq. 4.1 and 4.2 as appendix B starts them).
+    """
+
+    kind = "sinusoid"
+    control = "depth"
+
+    amplitude: float
+    frequency: float
+    cycles: int
+
+
+@final
+@dataclass(frozen=True)
+class Vibration(RampSinusoidMotion):
+    """A preload of `preload` mm, held for `held` s, then a sine about it for `seconds`.
+
+    The experiment of vibrotaction: spikes count from the start of the sine, when the units have
+    adapted to the preload. The sine (whole cycles of `amplitude` mm at `frequency` Hz, one or more)
+    starts upward; its amplitude rises over `corner` s.
+    """
+
+    kind = "vibration"
+    control = "depth"
+
+    preload: float
+    _: KW_ONLY
+    amplitude: float
+    frequency: float
+    seconds: float = 1.0
+    held: float = 120.0
+    corner: float = AS_LONG_AS_FITS
+
+    @property
+    def level(self) -> float:
+        """The preload in mm."""
+        return self.preload
+
+    @property
+    def top(self) -> float:
+        """Length of the approach in s."""
+        return self.preload / APPROACH
+
+    @property
+    def rest(self) -> float:
+        """Length of the hold in s."""
+        return self.held
+
+    @property
+    def periods(self) -> int:
+        """Number of cycles: whole ones, nearest to `seconds`."""
+        cycles = self.seconds * self.frequency
+        if cycles > MOST_CYCLES:
+            msg = (
+                f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
+                f"received {self.frequency:g} Hz for {self.seconds:g} s"
+            )
+            raise InputError(msg)
+        return max(1, round(cycles))
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.ramp_and_rest(self.held).duration
+
+
+@final
+@dataclass(frozen=True)
+class Sampled(SampledMotion):
+    """Depths in mm at times in s, joined by straight lines, rounded only if a corner is given.
+
+    The times start at 0 and increase; below a depth of 0 the indenter is off the finger.
+    """
+
+    kind = "sampled"
+    control = "depth"
+
+    time: tuple[float, ...]
+    corner: float = field(default=0.0, kw_only=True)
+    depth: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True)
+class ForceRamp(RampMotion):
+    """A ramp of the force from 0 at `loading_rate` N/s to `force` N, which ends while rising."""
+
+    kind = "force-ramp"
+    control = "force"
+
+    loading_rate: float
+    force: float
+    _: KW_ONLY
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceRampHold(RampHoldMotion):
+    """A ramp of the force at `loading_rate` N/s to `force` N, and then `hold` s at that force."""
+
+    kind = "force-ramp-hold"
+    control = "force"
+
+    loading_rate: float
+    force: float
+    _: KW_ONLY
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceTrapezoid(TrapezoidMotion):
+    """A ramp of the force at `loading_rate` N/s to `force` N, `hold` s there, and back to 0."""
+
+    kind = "force-trapezoid"
+    control = "force"
+
+    loading_rate: float
+    force: float
+    _: KW_ONLY
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceRampSinusoid(RampSinusoidMotion):
+    """As `RampSinusoid`, with a force in N at `loading_rate` N/s; amplitude below the force."""
+
+    kind = "force-ramp-sinusoid"
+    control = "force"
+
+    loading_rate: float
+    force: float
+    _: KW_ONLY
+    amplitude: float
+    frequency: float
+    cycles: int
+    settle: float = 0.0
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceSinusoid(SinusoidMotion):
+    """As `Sinusoid`, with forces in N: from none to twice the amplitude."""
+
+    kind = "force-sinusoid"
+    control = "force"
+
+    amplitude: float
+    frequency: float
+    cycles: int
+
+
+@final
+@dataclass(frozen=True)
+class ForceSampled(SampledMotion):
+    """Forces in N, none below 0, at times in s, joined by straight lines."""
+
+    kind = "force-sampled"
+    control = "force"
+
+    time: tuple[float, ...]
+    corner: float = field(default=0.0, kw_only=True)
+    force: tuple[float, ...]
+
+
+MOTIONS: dict[str, type[Motion]] = {
+    motion.kind: motion
+    for motion in (
+        Ramp,
+        RampHold,
+        RampSinusoid,
+        Sinusoid,
+        Trapezoid,
+        Vibration,
+        Sampled,
+        ForceRamp,
+        ForceRampHold,
+        ForceRampSinusoid,
+        ForceSinusoid,
+        ForceTrapezoid,
+        ForceSampled,
+    )
+}

@@ -1,0 +1,245 @@
+"""`pressed`: the tabulated elastic press against `solid`, its files, and its refusals."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fefinger.mechanics import pressed, solid
+from fefinger.mechanics.evidence import carrying
+from fefinger.mechanics.press import elastic_press, elastic_store
+from fefinger.mechanics.press.elastic_press import depths
+from fefinger.mechanics.press.elastic_table import STEP, ElasticPress, Modes
+from fefinger.mechanics.realtime.pressed import Pressed
+from fefinger.mechanics.situation import Situation
+from fefinger.results.records import Response
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, Sampled, Trapezoid
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Hard
+from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
+
+
+Array = NDArray[np.float64]
+
+ELASTIC = Prony((1.0,), ())
+FINGER = Finger.subject("a.h.", tissue="calibrated_ah", resolution="coarse")
+
+
+def scene(motion, finger: Finger = FINGER, **ask) -> Scene:
+    return Scene(finger=finger, motion=motion, ask=Ask(**({"fields": False} | ask)))
+
+
+@pytest.fixture(scope="module")
+def elastic() -> tuple[Response, Response]:
+    """Responses of `solid` and `pressed` where tissue does not relax: nothing is carried."""
+    asked = scene(Ramp(60, 1.2), replace(FINGER, prony=ELASTIC), fields=True, spikes=("SAI", "FAI"))
+    return solid.respond(asked), pressed.respond(asked)
+
+
+def apart(wrong: Array, right: Array) -> float:
+    """Largest difference through time, of the largest value, in L2 over all else."""
+    flat = (wrong - right).reshape(len(right), -1)
+    return float(
+        np.linalg.norm(flat, axis=1).max()
+        / np.linalg.norm(right.reshape(len(right), -1), axis=1).max()
+    )
+
+
+@pytest.mark.parametrize(
+    ("quantity", "limit"),
+    [("force", 6e-3), ("strain", 8e-3), ("contact_area", 0.03), ("depth", 1e-9)],
+)
+def test_without_relaxation_it_is_the_press_of_solid(elastic, quantity: str, limit: float) -> None:
+    # Both interpolate: between 20 depths here, and between the steps of the motion there.
+    right, wrong = elastic
+    assert apart(getattr(wrong, quantity), getattr(right, quantity)) < limit
+
+
+def test_the_fields_are_those_of_solid(elastic) -> None:
+    right, wrong = elastic
+    assert np.array_equal(right.fields.cells, wrong.fields.cells)
+    last, same = right.fields.displacement[-1], wrong.fields.displacement[-1]
+    assert np.abs(same - last).max() < 8e-3 * np.abs(last).max()
+    assert np.abs(wrong.fields.strain[-1] - right.fields.strain[-1]).max() < 0.02
+    assert wrong.fields.pressure[-1].max() == pytest.approx(
+        right.fields.pressure[-1].max(), rel=0.03
+    )
+
+
+def test_the_reference_press_is_that_of_solid(elastic) -> None:
+    right, wrong = (response.reference for response in elastic)
+    assert (right.depth, right.types) == (wrong.depth, wrong.types)
+    assert np.allclose(right.strain, wrong.strain, rtol=0, atol=1e-3 * np.abs(right.strain).max())
+
+
+@pytest.mark.parametrize("motion", [RampHold(100, 1.2, hold=0.5), Trapezoid(20, 1.0, hold=0.2)])
+def test_relaxation_is_carried_within_the_stated_errors(motion) -> None:
+    asked = scene(motion)
+    right, wrong = solid.respond(asked), pressed.respond(asked)
+    case = Situation.of(asked)
+    assert apart(wrong.force, right.force) < carrying.error(case, "force") < 0.1
+    peak = int(np.argmax(right.force))
+    strain = apart(wrong.strain[[peak]], right.strain[[peak]])
+    assert strain < carrying.error(case, "strain") < 0.1
+    assert wrong.force.min() >= 0.0
+    assert (wrong.pressure >= 0.0).all()
+
+
+def test_the_pressures_on_the_pad_bear_the_force() -> None:
+    response = pressed.respond(scene(Trapezoid(20, 1.0, hold=0.2)))
+    normal = response.pad.normals @ direction(Flat(30).plate)
+    borne = response.pressure @ (response.pad.areas * np.abs(normal)) * 1e-3
+    assert np.abs(borne - response.force).max() < 0.03 * response.force.max()
+    assert np.array_equal(response.force > 0, response.contact_area > 0)
+
+
+def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
+    response = pressed.respond(scene(ForceRampHold(2, 0.5, hold=2)))
+    wanted = ForceRampHold(2, 0.5, hold=2).value(response.time)
+    assert np.allclose(response.force, wanted, rtol=0, atol=1e-9)
+    assert (np.diff(response.depth) >= -1e-12).all()
+    assert response.depth[-1] > 1.1 * response.depth[np.searchsorted(response.time, 0.26)]
+
+
+def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
+    time = np.linspace(0, 0.2, 101)
+    motion = Sampled(tuple(time.tolist()), tuple((0.4 - 0.4 * np.cos(40 * time)).tolist()))
+    response = pressed.respond(scene(motion, strain=True))
+    finger = Pressed(FINGER, deepest=1.2)
+    steps = np.diff(response.time, prepend=0.0)
+    forces, areas = [], []
+    for depth, dt in zip(motion.value(response.time), steps, strict=True):
+        now = finger.step(float(depth), float(dt))
+        forces.append(now.force)
+        areas.append(now.contact_area)
+    assert np.allclose(forces, response.force, rtol=0, atol=1e-12)
+    assert np.allclose(areas, response.contact_area, rtol=0, atol=1e-9)
+    six = response.strain[-1][:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    assert np.allclose(now.strain, six, rtol=0, atol=1e-12)
+    finger.reset()
+    assert finger.now.force == 0.0
+    assert finger.step_force(0.2, 0.1).force == pytest.approx(0.2, abs=1e-9)
+    with pytest.raises(InputError, match="depth: expected"):
+        finger.step(1.3, 1e-3)
+    with pytest.raises(InputError, match="force: expected one that"):
+        finger.step_force(1e3, 1e-3)
+
+
+def test_modes_give_back_the_fields_to_their_rounding() -> None:
+    rng = np.random.default_rng(3)
+    fields = rng.random((9, 4)) @ rng.uniform(-1, 1, (4, 700))
+    modes = Modes.of(fields)
+    assert modes.shapes.shape == (4, 700)
+    back = modes.amplitudes @ modes.shapes
+    largest = np.abs(np.linalg.svd(fields, full_matrices=False)[0]).max()
+    assert np.abs(back - fields).max() < 4 * STEP * 2 / largest
+
+
+@pytest.mark.parametrize(("least", "count"), [(0.1, 20), (1.6, 20), (1.7, 21), (3.0, 28)])
+def test_depths_reach_what_is_needed_on_one_grid(least: float, count: int) -> None:
+    grid = depths(10.0, least)
+    assert len(grid) == count
+    assert grid[0] == 0.0
+    assert grid[-1] >= least * (1 - 1e-9)
+    assert np.allclose(grid[1:20], depths(10.0, 0.1)[1:20])
+
+
+def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:
+    table = _table()
+    elastic_store.write(table, tmp_path / "press.npz")
+    back = elastic_store.read(tmp_path / "press.npz")
+    assert np.array_equal(back.force, table.force)
+    assert np.array_equal(back.modes.shapes, table.modes.shapes)
+    assert np.allclose(back.pressure, table.pressure, rtol=1e-6)
+    stiffer = back.of_modulus(2 * back.modulus)
+    assert np.allclose(stiffer.force, 2 * back.force)
+    assert np.array_equal(stiffer.modes.amplitudes, back.modes.amplitudes)
+
+
+def test_a_press_of_stiffer_tissue_is_that_press_scaled() -> None:
+    layers = {
+        name: replace(getattr(FINGER, name), modulus=3 * getattr(FINGER, name).modulus)
+        for name in ("skin", "subcutaneous")
+    }
+    soft, stiff = (
+        pressed.respond(scene(Ramp(60, 1.0), finger))
+        for finger in (FINGER, replace(FINGER, **layers))
+    )
+    assert np.allclose(stiff.force, 3 * soft.force, rtol=1e-6)
+    assert np.allclose(stiff.strain, soft.strain, rtol=0, atol=1e-14)
+
+
+def test_a_damaged_file_is_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = _table()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    solved = []
+    monkeypatch.setattr(elastic_press, "solve", lambda *args: solved.append(args) or table)
+    asked = scene(Ramp(60, 0.5), replace(FINGER, cut="nail"))  # no press of this is shipped
+    first = pressed.respond(asked)
+    (file,) = (tmp_path / "fefinger" / "elastic").glob("*.npz")
+    assert pressed.respond(asked).force[-1] == first.force[-1]
+    assert len(solved) == 1
+    file.write_bytes(b"not a press")
+    assert pressed.respond(asked).force[-1] == first.force[-1]
+    assert len(solved) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"relaxation": "deviatoric"}, "it relaxes the whole stress"),
+        ({"bone": Hard(17e6)}, "its bone is rigid"),
+        ({"nail": "free"}, "it takes the nail as held with the bone"),
+    ],
+)
+def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:
+    case = Situation.of(scene(Ramp(60, 1.0), replace(FINGER, **change)))
+    (first, *_) = pressed.refuse(case)
+    assert (first.mechanics, first.about) == ("pressed", "ability")
+    assert reason in first.reason
+
+
+def test_the_error_of_carrying_is_larger_on_retreat_and_none_without_relaxation() -> None:
+    advancing, back = (
+        Situation.of(scene(each)) for each in (Ramp(60, 1.0), Trapezoid(60, 1.0, hold=1))
+    )
+    assert 0.01 < carrying.error(advancing, "force") < carrying.error(back, "force") < 0.1
+    none = Situation.of(scene(Ramp(60, 1.0), replace(FINGER, prony=ELASTIC)))
+    assert carrying.error(none, "force") == 0.0
+    assert pressed.error(none)[0] == pytest.approx(solid.error(none)[0])
+
+
+@pytest.mark.parametrize(
+    ("motion", "back"),
+    [
+        (RampHold(60, 1.0, hold=1), False),
+        (Trapezoid(60, 1.0, hold=1), True),
+        (ForceRampHold(1, 0.5, hold=1), False),
+    ],
+)
+def test_a_motion_that_goes_back_is_known(motion, back: bool) -> None:
+    assert carrying.retreats(motion) == back
+
+
+def test_a_ball_that_cannot_go_as_deep_as_a_table_is_pressed_as_deep_as_it_can() -> None:
+    ball = replace(scene(Ramp(60, 0.5)), indenter=Sphere(radius=3.5))
+    response = pressed.respond(ball)
+    assert response.depth.max() == pytest.approx(0.5)
+
+
+def _table() -> ElasticPress:
+    """Return a small table of that finger under the plate, without solving it."""
+    from fefinger.mechanics.press.carried import METHOD
+    from fefinger.mechanics.press.problem import Press
+    from fefinger.support.progress import Stages
+
+    asked = scene(Ramp(60, 1.0))
+    press = Press.of(asked, METHOD, Stages(), mechanics="pressed", notes=())
+    return elastic_press.load_or_solve(press, Flat(30), 1.0, Stages())

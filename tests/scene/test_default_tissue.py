@@ -1,0 +1,44 @@
+"""Which tissue a finger has that names none."""
+
+import pytest
+
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Tissue
+
+
+@pytest.mark.parametrize("subject", ["a.h.", "d.p.", "d.s.", "p.w."])
+def test_a_subject_has_the_tissue_that_was_fitted_to_its_curves(subject: str) -> None:
+    fitted = library.tissue_set(library.calibrated_name(subject))
+    finger = Finger.subject(subject)
+    assert (finger.skin, finger.subcutaneous) == (fitted.skin, fitted.subcutaneous)
+    assert (finger.pad_radius, finger.prony) == (fitted.pad_radius, fitted.prony)
+
+
+@pytest.mark.parametrize(
+    "finger", [Finger(15.0, 12.0), Finger.subject("f.c.", width=13.0, thickness=10.0)]
+)
+def test_any_other_finger_has_the_tissue_of_the_means(finger: Finger) -> None:
+    assert finger.tissue == "calibrated_means"
+
+
+def test_where_values_are_given_the_rest_is_published() -> None:
+    assert Finger.subject("a.h.", skin=Tissue(100, 0.48, 1.0)).tissue == library.PUBLISHED
+    scene = Scene.from_toml(
+        '[finger]\nsubject = "a.h."\n[finger.skin]\nmodulus = 100\n'
+        '[motion]\nkind = "ramp"\nspeed = 1\ndepth = 1\n'
+    )
+    assert scene.finger.tissue == library.PUBLISHED
+    assert scene.finger.skin.modulus == 100
+    assert scene.finger.subcutaneous == library.maeno1998().subcutaneous
+
+
+def test_the_set_of_the_means_is_that_of_its_report() -> None:
+    from fefinger.mechanics.evidence.table import read
+
+    row, tissue = read("calibrated-means.json"), library.tissue_set("calibrated_means")
+    assert tissue.skin.modulus == pytest.approx(row["skin"]["modulus"], rel=1e-3)
+    assert tissue.subcutaneous.exponent == pytest.approx(row["subcutaneous"]["exponent"], rel=1e-3)
+    assert tissue.pad_radius == pytest.approx(row["finger"]["pad_radius"], rel=1e-3)
+    assert tissue.prony.c == pytest.approx(row["prony"]["c"], rel=1e-3)

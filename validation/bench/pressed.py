@@ -1,0 +1,87 @@
+"""How fast tabulated finite strain is: a new table, a scene from it, and a step in a loop."""
+
+import os
+import tempfile
+import time
+from dataclasses import replace
+
+import numpy as np
+from fefinger.validation.bench.suites import Figure, Progress
+
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.mechanics import pressed, solid
+from fefinger.mechanics.realtime.pressed import Pressed
+from fefinger.results.records import Sites
+from fefinger.scene import builtin
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
+
+
+STEPS, DT = 2000, 1e-3
+ORGANS = 1000
+ANGLE = 30.5
+"""A plate of which no press is shipped, on the mesh of the one at 30 degrees."""
+
+
+@one_thread
+def figures(progress: Progress) -> list[Figure]:
+    """Measure CPU seconds of flat-press by `solid` and `pressed`, and milliseconds of a step."""
+    found: list[Figure] = []
+    cache = os.environ.get("XDG_CACHE_HOME")
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            os.environ["XDG_CACHE_HOME"] = folder
+            for number, mesh in enumerate(("coarse", "standard")):
+                found += _scene(mesh)
+                progress("pressed", (number + 1) / 3)
+            found += _loop()
+    finally:
+        os.environ.pop("XDG_CACHE_HOME")
+        if cache is not None:
+            os.environ["XDG_CACHE_HOME"] = cache
+    return found
+
+
+def _scene(mesh: str) -> list[Figure]:
+    """Measure flat-press on a mesh; the first of each compiles or solves what is then kept."""
+    shipped = builtin.load("flat-press", {"finger.resolution": mesh})
+    new = builtin.load("flat-press", {"finger.resolution": mesh, "indenter.angle": ANGLE})
+    pressed.respond(shipped)
+    at_hand = _seconds(pressed, shipped)
+    table = _seconds(pressed, new) - at_hand
+    reference = _seconds(solid, shipped)
+    return [
+        Figure(f"{mesh}: a scene from a table at hand", at_hand, "CPU s", reference),
+        Figure(f"{mesh}: a new table", table, "CPU s", reference),
+    ]
+
+
+def _seconds(mechanics: object, scene: Scene) -> float:
+    started = time.process_time()
+    mechanics.respond(scene)  # type: ignore[attr-defined]  # a module
+    return time.process_time() - started
+
+
+def _loop() -> list[Figure]:
+    """Measure steps of a finger with many end organs."""
+    finger = Pressed(Finger.subject("a.h."))
+    one = finger.sites
+    rng = np.random.default_rng(1)
+    places = rng.uniform(-0.4, 0.4, (ORGANS, 3)) * [1.0, 1.0, 0.25]
+    sites = Sites(
+        np.repeat(one.points[:1], ORGANS, axis=0) + places,
+        np.repeat(one.normals[:1], ORGANS, axis=0),
+        np.repeat(one.depths[:1], ORGANS),
+        ("SAI",) * ORGANS,
+    )
+    finger = Pressed(replace(finger.finger), sites=sites)
+    taken = []
+    for step in range(STEPS):
+        started = time.perf_counter()
+        finger.step(0.7 - 0.7 * np.cos(10 * step * DT), DT)
+        taken.append(1e3 * (time.perf_counter() - started))
+    median, slow = np.quantile(taken, (0.5, 0.99)).tolist()
+    return [
+        Figure(f"a step with {ORGANS} end organs, median", median, "ms"),
+        Figure(f"a step with {ORGANS} end organs, 99 % of them within", slow, "ms"),
+    ]

@@ -1,0 +1,40 @@
+"""Viscoelastic contact step by step: a plain loop over the solver with factored active sets."""
+
+import numpy as np
+
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, depth_at
+from fefinger.support.arrays import Array
+
+
+def march(
+    flexibility: Array,
+    gap: Array,
+    projected: Array,
+    relaxation: Relaxation,
+    prescribed: Prescribed,
+) -> History:
+    """Compute the contact history of a body at rest, as `step_compiled.march` does."""
+    solver = Complementarity(flexibility)
+    time, value = prescribed.time, prescribed.value
+    peak = float(value.max(initial=0.0))
+    depths, pressures, elastics = [], [], []
+    depth = 0.0
+    solved = 0
+    for k, target in enumerate(value):
+        step = float(time[k] - time[k - 1]) if k else 0.0
+        g, past = relaxation.history(step)
+        free = gap - flexibility @ past / g
+        if prescribed.control == "depth":
+            depth, pressure, count = float(target), g * solver.solve(free - target * projected), 1
+        else:
+            depth, pressure, count = depth_at(
+                solver, g, free, projected, float(target), depth, peak
+            )
+        elastic = (pressure - past) / g
+        relaxation.advance(step, elastic)
+        depths.append(depth)
+        pressures.append(pressure)
+        elastics.append(elastic)
+        solved += count
+    return History(np.array(depths), np.array(pressures), np.array(elastics), solved)

@@ -1,0 +1,1 @@
+"""Suite `pressed`: tabulated finite strain against `solid` on the same mesh."""

@@ -1,0 +1,37 @@
+"""Figures of suite `pressed`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from fefinger.view.figures import INK, STEEL, figure, style
+
+
+SIZE = (8.0, 5.0)  # inches
+
+
+def errors(sets: Mapping[str, Mapping[str, Any]], stated: Mapping[tuple[str, str], float]) -> Any:
+    """Draw the errors of two sets of scenes over depth / thickness, with what is stated."""
+    with style():
+        drawn = figure(*SIZE)
+        axes = drawn.subplots(2, 3, sharex=True)
+        for axis, ((phase, quantity), limit) in zip(axes.ravel(), stated.items(), strict=True):
+            for (name, rows), face in zip(sets.items(), ("none", STEEL), strict=True):
+                shown = [row for row in rows.values() if quantity in row.get(phase, {})]
+                axis.plot(
+                    [row["part"] for row in shown],
+                    [100 * row[phase][quantity] for row in shown],
+                    "o",
+                    ms=4,
+                    mfc=face,
+                    mec=STEEL,
+                    label=name,
+                )
+            axis.axhline(100 * limit, color=INK, lw=0.8, ls="--")
+            axis.set_title(f"{quantity}, {phase}")
+            axis.set_ylim(bottom=0)
+        for axis in axes[1]:
+            axis.set_xlabel("depth / thickness")
+        for axis in axes[:, 0]:
+            axis.set_ylabel("error / %")
+        axes[0, 0].legend()
+    return drawn

@@ -1,0 +1,146 @@
+"""Measure what `pressed` errs by against `solid` on the same mesh, and what it costs.
+
+Run as `python -m fefinger.validation.pressed.measure reports`; about half an hour on one core.
+Scenes that are in the report already, of the same format, are not run again.
+"""
+
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fefinger.validation.pressed.scenes import drawn
+from fefinger.validation.provenance import provenance
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fefinger.mechanics import pressed, solid
+from fefinger.mechanics.evidence.carrying import REPORT, retreats
+from fefinger.results.pressure import peaks
+from fefinger.results.records import Response
+from fefinger.scene.scene import Scene
+from fefinger.support.checks import ConvergenceError, InputError
+
+
+Array = NDArray[np.float64]
+
+SAME_PLACE = 1e-9
+"""Distance in mm of points of the pad that are one."""
+
+
+def compared(scene: Scene) -> dict[str, Any]:
+    """Return the errors of `pressed` in a scene, as fractions; or the reason of a refusal."""
+    row: dict[str, Any] = {
+        "scene": {key: value for key, value in scene.to_dict().items() if key != "ask"},
+        "part": scene.motion.peak / scene.finger.thickness,
+        "relaxing": 1.0 - scene.finger.prony.long_time,
+        "retreats": retreats(scene.motion),
+    }
+    try:
+        true = solid.respond(scene)
+    except (InputError, ConvergenceError) as error:
+        return row | {"refused": str(error)}
+    quick = pressed.respond(scene)
+    row["part"] = float(true.depth.max()) / scene.finger.thickness
+    return row | errors(true, quick, scene.motion.control == "force")
+
+
+def errors(true: Response, quick: Response, by_force: bool) -> dict[str, Any]:
+    """Return the errors at the largest force, and the largest through time, in two phases.
+
+    "peak": of highest pressure over 1 mm², area and strain when the force is largest; "loading" and
+    "retreat": the largest until the indenter first retreats, and after, of the peak of each.
+    Force (or depth, where the force is prescribed); strain as a Frobenius norm over the end organs;
+    pressure in L2 over the pad.
+    """
+    names = ("depth",) if by_force else ("force",)
+    quantities = {name: (getattr(true, name), getattr(quick, name)) for name in names}
+    quantities["area"] = (true.contact_area, quick.contact_area)
+    quantities["strain"] = (true.strain, quick.strain)
+    quantities["pressure in L2"] = (true.pressure, _on_pad(quick, true))
+    quantities["pressure"] = (_highest(true), _highest(quick))
+    top = int(np.argmax(true.force))
+    back = np.flatnonzero(np.diff(true.depth) < 0)
+    turn = len(true.time) if not len(back) or by_force else int(back[0]) + 1
+    found: dict[str, Any] = {"peak": {}, "loading": {}, "retreat": {}}
+    for name, (right, wrong) in quantities.items():
+        apart, size = _norm(wrong - right), _norm(right)
+        found["peak"][name] = float(apart[top] / size[top])
+        found["loading"][name] = float(apart[:turn].max() / size.max())
+        if turn < len(true.time):
+            found["retreat"][name] = float(apart[turn:].max() / size.max())
+    return found
+
+
+def _highest(response: Response) -> Array:
+    """Return the highest pressure (n_t,) kPa over 1 mm²."""
+    assert response.pad is not None
+    assert response.pressure is not None
+    return peaks(response.pad, response.pressure)
+
+
+def _on_pad(response: Response, other: Response) -> Array:
+    """Return the pressure of a response at the points of another pad of the same finger."""
+    assert response.pad is not None
+    assert other.pad is not None
+    assert response.pressure is not None
+    assert other.pressure is not None
+    distance, at = cKDTree(other.pad.points).query(response.pad.points)
+    shared, out = distance < SAME_PLACE, np.zeros_like(other.pressure)
+    out[:, at[shared]] = response.pressure[:, shared]
+    return out
+
+
+def _norm(values: Array) -> Array:
+    return np.asarray(np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1)))
+
+
+def costs() -> dict[str, Any]:
+    """Return CPU seconds on half a finger of a.h., by mesh: of a new press, and of a scene."""
+    import os
+
+    from fefinger.scene import builtin
+
+    rows = {}
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = folder
+        for mesh in ("coarse", "coarse", "standard"):  # the first time compiles
+            scene = builtin.load("flat-press", {"finger.resolution": mesh, "indenter.angle": 30.5})
+            build, response = _timed(scene)
+            again, _ = _timed(scene)
+            steps = response.seconds["motion"] / len(response.time)
+            rows[mesh] = {
+                "build_seconds": build - again,
+                "setup_seconds": again - response.seconds["motion"],
+                "step_seconds": steps,
+            }
+    return rows
+
+
+def _timed(scene: Scene) -> tuple[float, Response]:
+    started = time.process_time()
+    response = pressed.respond(scene)
+    return time.process_time() - started, response
+
+
+def main(folder: Path) -> None:
+    """Measure both sets and the costs, and write the report after each scene."""
+    path = folder / REPORT
+    report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    head = provenance(f"python -m fefinger.validation.pressed.measure {folder.name}")
+    report = {**head, **{key: report.get(key, {}) for key in ("rules", "held-out", "costs")}}
+    for name in ("rules", "held-out"):
+        for scene in drawn(name):
+            if scene.name not in report[name]:
+                report[name][scene.name] = compared(scene)
+                path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+                print(scene.name, report[name][scene.name].get("loading"), flush=True)
+    report["costs"] = costs()
+    path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
