@@ -263,7 +263,7 @@ def test_a_simple_surface_does_not_cross_itself_and_a_folded_one_does() -> None:
 
 def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
     path = written(egg(), tmp_path / "scan.stl")
-    finger = ff.Finger.from_surface(path, pad_radius=12.0, tissue="maeno1998")
+    finger = ff.Finger.from_surface(path, pad_radius=12.0)
     assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
     assert finger.surface == str(path)
     toml = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n[motion]\nkind = "ramp"\n'
