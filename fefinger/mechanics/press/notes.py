@@ -5,6 +5,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.theory.relaxation import Prony
 
+
 ROUNDED = 5e-4
 """Distance of a sum of weights from 1 that four digits of each explain."""
 
