@@ -16,7 +16,11 @@ from fefinger.scene.motion import (
     SinusoidMotion,
     TrapezoidMotion,
 )
+from fefinger.support.checks import InputError
 
+
+MOST_CYCLES = 1_000_000
+"""Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
 
 APPROACH = 10.0
 """Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
@@ -146,7 +150,14 @@ class Vibration(RampSinusoidMotion):
     @property
     def periods(self) -> int:
         """Number of cycles: whole ones, nearest to `seconds`."""
-        return max(1, round(self.seconds * self.frequency))
+        cycles = self.seconds * self.frequency
+        if cycles > MOST_CYCLES:
+            msg = (
+                f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
+                f"received {self.frequency:g} Hz for {self.seconds:g} s"
+            )
+            raise InputError(msg)
+        return max(1, round(cycles))
 
     @property
     def recorded_from(self) -> float:

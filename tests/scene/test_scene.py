@@ -58,7 +58,13 @@ def test_a_scene_survives_toml_exactly(kind, indenter):
         finger=Finger.subject("p.w.", skin=Tissue(100 / 3, 0.5, ODD), cut="nail"),
         indenter=indenter,
         motion=motion_of(kind),
-        ask=Ask(spikes=("FAI", "SAI"), depths={"SAI": ODD}, drives={"FAI": "energy"}, seconds=9),
+        ask=Ask(
+            spikes=("FAI", "SAI"),
+            afferents="thesis",
+            depths={"SAI": ODD},
+            drives={"FAI": "energy"},
+            seconds=9,
+        ),
     )
     again = Scene.from_toml(scene.to_toml())
     assert again == scene
@@ -154,6 +160,7 @@ def test_what_was_checked_of_a_question_cannot_be_changed_afterwards():
     given = {"SAI": 0.5}
     ask = Ask(
         spikes=("SAI",),
+        afferents="thesis",
         depths=given,
         drives={"SAI": "energy"},
         population=Scatter(densities={"SAI": 70}),

@@ -28,7 +28,9 @@ from fefinger.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-MACAQUE = Finger(width=10.0, thickness=8.0, pad_radius=10.0, resolution="standard")
+MACAQUE = Finger(
+    width=10.0, thickness=8.0, pad_radius=10.0, tissue="maeno1998", resolution="standard"
+)
 """The fingertip of the experiments."""
 
 DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {"SAI": 0.6, "FAI": 0.5}

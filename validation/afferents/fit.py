@@ -96,7 +96,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
     "FAI": {
         "gain": (10.0, 5000.0),
         "corner": (5.0, 30.0),
-        "negative": (0.02, 1.0),
+        "negative": (0.2, 1.0),
         "largest": (2.0, 100.0),
         "adapting": (0.1, 1.0),
         "adaptation": (1e-3, 0.1),
@@ -110,7 +110,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
     "FAII": {
         "gain": (100.0, 1e4),
         "corner": (60.0, 500.0),
-        "negative": (0.02, 1.0),
+        "negative": (0.2, 1.0),
         "largest": (2.0, 100.0),
         "adapting": (0.1, 1.0),
         "adaptation": (5e-4, 0.1),
@@ -123,12 +123,16 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
     },
 }
 """Fitted parameters and the range of the search; their logarithms are what is varied. The corner of
-FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency."""
+FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
+weight of the negative output of FA is kept above 0.2, since recorded units fire at release."""
 
-MEDIAN, SHAPE, SPHERES = 0.15, 1.0, 2.0
-"""Weights of the median unit (its 1 - R²), of the mean squared deviation of the logarithms of the
-thresholds up to a constant, and of the relative RMS error under spheres, beside 1 - R² of the
-population."""
+MEDIAN, SHAPE, REST, SPHERES = 0.15, 0.5, 0.2, 20.0
+"""Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
+deviation of the logarithms of the thresholds up to a constant, of the squared rate at rest over
+LOUD, and of the mean squared relative error under spheres."""
+
+LOUD = 10.0
+"""Rate in Hz at rest that counts as an error of 1: FA units are silent there."""
 
 DRAWS, WIDTH, ITERATIONS = 120, 0.5, 500
 """Size of the search: random units about the start, the standard deviation of their logarithms,
@@ -182,10 +186,7 @@ class Task:
         return Probed(self.kind, unit, self.probe[1])
 
     def residuals(self, logarithms: Array) -> Array:
-        """Errors whose sum of squares, with the weights in them, is what is minimized.
-
-        For SAI the RMS error under spheres counts squared over its size at a tenth.
-        """
+        """Errors whose sum of squares, with the weights in them, is what is minimized."""
         probed = self.probed(self.unit(logarithms))
         parts = []
         for weight, single in ((1.0, False), (MEDIAN, True)):
@@ -194,11 +195,13 @@ class Task:
             parts.append(scale * (computed - rates))
         if self.kind == "SAI":
             errors = self.under_spheres(probed.unit) / self.spheres[2] - 1.0
-            parts.append(math.sqrt(10.0 * SPHERES / len(errors)) * errors)
+            parts.append(math.sqrt(SPHERES / len(errors)) * errors)
         else:
             frequency, amplitude = data.thresholds(self.kind)
             apart = np.log(probed.thresholds(frequency) / amplitude)
             parts.append(math.sqrt(SHAPE / len(apart)) * (apart - apart.mean()))
+            at_rest = probed.rates(20.0, np.zeros(1)) / LOUD
+            parts.append(math.sqrt(REST) * at_rest)
         return np.concatenate(parts)
 
     def loss(self, logarithms: Array) -> float:
@@ -255,7 +258,8 @@ def errors(task: Task, best: Array, step: float = 0.1) -> Array:
     rest = task.residuals(best)
     variance = float(rest @ rest) / (len(rest) - len(best))
     covariance = variance * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9)
-    return np.minimum(np.sqrt(np.diag(covariance)), 10.0)
+    variances = np.diag(covariance)
+    return np.where(variances > 0, np.sqrt(np.clip(variances, 0.0, 100.0)), 10.0)
 
 
 def table(task: Task, best: Array) -> dict[str, Any]:
@@ -291,7 +295,7 @@ def provenance() -> dict[str, Any]:
         "probe": experiments.PROBE.describe(),
         "preload_mm": experiments.PRELOAD,
         "preload_held_s": experiments.HELD,
-        "weights": {"median": MEDIAN, "shape": SHAPE, "spheres": SPHERES},
+        "weights": {"median": MEDIAN, "shape": SHAPE, "rest": REST, "spheres": SPHERES},
     }
 
 
