@@ -17,6 +17,11 @@ SURROUND = (
     "finer and closer. The sign comes from the mechanics"
 )
 
+JITTER = (
+    "the fitted noise is of the current, which crosses threshold steeply and so at nearly one time; "
+    "rates do not tell of noise in the time of an impulse"
+)
+
 MISSES: dict[str, tuple[float, str]] = {
     "fitted: best frequency of FAI": (
         70.4,
@@ -30,9 +35,11 @@ MISSES: dict[str, tuple[float, str]] = {
     ),
     "predicted: impulses of FAII at the onset of a pin, 0.7 mm at 20 mm/s": (
         1.0,
-        "the fast adaptation that two impulses per cycle at 20 and 50 Hz require leaves one impulse "
-        "at a corner of the motion",
+        "the fast adaptation that two impulses per cycle at 20 and 50 Hz require leaves one at a "
+        "corner of the motion",
     ),
+    "predicted: jitter of FAI at 50 Hz, one impulse per cycle": (0.17, JITTER),
+    "predicted: jitter of FAII at 300 Hz, one impulse per cycle": (0.06, JITTER),
     "predicted: SAI in a hold of the pin at 0.2 mm": (33.3, PIN),
     "predicted: SAI in a hold of the pin at 0.5 mm": (85.0, PIN),
     "predicted: SAI in a hold of the pin at 1 mm": (165.0, PIN),
