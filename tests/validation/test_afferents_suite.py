@@ -71,6 +71,7 @@ def test_the_cases_have_different_names_and_every_miss_is_one_of_them():
     assert all(name.startswith(("fitted", "predicted", "set by hand")) for name in names)
 
 
+@pytest.mark.usefixtures("operators")
 def test_a_pin_strains_in_proportion_to_its_depth_once_it_rests_on_its_flat():
     depths = np.array([0.3, 0.5, 0.7])
     drive = experiments.pressed(

@@ -60,7 +60,7 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
         "static": (0.0, "silent in a hold"),
     },
     "SAII": {
-        "gain": (120.0, EDIN),
+        "gain": (90.0, EDIN),
         "static": (0.3, EDIN),
         "corner": (1.0, EDIN),
         "order": (1.0, "a choice, as SAI"),

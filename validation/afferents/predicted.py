@@ -31,7 +31,7 @@ DEPTH = np.linspace(0.0, 1.5, 31)
 PIN_DEPTHS = (0.2, 0.5, 1.0, 1.5)
 """mm: depths of the holds under a pin."""
 
-PIN_BANDS = ((0.0, 0.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
+PIN_BANDS = ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
 """Hz of SAI in them: four models of units of TouchSim, 0.3 to 0.9 s after the start."""
 
 
