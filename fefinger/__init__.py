@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from fefinger.scene.indenters import Cylinder as Cylinder
     from fefinger.scene.indenters import Ellipsoid as Ellipsoid
     from fefinger.scene.indenters import Flat as Flat
-    from fefinger.scene.indenters import Grating as Grating
     from fefinger.scene.indenters import Pin as Pin
-    from fefinger.scene.indenters import Relief as Relief
     from fefinger.scene.indenters import Sphere as Sphere
     from fefinger.scene.motions import ForceRamp as ForceRamp
     from fefinger.scene.motions import ForceRampHold as ForceRampHold
@@ -54,6 +52,8 @@ if TYPE_CHECKING:
     from fefinger.scene.population import Places as Places
     from fefinger.scene.population import Scatter as Scatter
     from fefinger.scene.scene import Scene as Scene
+    from fefinger.scene.textured import Grating as Grating
+    from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
     from fefinger.scene.tissue import Tissue as Tissue
     from fefinger.studies.study import study as study
@@ -71,9 +71,8 @@ _HOMES = {
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
-    "scene.indenters": (
-        *("Bar", "Cylinder", "Ellipsoid", "Flat", "Grating", "Pin", "Relief", "Sphere"),
-    ),
+    "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),
+    "scene.textured": ("Grating", "Relief"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),

@@ -23,6 +23,9 @@ TIP_HEIGHT."""
 SHARPENING = (np.radians(34.0), np.radians(48.0))
 """Slopes between which the profile turns from the pad's curvature to the tip's."""
 
+FLATTEST = 1e-4
+"""Smallest ratio of the squared height and width of a section of the inner skin."""
+
 BACK_SLOPE = 0.21
 """Largest slope in radians of the palm behind the pad, towards the crease."""
 
@@ -71,6 +74,7 @@ def _with_inside(
     cut, tip = skin.cut, skin.tip
     inner = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     under = Shell.of(skin.middle, cut=cut, **inner)
+    _check_round(under, recipe)
     top = skin.middle + float(tables["dorsal"][1].max())
     bone = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
     finger_shape.check_room(
@@ -94,6 +98,18 @@ def _with_inside(
         sections=shells,
         volumes=finger_shape.region_volumes(*inside),
     )
+
+
+def _check_round(under: Shell, recipe: Recipe) -> None:
+    """Raise InputError where the skin is thicker than its tip is round: it has no inner surface."""
+    x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
+    if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
+        message = (
+            f"skin_thickness: expected less than some {TIP_RADIUS * recipe.thickness:.2g} mm, the "
+            f"radius of the tip of a finger {recipe.thickness:g} mm thick, received "
+            f"{recipe.skin_thickness:g} mm; use a thinner skin or a thicker finger"
+        )
+        raise InputError(message)
 
 
 def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[str, Table]]:

@@ -51,8 +51,8 @@ class Indenter(ABC):
     the point that the 30 degree plate touches). `roll` turns an object about its travel, in
     degrees: at 0 its ridge, edge or axis runs across the finger, at 90 along it.
 
-    What depends on the kind of object is asked of the object: nothing outside `indenters.py` needs
-    to know the classes.
+    What depends on the kind of object is asked of the object: nothing outside `indenters.py` and
+    `textured.py` needs to know the classes.
     """
 
     kind: ClassVar[str]
@@ -160,3 +160,8 @@ def direction(plate: Inclined) -> profiles.Array:
     angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
     up = np.cos(angle)
     return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])
+
+
+def turned(roll: float) -> str:
+    """Describe the direction of an elongated object on the finger."""
+    return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"

@@ -1,21 +1,14 @@
 """The rigid objects that touch the finger."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from pathlib import Path
-from typing import Any, Self, final
+from typing import final
 
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike
-from fefinger.scene.relief_file import read_heights
-from fefinger.support.checks import InputError, numbers
-
-
-SAMPLES = 4
-"""Least number of samples of a relief in x and in y: as many as a cubic needs."""
+from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
+from fefinger.scene.textured import Grating, Relief
+from fefinger.support.checks import numbers
 
 
 @final
@@ -182,7 +175,7 @@ class Cylinder(Placed):
 
     def describe(self) -> str:
         """Return "a rigid cylinder", with its radius and how it lies."""
-        return f"a rigid cylinder of radius {self.radius:g} mm{_turned(self.roll)}"
+        return f"a rigid cylinder of radius {self.radius:g} mm{turned(self.roll)}"
 
 
 @final
@@ -226,7 +219,7 @@ class Bar(Placed):
     def describe(self) -> str:
         """Return "a rigid bar", with its sizes and how it lies."""
         size = f"{self.width:g} mm wide with corners of {self.corner:g} mm"
-        return f"a rigid bar {size}{_turned(self.roll)}"
+        return f"a rigid bar {size}{turned(self.roll)}"
 
 
 @final
@@ -266,164 +259,6 @@ class Pin(Placed):
     def describe(self) -> str:
         """Return "a rigid pin", with its sizes."""
         return f"a rigid pin {self.width:g} mm wide with an edge of {self.corner:g} mm"
-
-
-@final
-@dataclass(frozen=True)
-class Grating(PlateLike):
-    """A rigid plate with rounded ridges, `period` mm apart and `depth` mm high.
-
-    `ridge` mm is the width of a ridge at half its height. The middle of a ridge passes through the
-    point that the smooth plate would touch first, `shift` mm moves it. `angle` and `tilt` are those
-    of the plate, `roll` turns the ridges in it.
-    """
-
-    kind = "grating"
-    sharp = True
-
-    period: float
-    ridge: float
-    depth: float
-    shift: float = 0.0
-    angle: float = 30.0
-    tilt: float = 0.0
-    roll: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the sizes and the place."""
-        self._set("period", above=0, unit="mm")
-        self._set("ridge", above=0, below=self.period, unit="mm")
-        self._set("depth", above=0, unit="mm")
-        self._set("shift", unit="mm")
-        self._set_angles()
-        self._set_roll()
-
-    @property
-    def profile(self) -> profiles.Grating:
-        """Rounded ridges."""
-        return profiles.Grating(self.period, self.ridge, self.depth, self.shift)
-
-    @property
-    def least_radius(self) -> float:
-        """The radius in mm of its ridges where they are sharpest, within 1 %."""
-        across = np.column_stack([np.linspace(0, self.period, 401), np.zeros(401)])
-        return profiles.sharpest_radius(self.profile, across)
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
-
-    def describe(self) -> str:
-        """Return "a rigid grating", with the sizes of its ridges and how they lie."""
-        size = f"{self.ridge:g} mm wide every {self.period:g} mm, {self.depth:g} high"
-        return f"a rigid grating of ridges {size}{_turned(self.roll)}"
-
-    @property
-    def mirrored(self) -> bool:
-        """Whether it is its own mirror image: ridges along the finger must not be shifted."""
-        return super().mirrored and (self.shift == 0 or self.roll % 180 == 0)
-
-
-@final
-@dataclass(frozen=True)
-class Relief(PlateLike):
-    """A rigid plate with a relief of your own: `heights` mm towards the finger at x, y in mm.
-
-    x (n_x,) and y (n_y,) are the grid lines on the plate, x towards the tip before `roll`, with the
-    point that the smooth plate would touch first at (0, 0); heights (n_x, n_y). A bicubic spline
-    runs through the samples, and beyond the outermost ones the plate ends.
-    """
-
-    kind = "relief"
-    sharp = True
-
-    x: tuple[float, ...]
-    y: tuple[float, ...]
-    heights: tuple[tuple[float, ...], ...]
-    angle: float = 30.0
-    tilt: float = 0.0
-    roll: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the grid, the heights and the place."""
-        for name in ("x", "y"):
-            lines = numbers(f"indenter.{name}", getattr(self, name), unit="mm")
-            if len(lines) < SAMPLES or any(after <= before for before, after in pairwise(lines)):
-                msg = (
-                    f"indenter.{name}: expected at least {SAMPLES} rising numbers, "
-                    f"received {len(lines)}: {list(lines[:5])} ..."
-                )
-                raise InputError(msg)
-            object.__setattr__(self, name, lines)
-        given: Any = self.heights
-        given = given.tolist() if isinstance(given, np.ndarray) else given
-        listed = isinstance(given, Sequence) and not isinstance(given, str)
-        if not listed or len(given) != len(self.x):
-            msg = (
-                f"indenter.heights: expected one row for each of the {len(self.x)} values of x, "
-                f"received {f'{len(given)} rows' if listed else repr(given)}"
-            )
-            raise InputError(msg)
-        rows = (
-            numbers(f"indenter.heights[{i}]", row, count=len(self.y), unit="mm")
-            for i, row in enumerate(given)
-        )
-        object.__setattr__(self, "heights", tuple(rows))
-        self._set_angles()
-        self._set_roll()
-
-    @property
-    def profile(self) -> profiles.Relief:
-        """The spline through the samples."""
-        return profiles.Relief(*map(np.array, (self.x, self.y, self.heights)))
-
-    @property
-    def least_radius(self) -> float:
-        """The radius in mm of its sharpest crest, of places a fifth of the samples apart."""
-        fine = (
-            np.interp(np.arange(0, len(x) - 1, 0.2), np.arange(len(x)), x) for x in (self.x, self.y)
-        )
-        places = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
-        return profiles.sharpest_radius(self.profile, places)
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
-
-    def describe(self) -> str:
-        """Return "a rigid relief", with the number of its heights."""
-        return f"a rigid relief of {len(self.x)} by {len(self.y)} heights"
-
-    @property
-    def mirrored(self) -> bool:
-        """False: whether the samples are symmetric is not looked at."""
-        return False
-
-    @classmethod
-    def of(cls, function: Callable[[Any, Any], Any], x: Any, y: Any, **placing: float) -> Self:
-        """Return the relief of a function of arrays x and y in mm, sampled at the grid lines."""
-        with np.errstate(all="ignore"):
-            surface = np.asarray(function(*np.meshgrid(x, y, indexing="ij")), dtype=float)
-        if surface.shape != (len(x), len(y)):
-            msg = (
-                f"indenter.heights: expected a function that returns one height for each of "
-                f"{len(x)} x {len(y)} places, received an array of shape {surface.shape}"
-            )
-            raise InputError(msg)
-        return cls(tuple(x), tuple(y), tuple(map(tuple, surface.tolist())), **placing)
-
-    @classmethod
-    def from_file(cls, file: str | Path, **placing: float) -> Self:
-        """Read x, y and height in mm from a CSV file or an NPZ archive, see `read_heights`."""
-        x, y, heights = read_heights(Path(file))
-        return cls(x, y, heights, **placing)
-
-
-def _turned(roll: float) -> str:
-    """Describe the direction of an elongated object on the finger."""
-    return f", turned by {roll:g} degrees from across the finger" if roll else ", across the finger"
 
 
 INDENTERS: dict[str, type[Indenter]] = {

@@ -10,10 +10,11 @@ from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import LAYERS, Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.scene.indenters import INDENTERS, Flat, Relief
+from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import MOTIONS, ForceSampled, Sampled
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.theory.relaxation import Prony

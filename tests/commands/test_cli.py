@@ -32,7 +32,7 @@ QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
 def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
     assert main(["run", "flat-press", "--set", "motion.depth=1", "--mechanics", "linear"]) == 0
     ((scene, options),) = answered
-    assert scene == published.load("flat-press", {"motion.depth": 1})
+    assert scene == builtin.load("flat-press", {"motion.depth": 1})
     assert options == {"mechanics": "linear", "progress": None}
     out, err = capsys.readouterr()
     shown = ("peak force", "contact area", "centroid", "SAI-1", "seconds", "note", "No inertia")
@@ -46,7 +46,7 @@ def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered
     record = json.loads(capsys.readouterr().out)
     assert list(record) == [
         *("status", "mechanics", "peak_force_N", "final_force_N", "contact_area_mm2"),
-        *("centroid_mm", "seconds", "files"),
+        *("centroid_mm", "afferents", "spikes", "rates_Hz", "seconds", "files"),
     ]
     assert record["peak_force_N"] == synthetic.force.max()
     assert record["final_force_N"] == synthetic.force[-1]
@@ -139,7 +139,8 @@ def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeyp
     monkeypatch.setattr(mechanics, "names", lambda: ("hertz", "linear"))
     unable = type("Unable", (), {"refuse": staticmethod(lambda scene: (refusal,))})
     monkeypatch.setattr(mechanics, "get", {"hertz": unable, "linear": linear}.__getitem__)
-    assert main(["explain", "flat-press", "--json", "--set", "ask.rel_error=0.5"]) == 0
+    changes = ("--set", "ask.rel_error=0.5", "--set", "finger.tissue=maeno1998")
+    assert main(["explain", "flat-press", "--json", *changes]) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["rungs"][0]["seconds"], record["rungs"][0]["error"]) == (None, None)
 
@@ -149,12 +150,12 @@ def test_scenes_lists_all_and_prints_one_that_loads(capsys):
     out = capsys.readouterr().out
     assert [line.split()[0] for line in out.splitlines()] == list(builtin.names())
     assert main(["scenes", "press-to-1N"]) == 0
-    assert Scene.from_toml(capsys.readouterr().out) == published.load("press-to-1N")
+    assert Scene.from_toml(capsys.readouterr().out) == builtin.load("press-to-1N")
     assert main(["scenes", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["scenes"]
     assert [entry["name"] for entry in listed] == list(builtin.names())
     assert main(["scenes", "press-to-1N", "--json"]) == 0
-    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == published.load("press-to-1N")
+    assert Scene.from_dict(json.loads(capsys.readouterr().out)) == builtin.load("press-to-1N")
 
 
 def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):

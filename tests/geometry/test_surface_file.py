@@ -263,11 +263,12 @@ def test_a_simple_surface_does_not_cross_itself_and_a_folded_one_does() -> None:
 
 def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
     path = written(egg(), tmp_path / "scan.stl")
-    finger = ff.Finger.from_surface(path, pad_radius=12.0, tissue="maeno1998")
+    finger = ff.Finger.from_surface(path, pad_radius=12.0)
     assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
     assert finger.surface == str(path)
-    toml = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n[motion]\nkind = "ramp"\n'
-    (tmp_path / "mine.toml").write_text(f"{toml}speed = 10\ndepth = 1\n")
+    given = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\ntissue = "maeno1998"\n'
+    motion = '[motion]\nkind = "ramp"\nspeed = 10\ndepth = 1\n'
+    (tmp_path / "mine.toml").write_text(given + motion)
     scene = ff.Scene.from_toml(tmp_path / "mine.toml")
     assert scene.finger == finger
     assert ff.Scene.from_toml(scene.to_toml()) == scene

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh.build import build
+from fefinger.mesh.cloud import Cloud, smoothed
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL
 from fefinger.mesh.parametric import parametric
+from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shell import Shell
@@ -131,3 +134,50 @@ def test_unusable_surfaces_get_a_sentence(
     mesh.export(tmp_path / "bad.stl")
     with pytest.raises(InputError, match=message):
         scanned(Recipe(14, 10, 14, surface=str(tmp_path / "bad.stl")))
+
+
+def test_a_scan_is_meshed_by_a_morph_and_the_same_each_time(scan: Shape, stl: Path) -> None:
+    recipe = Recipe(14, 10, 14, resolution="coarse", surface=str(stl))
+    mesh = build(recipe)
+    assert "template" in mesh.quality
+    gate(mesh.quality)
+    pad = mesh.points[np.unique(mesh.facets["pad"])]
+    assert np.abs(scan.skin.level(pad)).max() < 1e-6
+    assert build(recipe).fingerprint == mesh.fingerprint
+
+
+def rippled(stl: Path, path: Path, noise: float, ripple: float) -> Path:
+    """Write a scan with random noise and a smooth asymmetric ripple, in mm along its normals."""
+    mesh = trimesh.load_mesh(stl)
+    x, y, _ = (mesh.vertices - AWAY).T
+    height = noise * np.random.default_rng(3).normal(size=len(x))
+    height += ripple * np.sin(y / 2.0) * np.cos(x / 4.0)
+    mesh.vertices += height[:, None] * mesh.vertex_normals
+    mesh.export(path)
+    return path
+
+
+def test_noise_of_a_scan_is_smoothed(shape: Shape, stl: Path, tmp_path: Path) -> None:
+    """Vertices 0.5 mm apart are off by 50 um: surface and normals are a quarter nearer."""
+    noisy = trimesh.load_mesh(rippled(stl, tmp_path / "noisy.stl", 0.05, 0.0))
+    vertices, normals = noisy.vertices - AWAY, np.array(noisy.vertex_normals)
+    points = surface.without_caps(surface.half(shape.skin, 0.8))[0]
+    points = points[(points[:, 0] > -18) & (np.abs(shape.skin.level(points)) < 1e-6)]
+    raw, smooth = Cloud.of(vertices, normals), smoothed(vertices, normals)
+    away = [np.sqrt(np.mean(each.level(points) ** 2)) for each in (raw, smooth)]
+    expected = shape.skin.normals(points)
+    turned = [np.sqrt(np.mean((each.normals(points) - expected) ** 2)) for each in (raw, smooth)]
+    assert away[1] < 0.8 * away[0]
+    assert turned[1] < 0.8 * turned[0]
+
+
+def test_an_asymmetric_scan_becomes_the_mean_of_its_halves(
+    scan: Shape, stl: Path, tmp_path: Path
+) -> None:
+    """A ripple of 0.3 mm that is odd in y cancels."""
+    odd = scanned(Recipe(14, 10, 14, surface=str(rippled(stl, tmp_path / "o.stl", 0.0, 0.3))))
+    points = scan.skin.project(scan.skin.points[::20])
+    points = points[points[:, 0] > -17]
+    level = odd.skin.level(points)
+    assert odd.skin.level(points * [1, -1, 1]) == pytest.approx(level, abs=1e-12)
+    assert np.sqrt(np.mean(level**2)) < 0.05

@@ -13,7 +13,8 @@ import pytest
 
 from fefinger.pages import viewer
 from fefinger.result import Result
-from fefinger.scene.indenters import Flat, Grating, Sphere
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.textured import Grating
 from fefinger.support.checks import InputError
 from fefinger.view import frames, indenter_pose, quantities, surfaces
 

@@ -18,8 +18,8 @@ SURROUND = (
 )
 
 JITTER = (
-    "the fitted noise is of the current, which crosses threshold steeply, so at nearly one time; "
-    "rates do not tell of noise in the time of an impulse"
+    "the fitted noise is of the current, which crosses threshold steeply and so at nearly one "
+    "time; rates do not tell of noise in the time of an impulse"
 )
 
 MISSES: dict[str, tuple[float, str]] = {

@@ -17,10 +17,10 @@ from fefinger.neural.statistics import interval_variation
 from fefinger.neural.variation import Variation
 from fefinger.plan import choose, settled
 from fefinger.scene.ask import Ask
-from fefinger.scene.indenters import Relief
 from fefinger.scene.motions import Ramp, Trapezoid
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
+from fefinger.scene.textured import Relief
 
 
 Array = NDArray[np.float64]

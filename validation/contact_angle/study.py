@@ -15,6 +15,7 @@ import pandas as pd
 from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.provenance import provenance
 
+from fefinger.scene.library import PUBLISHED
 from fefinger.studies.study import study
 from fefinger.support import atomic_write
 
@@ -23,7 +24,7 @@ ANGLES = tuple(float(angle) for angle in range(0, 61, 5))
 AT = ("0.25N", "0.5N", "1N", "0.5mm", "1mm")
 """Forces and depths on the loading at which there are rows, besides the peak and the end."""
 
-COARSE: Mapping[str, Any] = {"finger.resolution": "coarse"}
+COARSE: Mapping[str, Any] = {"finger.resolution": "coarse", "finger.tissue": PUBLISHED}
 SHORT: Mapping[str, Any] = {
     **COARSE,
     "ask.spikes": [],

@@ -6,10 +6,14 @@ from fefinger.scene.tissue import Hard
 from fefinger.theory.relaxation import Prony
 
 
+ROUNDED = 5e-4
+"""Distance of a sum of weights from 1 that four digits of each explain."""
+
+
 def normalized(prony: Prony) -> tuple[str, ...]:
     """Return the note that published weights do not add up to 1, if they do not."""
     total = sum(prony.c)
-    if abs(total - 1) <= 1e-12:
+    if abs(total - 1) <= ROUNDED:
         return ()
     return (f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).",)
 
