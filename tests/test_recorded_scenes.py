@@ -118,3 +118,10 @@ def test_a_vibration_counts_from_its_start_and_follows_its_settings():
     assert isinstance(scene.motion, Vibration)
     assert scene.motion.duration - scene.motion.recorded_from == pytest.approx(1.0)
     assert scene.motion.recorded_from == pytest.approx(120.0, abs=0.1)
+
+
+def test_a_stored_scene_that_is_older_than_the_families_is_of_the_thesis():
+    scene = ff.Scene(finger=FINGER, motion=PRESS, ask=ff.Ask(spikes=("SAI",)))
+    assert ff.Scene.from_stored(scene.to_toml()) == scene
+    older = "\n".join(line for line in scene.to_toml().splitlines() if "afferents" not in line)
+    assert ff.Scene.from_stored(older).ask.afferents == "thesis"

@@ -81,7 +81,8 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
         "finger": _stored(sub["finger"]) if folder is None else _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"], folder or Path()),
         "motion": _motion(sub["motion"], folder or Path()),
-        "ask": _ask(sub["ask"]),
+        # A stored scene without a family is older than the choice: it was of the thesis.
+        "ask": _ask(({"afferents": "thesis"} if folder is None else {}) | sub["ask"]),
     }
     return arguments | {key: table[key] for key in ("name",) if key in table}
 

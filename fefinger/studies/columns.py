@@ -25,8 +25,8 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "motion": {
         **{"speed": "mm_per_s", "depth": "mm", "loading_rate": "N_per_s", "force": "N"},
-        **{"amplitude": "mm", "frequency": "Hz"},
-        **dict.fromkeys(("hold", "settle", "corner", "time"), "s"),
+        **{"amplitude": "mm", "preload": "mm", "frequency": "Hz"},
+        **dict.fromkeys(("hold", "settle", "held", "seconds", "corner", "time"), "s"),
     },
     "ask": {"seconds": "s"},
     "ask.depths": dict.fromkeys(_TYPES, "mm"),
