@@ -266,7 +266,7 @@ def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
     finger = ff.Finger.from_surface(path, pad_radius=12.0)
     assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=1e-3)
     assert finger.surface == str(path)
-    given = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\ntissue = "maeno1998"\n'
+    given = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n'
     motion = '[motion]\nkind = "ramp"\nspeed = 10\ndepth = 1\n'
     (tmp_path / "mine.toml").write_text(given + motion)
     scene = ff.Scene.from_toml(tmp_path / "mine.toml")

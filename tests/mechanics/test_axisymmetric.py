@@ -14,7 +14,7 @@ from fefinger.mechanics.press.layered_contact import Layered
 from fefinger.theory.relaxation import creep_integral
 
 
-FINGER = ff.Finger.subject("a.h.")
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
 PRONY = FINGER.prony
 
 

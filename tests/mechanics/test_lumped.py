@@ -95,7 +95,7 @@ def test_anything_beyond_force_is_beyond_it(what):
     (refusal,) = lumped.refuse(Situation.of(asked))
     assert refusal.about == "ability"
     assert refusal.reason == f"ask.{what}: asked, but it gives force and depth alone"
-    assert ff.explain(asked).mechanics == "solid"
+    assert ff.explain(asked).mechanics == "pressed"
 
 
 def test_spikes_are_beyond_it():
@@ -136,7 +136,7 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
     assert refusal.about == "accuracy"
     assert refusal.reason.startswith(reason)
     with suppress(ff.InputError):  # so deep that no press was like it
-        assert ff.explain(asked).mechanics == "solid"
+        assert ff.explain(asked).mechanics == "pressed"
     named = ff.run(asked, mechanics="lumped")
     assert named.plan.overridden[0] == refusal
     assert named.force.max() > 0

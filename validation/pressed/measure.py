@@ -107,7 +107,7 @@ def costs() -> dict[str, Any]:
     rows = {}
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder
-        # No press of these angles is shipped, on the mesh of that at 30 degrees; the first compiles.
+        # No press of these angles is shipped; they share a mesh. The first compiles.
         for mesh, angle in (("coarse", 29.5), ("coarse", 30.5), ("standard", 30.5)):
             changes = {"finger.resolution": mesh, "indenter.angle": angle}
             scene = builtin.load("flat-press", changes)

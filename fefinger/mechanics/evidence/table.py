@@ -28,7 +28,7 @@ SOLID_COST = "solid-cost.json"
 SCATTER = "mesh-scatter.json"
 LUMPED = "lumped-force.json"
 TRADEOFF = "tradeoff.json"
-CARRYING = "pressed.json"
+CARRYING = "carrying.json"
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
