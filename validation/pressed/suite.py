@@ -28,6 +28,22 @@ WANTED = {
 }
 """Errors that are aimed at in 95 % of the scenes: loading and hold, and retreat."""
 
+MISSES = {
+    ("loading", "force"): (
+        0.032,
+        "older stress has relaxed in another shape of the tissue, which carrying leaves out",
+    ),
+    ("peak", "area"): (0.043, "shallow contacts on the coarse mesh are a few facets wide"),
+    ("retreat", "strain"): (
+        0.21,
+        "near and after lift-off the strain that is left is not that of the press at any depth",
+    ),
+}
+"""Errors that miss their aim: what they are known to be, and why."""
+
+KNOWN = 0.05
+"""Relative change of a known error that is none."""
+
 LIVE = (0, 3)
 """Scenes of the rules that the quick suite solves again."""
 
@@ -92,18 +108,13 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _aimed_at(phase: str, quantity: str, limit: float) -> Case:
-    value = typical(phase, quantity)
-    within = value <= limit
-    return Case(
-        f"error within which 95 % of the held-out scenes are: {quantity}, {phase}",
-        partial(typical, phase, quantity),
-        Expected.between(0.0, max(limit, 1.2 * value), "1"),
-        f"aim: {100 * limit:g} %",
-        wanted=None if within else limit / 2 - 1.2 * value,
-        shortfall=""
-        if within
-        else "after lift-off and near it the strain that is left is not that of the press",
-    )
+    name = f"error within which 95 % of the held-out scenes are: {quantity}, {phase}"
+    measure, source = partial(typical, phase, quantity), f"aim: {100 * limit:g} %"
+    if (phase, quantity) not in MISSES:
+        return Case(name, measure, Expected.between(0.0, limit, "1"), source)
+    value, why = MISSES[phase, quantity]
+    known = Expected(value, KNOWN * value, "1")
+    return Case(name, measure, known, source, wanted=limit, shortfall=why)
 
 
 def figures() -> Iterator[tuple[str, Any]]:

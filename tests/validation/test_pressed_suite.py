@@ -1,0 +1,48 @@
+"""Suite `pressed`: its scenes are the same each time, and its report is about them."""
+
+from fefinger.validation.pressed import suite
+from fefinger.validation.pressed.measure import errors
+from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
+
+import fefinger as ff
+from fefinger.mechanics import pressed
+from fefinger.mechanics.evidence.carrying import MARGIN, REPORT, error
+from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.situation import Situation
+from fefinger.scene.ask import Ask
+
+
+def test_both_sets_are_drawn_the_same_each_time_and_share_no_scene() -> None:
+    sets = {name: drawn(name) for name in COUNTS}
+    for name, scenes in sets.items():
+        assert scenes == drawn(name)
+        assert len(scenes) == COUNTS[name]
+        meshes = [scene.finger.resolution for scene in scenes]
+        assert meshes.count("standard") == STANDARD[name]
+    assert len(sets["held-out"]) >= 40
+    motions = {scene.motion for scenes in sets.values() for scene in scenes}
+    assert len(motions) == sum(COUNTS.values())
+
+
+def test_the_report_is_of_these_scenes() -> None:
+    for name, rows in ((name, read(REPORT)[name]) for name in COUNTS):
+        assert list(rows) == [scene.name for scene in drawn(name)]
+        measured = [row for row in rows.values() if "refused" not in row]
+        assert len(measured) >= 0.9 * len(rows)
+
+
+def test_what_is_stated_is_the_largest_error_of_the_rules_with_the_margin() -> None:
+    case = Situation.of(
+        ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.Ramp(60, 1.0), ask=Ask(fields=False))
+    )
+    largest = max(suite.errors("rules", "peak", "strain"))
+    assert error(case, "strain") == MARGIN * largest == suite.stated("peak", "strain")
+
+
+def test_a_response_has_no_error_against_itself() -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    motion = ff.Trapezoid(20, 0.8, hold=0.1)
+    response = pressed.respond(ff.Scene(finger=finger, motion=motion, ask=Ask(fields=False)))
+    found = errors(response, response, by_force=False)
+    assert {error for phase in found.values() for error in phase.values()} == {0.0}
+    assert set(found["retreat"]) == {"force", "area", "strain", "pressure", "pressure in L2"}
