@@ -39,8 +39,9 @@ METHOD: SolutionMethod = replace(
 )
 """How `pressed` sees a finger: the solid alone, which is only factored to solve a new press."""
 
-GROW, TABLES = 1.15, 5
-"""Factor on the depth at which a force is expected, and the most presses to find it."""
+SHALLOW, GROW, TABLES = 0.06, 1.15, 5
+"""First depth at which a force is sought, over the thickness; factor on the depth at which it is
+expected; and the most presses to find it."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     motion, finger = press.motion, press.finger
     if motion.control == "depth":
         return elastic_press.load_or_solve(press, indenter, motion.peak, stages)
-    depth = 0.0
+    depth = SHALLOW * finger.thickness
     for _ in range(TABLES):
         table = elastic_press.load_or_solve(press, indenter, depth, stages)
         if table.force[-1] >= motion.peak:  # relaxed tissue bears the least

@@ -30,9 +30,9 @@ from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 12
+PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 16
 """Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
-which no mesh resolves the contact; and those of a press that cannot go so deep."""
+which no mesh resolves the contact; and those of a press that goes no deeper than it has to."""
 
 
 def depths(thickness: float, least: float) -> Array:
@@ -44,14 +44,14 @@ def depths(thickness: float, least: float) -> Array:
 
 
 def no_deeper(depth: float) -> Array:
-    """Return depths (n,) mm from 0 to a depth, for an object that cannot go as deep as `depths`."""
+    """Return depths (n,) mm from 0 to a depth, for an object that may not go deeper."""
     return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
 
 
-def solve(press: Press, least: float, stages: Stages) -> ElasticPress:
+def solve(press: Press, least: float, stages: Stages, *, further: bool = True) -> ElasticPress:
     """Solve the elastic press of a finger under the obstacle of a press, to `least` mm or more.
 
-    It goes to PART of the thickness where it can, so that other motions find it.
+    If `further`, it goes to PART of the thickness where it can, so that other motions find it.
 
     Raises
     ------
@@ -60,6 +60,8 @@ def solve(press: Press, least: float, stages: Stages) -> ElasticPress:
     ConvergenceError
         If an equilibrium is not reached.
     """
+    if not further:
+        return _solved(press, no_deeper(least), stages)
     wanted = depths(press.finger.thickness, least)
     if press.standard:  # the reference press is one of its depths
         wanted = np.union1d(wanted, REFERENCE_DEPTH)
@@ -139,7 +141,8 @@ def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages
     with cache.alone(place):
         found = stored()  # another process may have solved it meanwhile
         if found is None:
-            found = solve(press, least, stages)
+            # A plate ends nowhere; contact with any other object may reach its rim.
+            found = solve(press, least, stages, further=indenter.flat is not None)
             with suppress(OSError):  # without room for it, it is solved again the next time
                 elastic_store.write(found, place)
                 cache.limit("elastic")
