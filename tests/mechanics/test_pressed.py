@@ -180,7 +180,9 @@ def test_a_damaged_file_is_solved_again(tmp_path: Path, monkeypatch: pytest.Monk
     table = _table()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     solved = []
-    monkeypatch.setattr(elastic_press, "solve", lambda *args: solved.append(args) or table)
+    monkeypatch.setattr(
+        elastic_press, "solve", lambda *args, **options: solved.append(args) or table
+    )
     asked = scene(Ramp(60, 0.5), replace(FINGER, cut="nail"))  # no press of this is shipped
     first = pressed.respond(asked)
     (file,) = (tmp_path / "fefinger" / "elastic").glob("*.npz")
