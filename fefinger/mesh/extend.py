@@ -37,7 +37,7 @@ NOTE = (
 
 
 def rise(slope: float, behind: Array | float) -> Array:
-    """Return how far the section is moved up (z) `behind` mm behind the cut, for a palmar slope."""
+    """Rise in mm (z) of the section that lies `behind` mm behind the cut, for a palmar slope."""
     return np.asarray(slope * np.asarray(behind) + np.asarray(behind) ** 2 / (2.0 * RADIUS))
 
 

@@ -19,10 +19,10 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat, Sphere
-from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, Sampled, Trapezoid
+from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Sampled, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
-from fefinger.support.checks import InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
 
@@ -106,6 +106,13 @@ def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
     assert np.allclose(response.force, wanted, rtol=0, atol=1e-9)
     assert (np.diff(response.depth) >= -1e-12).all()
     assert response.depth[-1] > 1.1 * response.depth[np.searchsorted(response.time, 0.26)]
+
+
+def test_a_force_that_no_press_bears_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    table = _table()
+    monkeypatch.setattr(elastic_press, "load_or_solve", lambda *args: table)
+    with pytest.raises(ConvergenceError, match=r"expected a depth that bears 1\.8 N within 5"):
+        pressed.respond(scene(ForceRampHold(2, 1.8, hold=0.1)))
 
 
 def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
@@ -224,6 +231,7 @@ def test_the_error_of_carrying_is_larger_on_retreat_and_none_without_relaxation(
         (RampHold(60, 1.0, hold=1), False),
         (Trapezoid(60, 1.0, hold=1), True),
         (ForceRampHold(1, 0.5, hold=1), False),
+        (RampSinusoid(20, 0.5, amplitude=0.1, frequency=2000, cycles=20000), True),
     ],
 )
 def test_a_motion_that_goes_back_is_known(motion, back: bool) -> None:

@@ -92,6 +92,7 @@ def drives(
 def pressed(indenter: Indenter, depths: Array, distances: Array, **options: str | float) -> Array:
     """Drives (n_depths, n) of end organs at depths (n_depths,) mm of a slow press."""
     motion = Ramp(SLOW, float(np.max(depths)), corner=0.0)
+    # The options are those of `drives`, whose types a dictionary of keywords does not tell apart.
     _, depth, driven = drives(indenter, motion, distances, **options)  # type: ignore[arg-type]
     return np.array([np.interp(depths, depth, column) for column in driven.T]).T
 

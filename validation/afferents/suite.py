@@ -136,6 +136,11 @@ def _fitted() -> Iterator[Case]:
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
 
 
+def _log_tanh(kind: str) -> float:
+    """Return R² of Knibestol's law of the onset rate by the speed."""
+    return predicted.log_tanh(predicted.onset_rates(kind))
+
+
 def _pin_hold(number: int) -> float:
     """Return the rate of SAI in Hz in one of the holds of the pin."""
     return float(predicted.pin_hold()[number])
@@ -197,8 +202,7 @@ def _of_bursts() -> Iterator[Case]:
             name = f"predicted: impulses of {kind} at the {part} of a pin, 0.7 mm at 20 mm/s"
             yield _case(name, count, low, high, "impulses", TOUCHSIM)
         name = f"predicted: R² of the log-tanh law of rate by speed, {kind}"
-        law = lambda kind=kind: predicted.log_tanh(predicted.onset_rates(kind))  # noqa: E731
-        yield _case(name, law, 0.8, 1.2, "1", KNIBESTOL)
+        yield _case(name, partial(_log_tanh, kind), 0.8, 1.2, "1", KNIBESTOL)
     stretch = "fires from this stretch on"
     yield _case(f"set by hand: SAII {stretch}", predicted.stretch_threshold, 0.0, 0.01, "1", EDIN)
     name = "set by hand: SAII at the end of a stretch by 6.4 % at 64 %/s"

@@ -28,6 +28,7 @@ from fefinger.results.records import Fields, Response
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
+from fefinger.support.checks import ConvergenceError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.one_spring import Carried, ElasticForce, carry
@@ -127,7 +128,7 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     InputError
         If contact leaves what the indenter or the pad offers, or the force is too large.
     ConvergenceError
-        If an equilibrium is not reached.
+        If an equilibrium is not reached, or no press bears the force.
     """
     motion, finger = press.motion, press.finger
     if motion.control == "depth":
@@ -141,7 +142,11 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
         power = np.log(high / low) / np.log(above / below)
         depth = GROW * table.deepest * (motion.peak / high) ** (1 / power)
         check_reached(motion, finger.pulp, depth / GROW)
-    return table
+    message = (
+        f"elastic press: expected a depth that bears {motion.peak:g} N within {TABLES} presses, "
+        f"reached {table.force[-1]:.3g} N at {table.deepest:.3g} mm; prescribe a smaller force"
+    )
+    raise ConvergenceError(message)
 
 
 def respond(

@@ -83,7 +83,8 @@ class Pressed:
         self._carried = carried = CarriedPress.of(press, table)
         central = press.sites
         self.finger, self.indenter = finger, indenter
-        self.sites: Sites = sites or central  # type: ignore[assignment]  # as spikes are asked for
+        assert central is not None  # as spikes are asked for
+        self.sites: Sites = sites or central
         rows, columns = zip(*VOIGT, strict=True)
         strain = carried.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
