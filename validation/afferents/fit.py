@@ -28,6 +28,7 @@ from fefinger.neural import recorded
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import BOUNDS, Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
+from fefinger.neural.recorded_vectorized import fire
 from fefinger.support.checks import choice
 
 
@@ -213,11 +214,9 @@ class Task:
         time, inputs, _ = self.spheres
         n = len(inputs)
         units = units_of([unit] * n, seed=SEED)
-        states = compiled.rested(units, 0, inputs[:, 0])
-        spikes, counts = np.empty((n, int(1.0 / unit.refractory) + 4)), np.zeros(n, np.int64)
-        steps = np.full(n, LONGEST[self.kind])
-        compiled.run(units, 0, states, time, inputs, steps, spikes, counts)
-        return counts.astype(float)
+        states = compiled.rested(units, inputs[:, 0])
+        times, _ = fire(units, states, time, inputs.T, np.full(n, LONGEST[self.kind]))
+        return np.array([float(len(each)) for each in times])
 
 
 def fit(task: Task, start: Array, say: Callable[[str], None]) -> Array:

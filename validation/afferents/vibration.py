@@ -12,6 +12,7 @@ from scipy.stats import norm
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
+from fefinger.neural.recorded_vectorized import fire
 
 
 Array = NDArray[np.float64]
@@ -48,14 +49,11 @@ class Probed:
         )
         n = len(amplitude)
         time = np.linspace(0.0, seconds, round(seconds * frequency * samples(frequency)) + 1)
-        x = self.preload + amplitude[:, None] * np.sin(2 * np.pi * frequency * time)
+        x = self.preload + amplitude * np.sin(2 * np.pi * frequency * time)[:, None]
         units = units_of([self.unit] * n, factors=factor, seed=seed)
         states = self.adapted(units, n)
-        spikes = np.empty((n, int(seconds / self.unit.refractory) + 4))
-        counts = np.zeros(n, np.int64)
-        steps = np.full(n, LONGEST[self.kind])
-        compiled.run(units, 0, states, time, x, steps, spikes, counts)
-        return [row[:count] for row, count in zip(spikes, counts, strict=True)]
+        times, _ = fire(units, states, time, x, np.full(n, LONGEST[self.kind]))
+        return times
 
     def adapted(self, units: compiled.Units, n: int) -> Array:
         """States of n units that the preload was held on for HELD s."""
