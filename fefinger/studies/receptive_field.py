@@ -177,12 +177,6 @@ def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: in
     """Return the scene with one unit of each kind, and nothing else asked."""
     from fefinger.scene.population import Places
 
-    if not hasattr(scene.indenter, "at"):
-        msg = (
-            f"indenter.kind: expected an object with a place, such as a pin or a sphere, received "
-            f"{scene.indenter.kind!r}"
-        )
-        raise InputError(msg)
     units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
     ask = replace(scene.ask, spikes=kinds, population=units, fields=False, pressure=False)
     return replace(scene, ask=ask)
@@ -190,4 +184,5 @@ def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: in
 
 def _moved(scene: "Scene", place: Array) -> "Scene":
     """Return the scene with its object at a place (2,) mm."""
-    return replace(scene, indenter=replace(scene.indenter, at=tuple(place.tolist())))
+    x, y = place.tolist()
+    return replace(scene, indenter=scene.indenter.moved((x, y)))

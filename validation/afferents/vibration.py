@@ -47,20 +47,23 @@ class Probed:
         amplitude, factor = (
             each.ravel() for each in np.meshgrid(amplitudes, factors, indexing="ij")
         )
-        n = len(amplitude)
         time = np.linspace(0.0, seconds, round(seconds * frequency * samples(frequency)) + 1)
         x = self.preload + amplitude * np.sin(2 * np.pi * frequency * time)[:, None]
-        units = units_of([self.unit] * n, factors=factor, seed=seed)
-        states = self.adapted(units, n)
-        times, _ = fire(units, states, time, x, np.full(n, LONGEST[self.kind]))
+        return self.fire(time, x, factor, seed)
+
+    def fire(self, time: Array, x: Array, factors: Array, seed: int = SEED) -> list[Array]:
+        """Spike times (n,) in s with inputs x (n_t, n) mm that begin at the preload."""
+        n = len(factors)
+        units = units_of([self.unit] * n, factors=factors, seed=seed)
+        times, _ = fire(units, self.adapted(units), time, x, np.full(n, LONGEST[self.kind]))
         return times
 
-    def adapted(self, units: compiled.Units, n: int) -> Array:
-        """States of n units that the preload was held on for HELD s."""
-        states = np.zeros((n, compiled.SIZE))
-        states[:, compiled.KNOT], states[:, compiled.X] = np.nan, self.preload
-        for i in range(n):
-            states[i, compiled.CURRENT] = compiled.generated(units, i, self.preload, 0.0, 0.0)
+    def adapted(self, units: compiled.Units) -> Array:
+        """States (n, SIZE) of units that the preload was held on for HELD s."""
+        states = compiled.rested(units, np.full(len(units.gain), self.preload))
+        states[:, compiled.MODE] = states[:, compiled.SLOW] = 0.0
+        y = units.gain * units.at_rest * self.preload
+        states[:, compiled.CURRENT] = y / (1.0 + y / units.largest)
         left = -np.expm1(-HELD / self.unit.adaptation)
         states[:, compiled.ADAPTED] = left * states[:, compiled.CURRENT]
         return states
