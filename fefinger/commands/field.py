@@ -78,4 +78,7 @@ def _summary(answer: "ReceptiveField", files: list[str]) -> str:
         f"{answer.area(kind):.3g} mm²"
         for kind in answer.kinds
     ]
+    if answer.left_out:
+        count, reason = len(answer.left_out), answer.left_out[0][1]
+        lines.append(f"left out: {count} of the places of the square, as {reason}")
     return "\n".join([*lines, *(f"wrote {file}" for file in files)])

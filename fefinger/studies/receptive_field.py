@@ -9,6 +9,7 @@ its motion are those of the scene.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from fefinger.support.vocabulary import TYPES
 
 
 if TYPE_CHECKING:
+    from fefinger.results.records import Plan, Response
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
@@ -28,6 +30,9 @@ Array = NDArray[np.float64]
 
 MOST = 1000
 """Largest number of places: each is a press of its own."""
+
+ASIDE = np.array([0.5, 0.5])
+"""Place in mm for which the mechanics is chosen: off the medial plane, as most places are."""
 
 FILES = ("field.csv", "field.svg")
 """Files that `ReceptiveField.save` writes."""
@@ -38,7 +43,8 @@ class ReceptiveField:
     """Impulses (n_places, n_kinds) of one unit of each kind, by the place of the object.
 
     places (n_places, 2): x, y in mm from the unit, on a square grid `spacing` mm apart; organs: by
-    kind, places (n_organs, 2) mm of the unit's end organs; scene, mechanics: how it was computed.
+    kind, places (n_organs, 2) mm of the unit's end organs; scene, mechanics: how it was computed;
+    left_out: places of the square at which the object cannot be pressed, and why.
     """
 
     kinds: tuple[str, ...]
@@ -48,6 +54,7 @@ class ReceptiveField:
     organs: dict[str, Array]
     scene: str
     mechanics: str
+    left_out: tuple[tuple[tuple[float, float], str], ...] = ()
 
     def of(self, kind: str) -> NDArray[np.int64]:
         """Impulses (n_places,) of the unit of a kind; InputError for a kind that was not asked."""
@@ -73,6 +80,7 @@ class ReceptiveField:
             "mechanics": self.mechanics,
             "places_mm": self.places.tolist(),
             "units": kinds,
+            "left_out": [{"place_mm": place, "reason": why} for place, why in self.left_out],
         }
 
     def figure(self) -> Any:
@@ -129,12 +137,11 @@ def receptive_field(
     Raises
     ------
     InputError
-        An object without a place, such as a plate, too many places, a place beside the pad, or a
-        scene that no mechanics answers.
+        An object without a place, such as a plate, too many places, or a scene that no mechanics
+        answers with the object over the unit. Another place that none answers, as one beside the
+        pad, is left out.
     """
-    from fefinger.afferents import fire
-    from fefinger.mechanics import get
-    from fefinger.plan import choose, settled
+    from fefinger.plan import choose
     from fefinger.scene import builtin
 
     spacing = number("spacing", spacing, above=0, unit="mm")
@@ -148,12 +155,16 @@ def receptive_field(
     asked = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    plan = choose(_moved(asked, places[0]), mechanics)
-    chosen, impulses = get(plan.mechanics), []
+    plan = choose(_moved(asked, ASIDE), mechanics)
+    press = partial(_pressed, asked, plan)
+    response, _ = press(np.zeros(2))
+    impulses, on, left_out = [], np.ones(len(places), bool), []
     for i, place in enumerate(places):
-        response = chosen.respond(settled(_moved(asked, place), plan))
-        trains = fire(asked.ask, response, since=asked.motion.recorded_from, check=False)
-        impulses.append(trains.count())
+        try:
+            impulses.append(press(place)[1])
+        except InputError as error:
+            on[i] = False
+            left_out.append(((float(place[0]), float(place[1])), str(error)))
         if progress is not None:
             progress("places", (i + 1) / len(places))
     sites = response.sites
@@ -164,13 +175,25 @@ def receptive_field(
     }
     return ReceptiveField(
         asked.ask.spikes,
-        places,
+        places[on],
         np.array(impulses, np.int64),
         spacing,
         organs,
         asked.name,
         plan.mechanics,
+        tuple(left_out),
     )
+
+
+def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDArray[np.int64]]":
+    """Press the object at a place (2,) mm; return the response, and the impulses of the units."""
+    from fefinger.afferents import fire
+    from fefinger.mechanics import get
+    from fefinger.plan import settled
+
+    response = get(plan.mechanics).respond(settled(_moved(scene, place), plan))
+    trains = fire(scene.ask, response, since=scene.motion.recorded_from, check=False)
+    return response, trains.count()
 
 
 def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: int) -> "Scene":

@@ -56,6 +56,15 @@ def test_the_field_is_that_of_the_scene_with_the_object_there(field):
     assert field.impulses[index].tolist() == counts.tolist()
 
 
+@pytest.mark.usefixtures("operators")
+def test_a_place_beside_the_pad_is_left_out_and_said():
+    options = {"reach": 20.0, "spacing": 20.0, "branched": False, "mechanics": "condensed"}
+    field = ff.receptive_field(SCENE, ("SAI",), **options)
+    assert field.places.tolist() == [[0.0, 0.0]]
+    assert len(field.left_out) == len(field.record()["left_out"]) == 8
+    assert "indenter.at" in field.left_out[0][1]
+
+
 def test_the_area_is_that_of_the_places_above_a_part_of_the_most():
     places = np.array([[0.0, 0.0], [0.0, 0.5], [0.5, 0.0], [0.5, 0.5]])
     impulses = np.array([[10, 0], [5, 0], [4, 0], [0, 0]])
