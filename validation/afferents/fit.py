@@ -133,7 +133,7 @@ relative error where units fire one impulse per cycle, of the mean squared devia
 logarithms of the thresholds up to a constant, of the squared rate at rest over LOUD, and of the
 mean squared relative error under spheres."""
 
-LOUD = 2.0
+LOUD = 0.5
 """Rate in Hz at rest that counts as an error of 1: FA units are silent there."""
 
 DRAWS, WIDTHS, ITERATIONS = 120, (0.5, 0.3, 0.2), 1000
@@ -214,8 +214,7 @@ class Task:
             frequency, amplitude = data.thresholds(self.kind)
             apart = np.log(probed.thresholds(frequency) / amplitude)
             parts.append(math.sqrt(SHAPE / len(apart)) * (apart - apart.mean()))
-            at_rest = probed.rates(20.0, np.zeros(1)) / LOUD
-            parts.append(math.sqrt(REST) * at_rest)
+            parts.append(np.array([math.sqrt(REST) * probed.rate_at_rest() / LOUD]))
         return np.concatenate(parts)
 
     def loss(self, logarithms: Array) -> float:

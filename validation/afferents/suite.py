@@ -29,6 +29,7 @@ SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
+SILENT = "models of units of TouchSim, computed: no impulse in a hold"
 GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
 GROWS = (
     "areas of 5.1 mm² (SAI) and 5.5 mm² (FAI) at 50 um grew to 8.8 and 22.4 at 500 um: by 0.8 and "
@@ -54,6 +55,11 @@ def entrained() -> float:
     amplitudes = np.geomspace(1e-3, 0.05, 18)
     reached = probed("FAII").rates(300.0, amplitudes) >= 0.95 * 300.0
     return float(1e3 * amplitudes[np.argmax(reached)]) if reached.any() else np.nan
+
+
+def at_rest(kind: str) -> float:
+    """Mean rate in Hz of units under a probe that rests."""
+    return probed(kind).rate_at_rest()
 
 
 def rate(kind: str, frequency: float, amplitude: float) -> float:
@@ -138,6 +144,9 @@ def _fitted() -> Iterator[Case]:
     for kind, low, high in (("FAII", 20.0, 210.0), ("FAII", 330.0, 830.0), ("FAI", 0.5, 17.0)):
         name = f"fitted: slope of the thresholds of {kind}, {low:g} to {high:g} Hz, octaves off"
         yield _case(name, partial(slope, kind, low, high), -1.0, 1.0, "1", UNITS, "a factor of 2")
+    for kind in ("FAI", "FAII"):
+        name = f"fitted: rate of {kind} under a probe that rests"
+        yield _case(name, partial(at_rest, kind), -0.1, 0.1, "Hz", SILENT)
     name = "fitted: RMS error of SAI by curvature and force"
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
 

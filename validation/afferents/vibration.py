@@ -76,6 +76,12 @@ class Probed:
         counts = np.array([np.count_nonzero(each >= since) for each in times])
         return np.asarray(counts.reshape(len(amplitudes), -1).mean(axis=1) / (seconds - since))
 
+    def rate_at_rest(self, seconds: float = 5.0, units: int = 16) -> float:
+        """Mean rate in Hz of units under a probe that rests, by noise alone."""
+        time = np.linspace(0.0, seconds, 101)
+        times = self.fire(time, np.full((len(time), units), self.preload), np.ones(units))
+        return sum(map(len, times)) / (seconds * units)
+
     def thresholds(self, frequencies: Sequence[float] | Array) -> Array:
         """Amplitudes (n,) in mm from which the unit fires without noise."""
         return np.array([self.threshold(float(frequency)) for frequency in frequencies])
