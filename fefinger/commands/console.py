@@ -84,29 +84,51 @@ def fired_record(trains: "SpikeTrains") -> dict[str, Any]:
     return {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
 
 
-def run_summary(result: "Result", seconds: dict[str, float], files: list[str]) -> str:
-    """Summary of a result as text."""
-    record = run_record(result, seconds, files)
-    rows = [("mechanics", result.plan.sentence)]
-    if result.force is not None:
-        when = result.time[result.force.argmax()]
-        rows.append(("peak force", f"{record['peak_force_N']:.4g} N at {when:.4g} s"))
-        rows.append(("final force", f"{record['final_force_N']:.4g} N"))
-    rows.append(("final depth", f"{result.depth[-1]:.4g} mm"))
-    if record["contact_area_mm2"] is not None:
-        x, y = record["centroid_mm"]
-        rows.append(("contact area", f"{record['contact_area_mm2']:.4g} mm² at the peak"))
-        rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
+def run_summary(
+    result: "Result", seconds: dict[str, float], files: list[str], *, verbose: bool = False
+) -> str:
+    """Summary of a result as text of at most ten lines; all that is known of it if `verbose`."""
+    from fefinger.results.key_numbers import key_numbers
+
+    rows = []
+    for number in key_numbers(result):
+        if number.name.startswith("spikes"):
+            continue
+        about = ", ".join(filter(None, (number.within, number.about)))
+        rows.append((number.name, f"{number.value}{f' ({about})' if about else ''}"))
     if result.spikes is not None:
         fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
         rows.append(("spikes", fired))
+    rows.append(("computed", f"{_how(result)}, in {sum(seconds.values()):.1f} s"))
+    if verbose:
+        return "\n".join([table(rows), "", table(_details(result, seconds, files))])
+    report = [file for file in files if file.endswith(".html")]
+    notes = f"{len(result.notes)} notes"
+    where = f"{report[0]} ({notes})" if report else f"-o DIR writes it, -v prints its {notes}"
+    rows.append(("report", where))
+    return f"{result.scene.name}\n{table(rows)}"
+
+
+def _how(result: "Result") -> str:
+    """Mechanics and mesh of a result."""
+    settings = result.plan.settings
+    mesh = f" on the {settings.resolution} mesh" if settings and settings.resolution else ""
+    return f"by {result.plan.mechanics}{mesh}"
+
+
+def _details(
+    result: "Result", seconds: dict[str, float], files: list[str]
+) -> list[tuple[str, str]]:
+    """Rows on how a result was reached: convergence, choice, trust, stages, notes, files."""
+    rows = [("status", result.status), ("mechanics", result.plan.sentence)]
+    if result.centroid is not None:
+        x, y = run_record(result, seconds, files)["centroid_mm"]
+        rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.plan.trust:
         rows.append(("trust", result.plan.trust))
-    times = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
-    rows.append(("seconds", f"{sum(seconds.values()):.1f} ({times})"))
-    rows += [("note", note) for note in result.notes]
-    rows += [("file", file) for file in files]
-    return f"{result.status}\n{table(rows)}"
+    stages = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
+    rows.append(("seconds", stages))
+    return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
 
 
 def plan_record(plan: "Plan") -> dict[str, Any]:
@@ -117,10 +139,11 @@ def plan_record(plan: "Plan") -> dict[str, Any]:
 
 
 def plan_summary(plan: "Plan") -> str:
-    """Format a plan: the choice, its trust, the table of mechanics and meshes, and the machine."""
-    from fefinger.results.plan_text import ladder
+    """Format a plan: the choice in one line, its reason and trust, the ladder, the machine."""
+    from fefinger.results.plan_text import choice_line, ladder
 
-    return f"{plan.sentence}\n\n{plan.trust}\n\n{ladder(plan.rungs, plan.chosen)}\n\n{plan.machine}"
+    parts = (choice_line(plan), plan.sentence, plan.trust, ladder(plan.rungs, plan.chosen))
+    return "\n\n".join([*parts, plan.machine])
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:

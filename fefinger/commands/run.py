@@ -16,11 +16,21 @@ from fefinger.support.checks import InputError, Stopped
     "--mechanics", metavar="NAME", help="Use this mechanics instead of the cheapest good enough."
 )
 @changes_option
+@click.option("-v", "--verbose", is_flag=True, help="Print notes, stages and the choice too.")
 @json_option
 def run(
-    scene: str, output: str | None, mechanics: str | None, changes: tuple[str, ...], as_json: bool
+    scene: str,
+    output: str | None,
+    mechanics: str | None,
+    changes: tuple[str, ...],
+    verbose: bool,
+    as_json: bool,
 ) -> None:
-    """Answer SCENE with force, pressure, strain and spikes."""
+    """Answer SCENE with force, pressure, strain and spikes.
+
+    Ends with the numbers that matter and their expected errors; how they were reached and what was
+    left out is in the report, or printed by -v.
+    """
     from fefinger.pipeline import run as answer
     from fefinger.scene import builtin
     from fefinger.scene.inertia import quasistatic
@@ -47,7 +57,7 @@ def run(
             if as_json:
                 console.print_json(console.run_record(result, seconds, written))
             else:
-                click.echo(console.run_summary(result, seconds, written))
+                click.echo(console.run_summary(result, seconds, written, verbose=verbose))
 
 
 def _save_partial(stop: Stopped, output: str) -> None:

@@ -1,4 +1,4 @@
-"""`fefinger scenes`: list the built-in scenes, or print one."""
+"""`fefinger scenes`: list the built-in scenes, print one, or print the schema of scene files."""
 
 import click
 
@@ -9,14 +9,21 @@ from fefinger.support.text import table
 
 @click.command()
 @click.argument("name", required=False)
+@click.option("--schema", is_flag=True, help="Print the JSON Schema of scene files, for editors.")
 @json_option
-def scenes(name: str | None, as_json: bool) -> None:
+def scenes(name: str | None, schema: bool, as_json: bool) -> None:
     """List the built-in scenes, or print one.
 
-    Prints the scene called NAME as TOML, to start a scene of your own from.
+    Prints the scene called NAME as TOML, to start a scene of your own from. With --schema it prints
+    the JSON Schema by which an editor completes and checks scene files.
     """
     from fefinger.scene import builtin as library
 
+    if schema:
+        from fefinger.scene.schema import schema as scene_schema
+
+        console.print_json(scene_schema())
+        return
     if name is not None:
         text = library.text(name)
         if as_json:

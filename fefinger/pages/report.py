@@ -13,7 +13,7 @@ import numpy as np
 from fefinger import view
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
-from fefinger.results.pressure import highest
+from fefinger.results import key_numbers
 from fefinger.results.records import ResultRecord
 from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
@@ -26,6 +26,9 @@ STANDING = (
     "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
 )
 """Limitations of every mechanics, listed after the notes of the result."""
+
+TILES = 4
+"""Numbers at the top of the page."""
 
 ALIKE = (
     "No noise: a unit fires the same spikes every time, and units do not differ from each other."
@@ -47,6 +50,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         units=list(_units(result)),
         plan=result.plan,
         status=result.status,
+        seconds=f"{sum(result.seconds.values()):.3g}",
         stages=page.svg(figures.stages(result)),
         notes=[*result.notes, *STANDING, *_chance(result)],
         folder="out",
@@ -80,7 +84,7 @@ def answer(result: ResultRecord) -> str:
         step = int(np.argmax(result.force))
         parts.append(
             f"the finger pushes back with up to {result.force[step]:.3g} N "
-            f"(at {_time(result.time[step])}) and {result.force[-1]:.3g} N at the end"
+            f"(at {key_numbers.moment(result.time[step])}) and {result.force[-1]:.3g} N at the end"
         )
     if result.contact_area is not None:
         parts.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
@@ -100,32 +104,14 @@ def _touch(result: ResultRecord) -> str:
     peak = f"{motion.peak:.3g} {motion.unit}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
     what = f"{scene.indenter.describe()}; {motion.kind} to {peak}"
-    return f"{who} ({size}) and {what}, {_time(motion.duration)} in all."
+    return f"{who} ({size}) and {what}, {key_numbers.moment(motion.duration)} in all."
 
 
 def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
-    """Give the key numbers, each with its unit and the file that holds it."""
-    if result.force is not None:
-        yield _tile("peak force", f"{np.max(result.force):.3g} N", "result.nc: force")
-    yield _tile("largest depth", f"{np.max(result.depth):.3g} mm", "result.nc: depth")
-    if result.contact_area is not None:
-        value = f"{np.nanmax(result.contact_area):.3g} mm²"
-        yield _tile("largest contact area", value, "result.nc: contact_area")
-    if result.pressure is not None and result.pad is not None:
-        value = f"{highest(result.pad, result.pressure):.3g} kPa"
-        step = int(np.argmax(result.pressure.max(axis=1)))
-        top, when = result.pressure[step].max(), _time(result.time[step])
-        at_point = f"result.nc: pressure, {top:.3g} kPa at a point (at {when})"
-        yield _tile("highest pressure over 1 mm²", value, at_point)
-    if result.spikes is not None:
-        total, units = str(int(result.spikes.count().sum())), len(result.spikes)
-        yield _tile(f"spikes of {units} unit{'s' if units > 1 else ''}", total, "spikes.csv")
-    total_time = sum(result.seconds.values())
-    yield _tile(f"run time, {result.plan.mechanics}", f"{total_time:.3g} s", "stages below")
-
-
-def _tile(name: str, value: str, source: str) -> dict[str, str]:
-    return {"name": name, "value": value, "source": source}
+    """Give the four numbers that matter most, each with its expected error."""
+    for number in key_numbers.leading(result, TILES):
+        parts = number.within, number.about
+        yield {"name": number.name, "value": number.value, "source": "; ".join(filter(None, parts))}
 
 
 def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
@@ -160,7 +146,10 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
         yield _part("force", "Force and depth", text, figures.force(result))
     if result.pad is not None and result.pressure is not None:
-        text = "Contact pressure at the largest force, seen along the z axis; lines show the mesh."
+        text = (
+            "Contact pressure at the largest force, seen along the z axis; lines show the mesh. "
+            f"{_top_pressure(result)}"
+        )
         part = _part("pressure", "Pressure on the pad", text, figures.pressure_map(result))
         yield part | {"narrow": True}
     if result.contact_area is not None or result.centroid is not None:
@@ -183,6 +172,14 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
         yield _spikes(result)
+
+
+def _top_pressure(result: ResultRecord) -> str:
+    """Return a sentence on the highest pressure at a point of the mesh, and when it is."""
+    assert result.pressure is not None
+    step = int(np.argmax(result.pressure.max(axis=1)))
+    top, when = result.pressure[step].max(), key_numbers.moment(result.time[step])
+    return f"At a single point of it the pressure is at most {top:.3g} kPa, at {when}."
 
 
 def _spikes(result: ResultRecord) -> dict[str, Any]:
@@ -238,7 +235,7 @@ def _caption(result: ResultRecord, field: str) -> str:
     assert result.fields is not None
     frame = frames.nearest_frame(result.fields, frames.peak_time(result))
     where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
-    return f"{field.capitalize()} {where}, {_time(result.fields.times[frame])}."
+    return f"{field.capitalize()} {where}, {key_numbers.moment(result.fields.times[frame])}."
 
 
 def _units(result: ResultRecord) -> Iterator[dict[str, str]]:
@@ -268,7 +265,3 @@ def _units(result: ResultRecord) -> Iterator[dict[str, str]]:
             "block": f"{spikes.block_seconds[which].sum():.3g}",
             "peak": f"{spikes.peak_mV[which].max():.3g}",
         }
-
-
-def _time(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.4g} s"

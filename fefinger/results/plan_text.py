@@ -8,7 +8,7 @@ from fefinger.support.text import duration, percent, table
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Rung
+    from fefinger.results.records import Plan, Rung
     from fefinger.scene.ask import Ask
 
 
@@ -36,6 +36,16 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
     heading = ("", "mechanics", "mesh", "error", "time", "refused because")
     return f"{table(rows, heading)}\n\n{_sources(rungs)}"
+
+
+def choice_line(plan: "Plan") -> str:
+    """Return the choice in one line: mechanics, mesh, expected error of the force and time."""
+    rung = plan.chosen
+    mesh = f" on the {rung.resolution} mesh" if rung.resolution else ""
+    error = "error of the force not known"
+    if math.isfinite(rung.error):
+        error = f"force within {percent(rung.error)}"
+    return f"{rung.mechanics}{mesh}: {error}, in about {duration(rung.seconds)}."
 
 
 def trust(rung: "Rung", ask: "Ask") -> str:

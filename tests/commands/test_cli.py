@@ -24,6 +24,7 @@ from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import origin_notes
 from fefinger.scene.scene import Scene
+from fefinger.scene.schema import schema
 
 
 QUICK = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.05")
@@ -35,10 +36,22 @@ def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
     assert scene == builtin.load("flat-press", {"motion.depth": 1})
     assert options == {"mechanics": "linear", "progress": None}
     out, err = capsys.readouterr()
-    shown = ("peak force", "contact area", "centroid", "SAI-1", "seconds", "note", "No inertia")
-    for words in shown:
+    for words in ("synthetic", "peak force", "within 4 %", "contact area", "SAI-1", "its 3 notes"):
         assert words in out
+    assert len(out.splitlines()) <= 10
     assert err == ""
+
+
+def test_run_prints_how_the_answer_was_reached_with_verbose(capsys, answered):
+    assert main(["run", "flat-press", "-v"]) == 0
+    out = capsys.readouterr().out
+    for words in ("peak force", "status", "centroid", "trust", "seconds", "note", "No inertia"):
+        assert words in out
+
+
+def test_run_names_the_report_that_it_wrote(capsys, answered, tmp_path):
+    assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 0
+    assert str(tmp_path / "out" / "report.html") in capsys.readouterr().out
 
 
 def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered, synthetic):
@@ -145,6 +158,11 @@ def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeyp
     assert (record["rungs"][0]["seconds"], record["rungs"][0]["error"]) == (None, None)
 
 
+def test_scenes_prints_the_schema_of_scene_files(capsys):
+    assert main(["scenes", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(schema()))
+
+
 def test_scenes_lists_all_and_prints_one_that_loads(capsys):
     assert main(["scenes"]) == 0
     out = capsys.readouterr().out
@@ -236,7 +254,7 @@ def test_a_subject_of_another_size_is_told(capsys, tmp_path):
     assert capsys.readouterr().err.strip() == message
     force = ("pressure=false", "strain=false", "fields=false", "spikes=[]")
     only = [word for each in force for word in ("--set", f"ask.{each}")]
-    assert main(["run", "flat-press", *only, *SIZE, "--mechanics", "lumped"]) == 0
+    assert main(["run", "flat-press", *only, *SIZE, "--mechanics", "lumped", "-v"]) == 0
     assert message in capsys.readouterr().out
     assert main(["explain", "flat-press", "--set", "finger.tissue=calibrated_ah"]) == 0
     assert capsys.readouterr().err == ""

@@ -10,6 +10,7 @@ import pytest
 
 from fefinger.pages import report
 from fefinger.result import Result
+from fefinger.results import key_numbers
 from fefinger.results.records import Rung
 from fefinger.scene.motions import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
@@ -36,7 +37,7 @@ def test_a_full_report_has_every_section_and_stands_alone(
 ) -> None:
     html = page(synthetic, tmp_path)
     parts = ["force", "pressure", "contact", "section", "strain", "current", "spikes"]
-    assert sections(html) == [*parts, "plan", "limits", "files", "provenance"]
+    assert sections(html) == [*parts, "limits", "plan", "files", "provenance"]
     sources = re.findall(r'src="([^"]*)"', html)
     assert len(sources) == 8
     assert all(source.startswith("data:image/svg+xml,") for source in sources)
@@ -61,7 +62,7 @@ def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None
     response = dataclasses.replace(synthetic.response, **dict.fromkeys(names))
     bare = dataclasses.replace(synthetic, response=response, spikes=None, provenance={})
     html = page(bare, tmp_path)
-    assert sections(html) == ["force", "plan", "limits", "files", "provenance"]
+    assert sections(html) == ["force", "limits", "plan", "files", "provenance"]
     assert "None" not in html
     assert "result.show()" not in html
 
@@ -74,12 +75,27 @@ def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
     assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
 
 
-def test_the_highest_pressure_at_a_point_is_told_with_its_own_time(synthetic: Result) -> None:
+def test_the_highest_pressure_at_a_point_has_its_own_time(
+    synthetic: Result, tmp_path: Path
+) -> None:
     assert synthetic.pressure is not None
     step = int(np.argmax(synthetic.pressure.max(axis=1)))
-    (told,) = (tile["source"] for tile in report._tiles(synthetic) if "pressure" in tile["name"])
-    top = f"{synthetic.pressure[step].max():.3g} kPa at a point"
-    assert told.endswith(f"{top} (at {report._time(synthetic.time[step])})")
+    top, when = synthetic.pressure[step].max(), key_numbers.moment(synthetic.time[step])
+    assert f"at most {top:.3g} kPa, at {when}." in page(synthetic, tmp_path)
+
+
+def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    html = page(synthetic, tmp_path)
+    tiles = re.findall(r'<div class="tile"><span>(.*?)</span><b>(.*?)</b><i>(.*?)</i>', html)
+    names = ["peak force", "largest contact area", "largest compressive strain"]
+    assert [name for name, _, _ in tiles] == [*names, "spikes of 4 units"]
+    assert tiles[0][1] == f"{synthetic.response.force.max():.3g} N"
+    assert tiles[0][2].startswith("within 4 %")
+    assert tiles[1][2] == "within 3 %"
+    assert tiles[2][2].startswith("error not known")
+    assert html.index('class="tile"') < html.index('<section id="force"')
 
 
 def test_block_is_warned_of(synthetic: Result, tmp_path: Path) -> None:

@@ -1,0 +1,93 @@
+"""The numbers of a result that matter first, each with its expected error.
+
+The terminal and the report show the same ones.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from fefinger.results.pressure import highest
+from fefinger.results.records import ResultRecord
+from fefinger.support.text import percent
+
+
+class KeyNumber(NamedTuple):
+    """A number of a result: its name, its value with unit, its relative error (nan: not known).
+
+    `error` is None for a number that the motion prescribes or that counts something; `rank` orders
+    what is shown where not all of them are; `about` says when or where.
+    """
+
+    name: str
+    value: str
+    error: float | None
+    rank: int
+    about: str = ""
+
+    @property
+    def within(self) -> str:
+        """The expected error in words; empty for a number that has none."""
+        if self.error is None:
+            return ""
+        return "error not known" if math.isnan(self.error) else f"within {percent(self.error)}"
+
+
+def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
+    """Give the numbers of the quantities that the scene asks for, in order of reading."""
+    rung = result.plan.chosen
+    errors = {"force": rung.error, **rung.errors}
+    by_force = result.scene.motion.control == "force"
+    step = int(np.argmax(result.response.force))
+    if result.force is not None:
+        end = f"at {moment(result.time[step])}; {result.force[-1]:.3g} N at the end"
+        error = None if by_force else errors["force"]
+        yield KeyNumber("peak force", f"{result.force[step]:.3g} N", error, 1, end)
+    deepest = int(np.argmax(result.depth))
+    error = errors.get("depth", math.nan) if by_force else None
+    rank = 2 if by_force else 6
+    when = f"at {moment(result.time[deepest])}"
+    yield KeyNumber("largest depth", f"{result.depth[deepest]:.3g} mm", error, rank, when)
+    if result.contact_area is not None and np.isfinite(result.contact_area).any():
+        value = f"{np.nanmax(result.contact_area):.3g} mm²"
+        yield KeyNumber("largest contact area", value, errors.get("area", math.nan), 3)
+    if result.pressure is not None and result.pad is not None:
+        value = f"{highest(result.pad, result.pressure):.3g} kPa"
+        error = errors.get("pressure", math.nan)
+        yield KeyNumber("highest pressure over 1 mm²", value, error, 5)
+    if result.strain is not None and result.sites is not None and result.strain.size:
+        yield _strain(result, errors.get("strain", math.nan))
+    if result.spikes is not None:
+        total, units = int(result.spikes.count().sum()), len(result.spikes)
+        name = f"spikes of {units} unit{'s' if units > 1 else ''}"
+        yield KeyNumber(name, str(total), None, 2, result.spikes.summary())
+
+
+def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
+    """Return the `count` numbers that matter most, in order of reading."""
+    numbers = list(key_numbers(result))
+    ranks = sorted(number.rank for number in numbers)[:count]
+    return [number for number in numbers if number.rank in ranks][:count]
+
+
+def _strain(result: ResultRecord, error: float) -> KeyNumber:
+    """Return the largest compressive principal strain at an end organ, and that of each type."""
+    assert result.strain is not None
+    assert result.sites is not None
+    types, depths = result.sites.types, result.sites.depths
+    by_site = -100 * np.linalg.eigvalsh(result.strain)[..., 0].min(axis=0)
+    largest = {
+        kind: max(by_site[site] for site, each in enumerate(types) if each == kind)
+        for kind in dict.fromkeys(types)
+    }
+    about = "at the end organs of " + ", ".join(f"{k} {x:.3g} %" for k, x in largest.items() if k)
+    if len(largest) == 1:
+        about = f"at an end organ {depths[np.argmax(by_site)]:.3g} mm deep"
+    return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 4, about)
+
+
+def moment(seconds: float) -> str:
+    """Return a time in ms or s."""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.4g} s"
