@@ -1,0 +1,78 @@
+"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
+
+import os
+import sys
+from pathlib import Path
+
+
+# Two agents of one build share its cores: numerical libraries keep to one thread.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import matplotlib as mpl  # noqa: E402
+
+import fefinger  # noqa: E402
+
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+import generate  # noqa: E402
+from pictures import shown_figures  # noqa: E402
+
+
+mpl.use("agg")
+
+project = "fefinger"
+author = "The fefinger developers"
+copyright = "2026, The fefinger developers"
+version = release = fefinger.__version__
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "gallery", "**/GALLERY_HEADER.rst"]
+templates_path = ["_templates"]
+html_theme = "furo"
+html_title = f"fefinger {version}"
+html_static_path = ["_static"]
+html_css_files = ["fefinger.css"]
+suppress_warnings = ["config.cache"]  # the order of the examples is a function
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+
+autosummary_generate = True
+autodoc_default_options = {"members": True, "inherited-members": False}
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "examples",
+    "filename_pattern": r"plot_",
+    "within_subsection_order": "FileNameSortKey",
+    "image_scrapers": ("matplotlib", shown_figures),
+    "download_all_examples": True,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "abort_on_example_error": True,
+    "min_reported_time": 5,
+    "plot_gallery": "True",
+}
+
+
+def setup(app):
+    """Write the pages that are made from the code and from the reports."""
+    generate.write(HERE)
+    app.connect("build-finished", generate.notebook)
