@@ -72,6 +72,11 @@ class Indenter(ABC):
         That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
         """
 
+    @property
+    def narrowest(self) -> float:
+        """Smallest width in mm of what its edges leave to the pad, infinite without edges."""
+        return float("inf")
+
     @abstractmethod
     def describe(self) -> str:
         """Return the object in words, with its sizes: "a rigid sphere of radius 5 mm"."""
