@@ -51,12 +51,11 @@ def series() -> list[Figure]:
     types, x = inputs()
     vary = Variation(seed=1, spread=None, noise=None)
     run = partial(simulate_recorded, TIME, x, types=types, variation=vary)
-    name = f"{len(types)} units for 1 s"
+    single, name = partial(run, check=False), f"{len(types)} units for 1 s"
     return [
-        Figure(
-            f"{name}: wall", _fastest(partial(run, check=False), REPEATS), "s", _stepped(types, x)
-        ),
-        Figure(f"{name}, with the check of steps and samples: wall", _fastest(run, 3), "s"),
+        Figure(f"{name}: wall", _fastest(single, REPEATS), "s", _stepped(types, x)),
+        Figure(f"{name}: processor", _fastest(single, REPEATS, process_time), "s"),
+        Figure(f"{name}, with the check of steps and samples: wall", _fastest(run, 9), "s"),
         Figure(f"{name}: spikes", float(run(check=False).count().sum()), "1"),
     ]
 
