@@ -1,0 +1,21 @@
+"""
+Strain inside the finger
+========================
+
+The medial section of the deformed finger, and the pressure on its pad.
+"""
+
+import fefinger as ff
+from fefinger.view import figures, section_figure
+
+
+result = ff.run("flat-press")
+section = section_figure.draw(result, field="compressive strain")
+
+# %%
+# The plate presses hardest near the tip, where the bone is close.
+pressure = figures.pressure_map(result)
+
+# %%
+# Strain at the four end organs under first touch.
+strain = figures.site_strain(result)

@@ -1,0 +1,34 @@
+"""
+A file for ParaView
+===================
+
+``result.vtkhdf`` holds displacement, strain and pressure on the mesh through time. ParaView and PyVista open it.
+"""
+
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pyvista as pv
+
+import fefinger as ff
+
+
+folder = Path(tempfile.mkdtemp())
+ff.run("flat-press").save(folder)
+reader = pv.get_reader(folder / "result.vtkhdf")
+print("times:", np.round(reader.time_values, 3)[:8], "...")
+reader.set_active_time_value(reader.time_values[-1])
+mesh = reader.read()
+print(mesh.array_names, mesh.n_cells, "tetrahedra")
+
+# %%
+# A cut at x = 0 with PyVista, drawn by matplotlib.
+cut = mesh.slice(normal="x", origin=(0, 0, 0))
+shown = np.linalg.norm(cut["displacement"], axis=1)
+fig, axis = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
+drawn = axis.scatter(cut.points[:, 1], cut.points[:, 2], c=shown, s=6)
+fig.colorbar(drawn, label="displacement / mm")
+axis.set(xlabel="y / mm", ylabel="z / mm", aspect="equal")
+plt.show()

@@ -1,0 +1,37 @@
+"""
+The mechanics compared: error against time
+==========================================
+
+The measured front: true errors on held-out scenes, from ``reports/tradeoff.json``.
+"""
+
+import json
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import fefinger as ff
+import fefinger.reports
+
+
+report = json.loads((Path(fefinger.reports.__path__[0]) / "tradeoff.json").read_text())
+measured = {}
+for scene in report["held_out"].values():
+    for name, each in scene["candidates"].items():
+        measured.setdefault(name, []).append((each["seconds"], each["actual"]["force"]))
+
+fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
+for name, rows in measured.items():
+    seconds, error = np.median(rows, axis=0)
+    axis.loglog(seconds, 100 * error, "o")
+    axis.annotate(f" {name}", (seconds, 100 * error), fontsize=8)
+axis.set(xlabel="time of a first answer / s (median)", ylabel="error of the force / % (median)")
+axis.margins(0.2)
+plt.show()
+
+# %%
+# What the planner expects for one scene.
+for rung in ff.explain("flat-press").rungs:
+    reason = rung.refusals[0].reason[:60] if rung.refusals else "good enough"
+    print(f"{rung.candidate.label:20} {100 * rung.error:6.1f} %  {rung.seconds:8.2f} s  {reason}")

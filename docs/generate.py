@@ -1,0 +1,315 @@
+"""Pages that are made from the code and from the reports: keys, commands, verdicts, front.
+
+They are written to `docs/generated/` at the start of every build.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+import click
+
+
+REPORTS = Path(__file__).parent.parent / "reports"
+BAR = r"\|"
+QUANTITIES = {
+    "force": "force",
+    "pressure": "highest pressure",
+    "area": "contact area",
+    "strain": "strain",
+}
+
+
+def write(docs):
+    """Write the generated pages below the folder of the documentation."""
+    from fefinger.scene.schema import schema
+
+    check_api(docs)
+
+    pages = {"keys": keys(schema()), "commands": commands(), "verdicts": verdicts()}
+    pages |= {"front": front(), "kept": kept(), "mechanics": mechanics(), "extras": extras()}
+    pages |= {"scenes": scenes()}
+    place = docs / "generated"
+    place.mkdir(exist_ok=True)
+    for name, lines in pages.items():
+        text = "\n".join(lines) + "\n"
+        if not (place / f"{name}.md").exists() or (place / f"{name}.md").read_text() != text:
+            (place / f"{name}.md").write_text(text, encoding="utf-8")
+    static = docs / "_static"
+    static.mkdir(exist_ok=True)
+    (static / "scene.schema.json").write_text(json.dumps(schema(), indent=1) + "\n")
+
+
+def notebook(app, exception):
+    """Offer the tutorial as a Jupyter notebook beside its page."""
+    import nbformat
+    from myst_nb.core.read import read_myst_markdown_notebook
+
+    if exception is None and app.builder.format == "html":
+        text = Path(app.srcdir, "tutorial.md").read_text(encoding="utf-8")
+        book = read_myst_markdown_notebook(text, add_source_map=False)
+        nbformat.write(book, Path(app.outdir, "tutorial.ipynb"))
+
+
+def table(heading, rows) -> Iterator[str]:
+    """Give the lines of a table in Markdown."""
+    yield ""
+    yield f"| {' | '.join(heading)} |"
+    yield f"|{' --- |' * len(heading)}"
+    for row in rows:
+        yield f"| {' | '.join(str(cell).replace('|', BAR) for cell in row)} |"
+    yield ""
+
+
+# Keys of a scene
+
+
+def keys(schema) -> Iterator[str]:
+    """Give the keys of every table of a scene, from its JSON Schema."""
+    parts = schema["properties"]
+    yield "## The file itself"
+    yield from rows({"name": parts["name"]})
+    yield "## `[finger]`"
+    finger = parts["finger"]["properties"]
+    yield from rows(finger)
+    layers = finger["skin"]["properties"]
+    yield "### `[finger.skin]` and `[finger.subcutaneous]`"
+    yield from rows(layers)
+    yield "### `[finger.bone]` and `[finger.nail]`"
+    yield from rows(finger["bone"]["anyOf"][1]["properties"])
+    yield "### `prony`"
+    yield "Of the finger or of a layer: `prony = {c = [0.3, 0.5, 0.2], v = [200, 10]}`."
+    yield from rows(finger["prony"]["properties"])
+    yield "## `[indenter]`"
+    yield from forms(parts["indenter"])
+    yield "## `[motion]`"
+    yield from forms(parts["motion"])
+    yield "## `[ask]`"
+    ask = parts["ask"]["properties"]
+    yield from rows({name: key for name, key in ask.items() if name != "population"})
+    yield "## `[ask.population]`"
+    yield from forms(ask["population"])
+
+
+def forms(part) -> Iterator[str]:
+    """Give a section on each kind of a table."""
+    yield f"{part['description']}."
+    for form in part["oneOf"]:
+        yield ""
+        from_file = " from a file" if "file" in form["properties"] else ""
+        yield f"### `kind = \"{form['title']}\"`{from_file}"
+        yield "" if from_file else form["description"]
+        named = {name: key for name, key in form["properties"].items() if name != "kind"}
+        yield from rows(named, form.get("required", ()))
+
+
+def rows(table_keys, required=()) -> Iterator[str]:
+    """Give the table of some keys."""
+    yield from table(
+        ("key", "value", "default", "meaning"),
+        (
+            (f"`{name}`", value(key), default(name, key, required), key["description"])
+            for name, key in table_keys.items()
+        ),
+    )
+
+
+def default(name, key, required):
+    """Return the default of a key in Markdown."""
+    if name in required:
+        return "needed"
+    return f"`{json.dumps(key['default'])}`" if "default" in key else ""
+
+
+def value(key):
+    """Return what values a key takes, in words."""
+    if "enum" in key:
+        return ", ".join(f'`"{word}"`' for word in key["enum"])
+    if "anyOf" in key:
+        return " or ".join(value(form) for form in key["anyOf"])
+    if key["type"] == "array":
+        count = f"{key['minItems']} " if "minItems" in key else ""
+        return f"list of {count}{plural(key['items'])}"
+    if key["type"] == "object":
+        return "table"
+    limits = {
+        "exclusiveMinimum": "> {:g}",
+        "minimum": "≥ {:g}",
+        "exclusiveMaximum": "< {:g}",
+        "maximum": "≤ {:g}",
+    }
+    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+    bounds = ", ".join(text.format(key[name]) for name, text in limits.items() if name in key)
+    return " ".join(filter(None, (words[key["type"]], bounds)))
+
+
+def plural(items):
+    """Return the items of a list in words."""
+    if "enum" in items:
+        return value(items)
+    words = {"number": "numbers", "string": "texts", "integer": "whole numbers"}
+    return words.get(items.get("type"), "lists of numbers")
+
+
+# Commands
+
+
+def commands() -> Iterator[str]:
+    """Give a section on each command, from its help."""
+    from fefinger.commands.cli import cli
+
+    for name, command in cli.commands.items():
+        context = click.Context(command, info_name=f"fefinger {name}")
+        yield f"## `fefinger {name}`"
+        yield ""
+        help_text = (command.help or "").replace("\b", "")
+        yield from help_text.splitlines()
+        yield ""
+        yield f"```text\n{' '.join(command.get_usage(context).split()[1:])}\n```"
+        options = [
+            option.get_help_record(context)
+            for option in command.params
+            if option.get_help_record(context)
+        ]
+        yield from table(
+            ("option", "meaning"), ((f"`{flags}`", text) for flags, text in options)
+        )
+
+
+# Reports
+
+
+def verdicts() -> Iterator[str]:
+    """Give the counts of verdicts of every suite that has a report."""
+    from fefinger.validation import suites
+    from fefinger.validation.page import VERDICTS
+
+    counted = []
+    for name, about in suites.ABOUT.items():
+        path = REPORTS / f"{name}.json"
+        if path.exists():
+            record = json.loads(path.read_text(encoding="utf-8"))
+            found = [
+                case["verdict"]
+                for suite in record["suites"]
+                if suite["suite"] == name
+                for case in suite["cases"]
+            ]
+            made = record.get("provenance", {}).get("date", "")[:10]
+            counts = [found.count(verdict) for verdict in VERDICTS]
+            counted.append((f"`{name}`", about, len(found), *counts, made))
+    total = [sum(row[column] for row in counted) for column in range(2, 3 + len(VERDICTS))]
+    heading = ("suite", "what it compares", "cases", *VERDICTS, "measured")
+    yield from table(heading, [*counted, ("**all**", "", *total, "")])
+
+
+def held_out():
+    """Return the report of the trade-off."""
+    return json.loads((REPORTS / "tradeoff.json").read_text(encoding="utf-8"))
+
+
+def front() -> Iterator[str]:
+    """Give medians of time and of true errors of every candidate over the held-out scenes."""
+    scenes = held_out()["held_out"].values()
+    by_name = {}
+    for scene in scenes:
+        for name, each in scene["candidates"].items():
+            by_name.setdefault(name, []).append(each)
+    yield from table(
+        ("mechanics and mesh", "scenes", "time of a first answer / s", *QUANTITIES.values()),
+        (
+            (
+                name,
+                len(each),
+                f"{median(one['seconds'] for one in each):.2g}",
+                *(
+                    percent(median(one["actual"][q] for one in each if q in one["actual"]))
+                    if any(q in one["actual"] for one in each)
+                    else "–"
+                    for q in QUANTITIES
+                ),
+            )
+            for name, each in sorted(
+                by_name.items(), key=lambda item: median(one["seconds"] for one in item[1])
+            )
+        ),
+    )
+
+
+def kept() -> Iterator[str]:
+    """Give how often stated errors held on the held-out scenes."""
+    summary = held_out()["summary"]
+    yield from table(
+        ("quantity", "stated errors of the planner's choices that held"),
+        (
+            (QUANTITIES.get(name, name), percent(share))
+            for name, share in summary["stated_kept"].items()
+        ),
+    )
+    yield f"Over {summary['answered']} of {summary['scenes']} held-out scenes."
+
+
+def percent(share):
+    """Return a share in percent."""
+    return f"{float(f'{100 * share:.2g}'):g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+# Names
+
+
+def mechanics() -> Iterator[str]:
+    """Give the first line of the docstring of every mechanics, cheapest first."""
+    from fefinger.mechanics import get, names
+
+    rows = []
+    for name in names():
+        text = " ".join((get(name).__doc__ or "").split("\n\n")[0].split())
+        rows.append((f"`{name}`", text))
+    yield from table(("mechanics", "what it is"), rows)
+
+
+def scenes() -> Iterator[str]:
+    """Give the built-in scenes with the first sentence of each."""
+    from fefinger.scene import builtin
+
+    rows = ((f"`{name}`", builtin.summary(name)) for name in builtin.names())
+    yield from table(("scene", "what it is"), rows)
+
+
+BRINGS = {
+    "film": "`fefinger view --movie press.mp4`",
+    "distributed": "studies on a Dask cluster (`fefinger study --scheduler`)",
+    "neo": "spike trains as Neo segments (`result.spikes.to_neo()`)",
+    "nwb": "spike trains as NWB files (`result.spikes.to_nwb()`)",
+    "parquet": "tables of studies as Parquet files",
+    "docs": "this documentation, built on your machine",
+    "test": "the tests",
+    "ci": "tests in random order",
+    "lint": "linter and type checker, in the versions that are used here",
+}
+"""What each optional extra is for."""
+
+
+def extras() -> Iterator[str]:
+    """Give the optional extras of pyproject.toml and what they bring."""
+    import tomllib
+
+    project = tomllib.loads((REPORTS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    yield from table(
+        ("extra", "what it brings"),
+        ((f"`{name}`", BRINGS[name]) for name in project["project"]["optional-dependencies"]),
+    )
+
+
+def check_api(docs):
+    """Raise ValueError for a public name that the page of the API does not list, or a wrong one."""
+    import re
+
+    import fefinger
+
+    text = (docs / "api.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^   ([A-Za-z]\w+)$", text, re.M))
+    if differing := listed ^ set(fefinger.__all__):
+        message = f"docs/api.md: expected every public name and no other, see {sorted(differing)}"
+        raise ValueError(message)
