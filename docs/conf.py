@@ -38,7 +38,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["_build", "gallery", "examples/*.ipynb", "generated", "**/GALLERY_HEADER.rst"]
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"fefinger {version}"
@@ -65,11 +65,11 @@ sphinx_gallery_conf = {
     "gallery_dirs": "examples",
     "filename_pattern": r"plot_",
     "within_subsection_order": "FileNameSortKey",
-    "image_scrapers": ("matplotlib", shown_figures),
+    "image_scrapers": (shown_figures, "matplotlib"),
     "download_all_examples": True,
     "remove_config_comments": True,
     "show_memory": False,
-    "abort_on_example_error": False,
+    "abort_on_example_error": True,
     "min_reported_time": 5,
     "plot_gallery": "True",
 }

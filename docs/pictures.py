@@ -10,9 +10,9 @@ def shown_figures(block, block_vars, gallery_conf):
     saved = block_vars.setdefault("saved", [])
     files = []
     for value in block_vars["example_globals"].values():
-        by_pyplot = isinstance(value, Figure) and value.canvas.manager is not None
-        if isinstance(value, Figure) and not by_pyplot and value not in saved:
+        if isinstance(value, Figure) and value not in saved:
             saved.append(value)
-            files.append(next(block_vars["image_path_iterator"]))
-            value.savefig(files[-1], dpi=100)
+            if value.canvas.manager is None:  # pyplot's have a manager, and are saved by others
+                files.append(next(block_vars["image_path_iterator"]))
+                value.savefig(files[-1], dpi=100)
     return figure_rst(files, gallery_conf["src_dir"])

@@ -11,16 +11,21 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pyvista as pv
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 import fefinger as ff
 
 
 folder = Path(tempfile.mkdtemp())
 ff.run("flat-press").save(folder)
-reader = pv.get_reader(folder / "result.vtkhdf")
-print("times:", np.round(reader.time_values, 3)[:8], "...")
-reader.set_active_time_value(reader.time_values[-1])
-mesh = reader.read()
+reader = vtkHDFReader()
+reader.SetFileName(str(folder / "result.vtkhdf"))
+reader.UpdateInformation()
+times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+print(len(times), "times up to", times[-1], "s")
+reader.UpdateTimeStep(times[-1])
+mesh = pv.wrap(reader.GetOutputDataObject(0))
 print(mesh.array_names, mesh.n_cells, "tetrahedra")
 
 # %%
