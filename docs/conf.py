@@ -1,4 +1,4 @@
-"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
+"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build/html`."""
 
 import logging
 import os
@@ -38,7 +38,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery", "examples/*.ipynb", "generated", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["_build", "gallery", "generated", "**/GALLERY_HEADER.rst"]
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"fefinger {version}"
@@ -66,11 +66,12 @@ sphinx_gallery_conf = {
     "filename_pattern": r"plot_",
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": (shown_figures, "matplotlib"),
-    "download_all_examples": True,
+    "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
     "abort_on_example_error": True,
     "min_reported_time": 5,
+    "notebook_extensions": set(),  # MyST-NB would run them a second time
     "plot_gallery": "True",
 }
 

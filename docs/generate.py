@@ -285,7 +285,7 @@ BRINGS = {
     "parquet": "tables of studies as Parquet files",
     "docs": "this documentation, built on your machine",
     "test": "the tests",
-    "ci": "tests in random order",
+    "ci": "tests in random order, and sdist",
     "lint": "linter and type checker, in the versions that are used here",
 }
 """What each optional extra is for."""
