@@ -38,6 +38,10 @@ LIMITS: dict[str, dict[str, Any]] = {
     "amplitude": {"above": 0},
     "frequency": {"above": 0, "unit": "Hz"},
     "cycles": {"at_least": 1},
+    "distance": {"above": 0, "unit": "mm"},
+    "direction": {"at_least": -360, "at_most": 360, "unit": "degrees"},
+    "passes": {"at_least": 1, "at_most": 1000},
+    "approach": {"above": 0},
 }
 
 CORNER = 0.01
@@ -54,6 +58,8 @@ class Motion(ABC):
 
     kind: ClassVar[str]
     control: ClassVar[Literal["depth", "force"]]
+    slides: ClassVar[bool] = False
+    """Whether it has a path across the direction of travel."""
 
     @cached_property
     @abstractmethod
@@ -125,6 +131,19 @@ class Motion(ABC):
         """Time in s from which spikes count: after the preparation of an experiment."""
         return 0.0
 
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is its own mirror image in the medial plane."""
+        return True
+
+    def shift(self, t: ArrayLike) -> Array:
+        """Return the place (..., 2) mm of the indenter across its travel at the times `t` in s."""
+        return np.zeros((*np.shape(t), 2))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        """Return its velocity (..., 2) mm/s across its travel at the times `t` in s."""
+        return np.zeros((*np.shape(t), 2))
+
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
         value = self.trajectory.value(t)
@@ -179,7 +198,7 @@ class RampMotion(Motion):
         return Trajectory.through(times, levels, corner=self.corner, stop=False)
 
 
-def _rest_limit(hold: float) -> tuple[float, ...]:
+def rest_limit(hold: float) -> tuple[float, ...]:
     """Return twice the length of a rest in s, the longest corner before it; none without rest."""
     return (2 * hold,) if hold else ()
 
@@ -192,7 +211,7 @@ class RampHoldMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The length of the ramp in s, and twice that of the rest."""
-        return self.top, *_rest_limit(self.hold)
+        return self.top, *rest_limit(self.hold)
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -236,7 +255,7 @@ class RampSinusoidMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *_rest_limit(self.rest), self.periods / self.frequency
+        return self.top, *rest_limit(self.rest), self.periods / self.frequency
 
     @cached_property
     def trajectory(self) -> Trajectory:

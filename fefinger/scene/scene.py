@@ -43,6 +43,11 @@ class Scene:
         self._check_place()
         self._check_duration()
 
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is its own mirror image in the medial plane, so that half a finger does."""
+        return self.indenter.mirrored and self.motion.mirrored
+
     def _check_depths(self) -> None:
         """Check that the motion and the end organs stay within the soft tissue."""
         pulp = self.finger.pulp

@@ -71,7 +71,8 @@ class Press:
     obstacle: the indenter at first touch; standard: whether that is the standard plate; motion, and
     time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
-    wanted; notes: the simplifications that a reader of the answer has to know.
+    wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
+    coefficient.
     """
 
     mechanics: str
@@ -88,6 +89,7 @@ class Press:
     pressure: bool
     fields: bool
     notes: tuple[str, ...]
+    friction: float = 0.0
 
     @classmethod
     def of(
@@ -112,7 +114,7 @@ class Press:
         finger, ask, motion = scene.finger, scene.ask, scene.motion
         with stages.stage("mesh"):
             # Scenes that are their own mirror image are solved on half a finger.
-            half = scene.indenter.mirrored
+            half = scene.mirrored
             touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
             mesh = load_or_build(finger, half=half, touch=touch, continued=long)
         with stages.stage("factor") as report:
@@ -130,7 +132,7 @@ class Press:
             body=body,
             finger=finger,
             obstacle=obstacle,
-            standard=scene.indenter == STANDARD,
+            standard=scene.indenter == STANDARD and not motion.slides,
             motion=motion,
             time=time_grid(motion, fast="FAII" in ask.spikes, refine=refine),
             sites=sites,
@@ -138,7 +140,13 @@ class Press:
             pressure=ask.pressure,
             fields=ask.fields,
             notes=(*notes, *of_finger(finger), *mesh.quality.get("notes", ())),
+            friction=scene.indenter.friction,
         )
+
+    @property
+    def slides(self) -> bool:
+        """Whether the indenter moves sideways, or friction resists that the skin does."""
+        return self.motion.slides or self.friction > 0
 
     @property
     def expected_depth(self) -> float:
