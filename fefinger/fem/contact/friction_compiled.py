@@ -3,8 +3,8 @@
 Of every vertex the pressure is p >= 0 with the gap w >= 0, p w = 0, and the traction t in the plane
 of contact has |t| <= mu p, with t = -mu p s / |s| wherever the vertex slips by s. Both are
 projections, p = max(0, p - w / a) and t = P(t - s / b) on the disc of radius mu p (Alart and
-Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991). A semi-smooth Newton method solves for the iterate
-that they do not change; sweeps over the vertices that apply one after the other (block
+Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991). A semi-smooth Newton method solves for the
+iterate that they do not change; sweeps over the vertices that apply one after the other (block
 Gauss-Seidel) come before each step, and take over where no part of it comes closer. The distance
 from both projections is the residual.
 

@@ -72,7 +72,7 @@ def step(
     x: float,
     y: float,
     target: float,
-    force: bool,
+    by_force: bool,
 ) -> int:
     """Advance by `dt` s, with the obstacle moved by (x, y) mm, to a depth in mm or a force in mN.
 
