@@ -12,7 +12,7 @@ from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Array
-from fefinger.mechanics.press.notes import apart, normalized, yielding
+from fefinger.mechanics.press.notes import apart, normalized, sideways, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -155,6 +155,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def lacking(case: Situation) -> list[Doubt]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [*yielding(case.finger), *apart(case.finger), *case.too_long]
+    unable += sideways(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
         unable.append(Doubt("ask.fields", reason))

@@ -88,6 +88,13 @@ class Heights:
         profile = self.obstacle.profile
         return self.along if profile.plane else self.along + profile.rise(self.places(shift))
 
+    def distances(self, shifts: Array) -> Array:
+        """Return the distance (n_t, n) mm along the axis at shifts (n_t, 2) mm, FAR for none."""
+        if self.obstacle.profile.plane:
+            return np.broadcast_to(self.along, (len(shifts), len(self.along)))
+        every = np.array([self.distance(shift) for shift in shifts])
+        return np.where(np.isfinite(every), every, FAR)
+
     def slopes(self, shift: Array, chosen: NDArray[np.int64]) -> Array:
         """Return the derivative (k, 2) of the distance of points by their place across the axis."""
         incline = self.obstacle.profile.incline(self.places(shift, chosen))
@@ -98,13 +105,11 @@ class Heights:
 class Travel:
     """Weighted gaps of a patch under an obstacle that slides over it.
 
-    over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats;
-    near: the obstacle over the vertices of the neighborhood.
+    over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats.
     """
 
     over: Heights
     weights: sparse.csr_matrix
-    near: Heights
 
     @classmethod
     def of(cls, space: Space, normals: Array, on: Patch, obstacle: Obstacle) -> Self:
@@ -121,8 +126,7 @@ class Travel:
         owned = rows >= 0
         entries = (hats.ravel()[owned], (rows[owned], points[owned]))
         weights = sparse.coo_matrix(entries, shape=(len(on.vertices), len(places))).tocsr()
-        near = space.points[on.neighborhood.vertices]
-        return cls(Heights.over(obstacle, places), weights, Heights.over(obstacle, near))
+        return cls(Heights.over(obstacle, places), weights)
 
     def gap(self, shift: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the weighted gaps (n,) mm³ at a place (2,) mm, and the rim (n,) of the obstacle.
@@ -157,10 +161,3 @@ class Travel:
         loads = self._shares @ pressure
         pressed = np.flatnonzero(loads)
         return np.asarray(loads[pressed] @ self.over.slopes(shift, pressed))
-
-    def distances(self, shifts: Array) -> Array:
-        """Return the distance (n_t, n_near) mm along the axis of vertices, FAR where none is."""
-        if self.near.obstacle.profile.plane:
-            return np.broadcast_to(self.near.along, (len(shifts), len(self.near.along)))
-        every = np.array([self.near.distance(shift) for shift in shifts])
-        return np.where(np.isfinite(every), every, FAR)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
 
+import numpy as np
+
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
@@ -37,6 +39,13 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 
 
 ATTEMPTS = 4
+
+
+AROUND = 4.0  # mm about first touch in which facets are measured
+
+
+FACETS_PER_FEATURE = 1.5
+"""Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +148,12 @@ class Press:
             reference=reference_plate(finger, body, ask) if ask.spikes else None,
             pressure=ask.pressure,
             fields=ask.fields,
-            notes=(*notes, *of_finger(finger), *mesh.quality.get("notes", ())),
+            notes=(
+                *notes,
+                *of_finger(finger),
+                *mesh.quality.get("notes", ()),
+                *too_fine(scene.indenter, motion, body, obstacle),
+            ),
             friction=scene.indenter.friction,
         )
 
@@ -172,6 +186,25 @@ class Press:
         """A unit of the motion, mm or N, as the solvers count: in mm, or mN on the meshed part."""
         by_depth = self.motion.control == "depth"
         return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
+
+
+def too_fine(
+    indenter: Indenter, motion: Motion, body: Solid, obstacle: Obstacle
+) -> tuple[str, ...]:
+    """Warn of a texture that slides and is finer than the facets of the pad can follow."""
+    if not (motion.slides and np.isfinite(indenter.feature)):
+        return ()
+    corners = body.space.points[body.pad]
+    near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < AROUND
+    facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
+    part = indenter.feature / facet
+    if part >= FACETS_PER_FEATURE:
+        return ()
+    return (
+        f"Warning: the texture is finer than the mesh resolves, its smallest part / facet = "
+        f"{indenter.feature:.2g} / {facet:.2g} mm = {part:.2g} < {FACETS_PER_FEATURE:g}: it is "
+        "averaged over each facet; take a finer mesh (finger.resolution) or a coarser texture.",
+    )
 
 
 def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
