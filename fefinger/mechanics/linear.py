@@ -64,7 +64,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def too_sharp(case: Situation) -> tuple[Doubt, ...]:
     """Return the doubt that an object is sharper than those the mesh error was measured under."""
     radius, least = case.indenter.least_radius, reports.linear_radius(case)
-    if radius >= least:
+    if radius >= least or case.indenter.raised:
         return ()
     reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
     return (Doubt("indenter.radius", reason),)

@@ -118,6 +118,11 @@ class Indenter(ABC):
         return float("inf")
 
     @property
+    def raised(self) -> bool:
+        """Whether it is a plate with raised parts whose crests have a stated radius."""
+        return False
+
+    @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """Ranges in mm of its own x and y beyond which it ends; None where it goes on."""
         return None

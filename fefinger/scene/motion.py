@@ -5,6 +5,7 @@ hold the fields. Messages call the fields "motion.depth" and so on.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
@@ -23,6 +24,9 @@ Array = NDArray[np.float64]
 
 LONGEST = 1e9
 """s: a rest of thirty years, beyond which nothing is learned."""
+
+SAME = 1e-12
+"""Part of the duration by which times of two trajectories are the same but for rounding."""
 
 LIMITS: dict[str, dict[str, Any]] = {
     "speed": {"above": 0, "unit": "mm/s"},
@@ -107,9 +111,14 @@ class Motion(ABC):
         return None if wave is None else wave.frequency
 
     @property
+    def paths(self) -> tuple[Trajectory, ...]:
+        """Trajectories in mm of what moves across the direction of travel; none by default."""
+        return ()
+
+    @property
     def duration(self) -> float:
         """Length of the motion in s."""
-        return self.trajectory.duration
+        return max(each.duration for each in (self.trajectory, *self.paths))
 
     @property
     def peak(self) -> float:
@@ -119,12 +128,14 @@ class Motion(ABC):
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
-        return self.trajectory.breaks
+        every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breaks)
+        apart = np.diff(every, prepend=-np.inf) > (SAME if self.paths else 0.0) * self.duration
+        return tuple(np.array(every)[apart].tolist())
 
     @property
     def moving(self) -> tuple[tuple[float, float], ...]:
         """Intervals (t0, t1) in s in which the depth or the force changes."""
-        return self.trajectory.moving
+        return merged(span for each in (self.trajectory, *self.paths) for span in each.moving)
 
     @property
     def recorded_from(self) -> float:
@@ -153,6 +164,17 @@ class Motion(ABC):
     def rate(self, t: ArrayLike) -> Array:
         """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
         return self.trajectory.rate(t)
+
+
+def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Union of intervals, sorted; those that touch are one."""
+    union: list[tuple[float, float]] = []
+    for start, stop in sorted(spans):
+        if union and start <= union[-1][1]:
+            union[-1] = (union[-1][0], max(stop, union[-1][1]))
+        else:
+            union.append((start, stop))
+    return tuple(union)
 
 
 def _whole(cycles: float) -> int:

@@ -58,6 +58,11 @@ class Raised(PlateLike):
     edge: float
 
     @property
+    def raised(self) -> bool:
+        """True."""
+        return True
+
+    @property
     def flank(self) -> float:
         """Length in mm of their sides, seen from above."""
         return profiles.flank_of(self.edge, self.height)
@@ -72,7 +77,7 @@ class Raised(PlateLike):
         """The radius of the crests in mm."""
         return self.edge
 
-    def raised(self, inside: Array) -> Array:
+    def rising(self, inside: Array) -> Array:
         """Return the height in mm at places `inside` mm within the outline at half height."""
         t = np.clip(0.5 + inside / self.flank, 0.0, 1.0)
         return self.height * profiles.smooth_step(t)
@@ -164,7 +169,7 @@ class Dots(Raised):
         lines = step * np.arange(-beyond, count + beyond + 1)
         places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1)
         away, _ = cKDTree(self.centers, boxsize=self.tile).query(places % self.tile)
-        heights = self.raised(self.diameter / 2 - away)
+        heights = self.rising(self.diameter / 2 - away)
         return profiles.Tiled(profiles.Relief(lines, lines, heights), self.tile)
 
     def describe(self) -> str:
@@ -211,7 +216,7 @@ class Text(Raised):
             np.linspace(low, high, int(np.ceil((high - low) / self.pitch)) + 1)
             for low, high in self.extent
         )
-        return profiles.Relief(x, y, self.raised(self.inside(x - self.start, y)))
+        return profiles.Relief(x, y, self.rising(self.inside(x - self.start, y)))
 
     @property
     def mirrored(self) -> bool:

@@ -4,7 +4,6 @@ A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x an
 the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
-from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -12,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.scene.motion import Motion, RampMotion, SampledMotion, rest_limit
+from fefinger.scene.motion import RampMotion, SampledMotion, rest_limit
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.checks import InputError, numbers
 from fefinger.support.csv_columns import read_columns
@@ -20,55 +19,15 @@ from fefinger.support.csv_columns import read_columns
 
 Array = NDArray[np.float64]
 
-SAME = 1e-12
-"""Part of the duration by which two times are the same but for rounding."""
 
-
-class PathMotion(Motion):
-    """A motion whose x and y follow trajectories of their own."""
-
-    slides = True
-
-    @property
-    def paths(self) -> tuple[Trajectory, ...]:
-        """The trajectories of what moves across the travel."""
-        raise NotImplementedError
-
-    @property
-    def duration(self) -> float:
-        """Length of the motion in s."""
-        return max(each.duration for each in (self.trajectory, *self.paths))
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Times in s at which a derivative jumps, the start and the end among them."""
-        every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breaks)
-        apart = np.diff(every, prepend=-np.inf) > SAME * self.duration
-        return tuple(np.array(every)[apart].tolist())
-
-    @property
-    def moving(self) -> tuple[tuple[float, float], ...]:
-        """Intervals (t0, t1) in s in which the indenter moves."""
-        return merged(span for each in (self.trajectory, *self.paths) for span in each.moving)
-
-
-def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Union of intervals, sorted; those that touch are one."""
-    union: list[tuple[float, float]] = []
-    for start, stop in sorted(spans):
-        if union and start <= union[-1][1]:
-            union[-1] = (union[-1][0], max(stop, union[-1][1]))
-        else:
-            union.append((start, stop))
-    return tuple(union)
-
-
-class SlideMotion(PathMotion, RampMotion):
+class SlideMotion(RampMotion):
     """A press, `settle` s of rest, then `passes` along a line, each back over the last.
 
     The object moves at `speed` mm/s over `distance` mm, the first time along `direction` degrees:
     0 is distal, 90 radial.
     """
+
+    slides = True
 
     speed: float
     distance: float
@@ -120,15 +79,10 @@ class SlideMotion(PathMotion, RampMotion):
         """Press, and rest for as long as the slide takes."""
         return self.ramp_and_rest(self.along.duration - self.top - self.corner)
 
-    @property
+    @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
         """The distance along the line."""
         return (self.along,)
-
-    @property
-    def duration(self) -> float:
-        """Length of the motion in s."""
-        return self.along.duration
 
     def shift(self, t: ArrayLike) -> Array:
         """Return the place (..., 2) mm of the object at the times `t` in s."""
@@ -153,14 +107,16 @@ class SlideMotion(PathMotion, RampMotion):
         return self.direction % 180 == 0
 
 
-class SampledPathMotion(PathMotion, SampledMotion):
+class SampledPathMotion(SampledMotion):
     """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between."""
+
+    slides = True
 
     x: tuple[float, ...]
     y: tuple[float, ...]
 
     @cached_property
-    def paths(self) -> tuple[Trajectory, Trajectory]:
+    def paths(self) -> tuple[Trajectory, ...]:
         """Those of x and of y."""
         x, y = (
             Trajectory.through(self.time, each, corner=self.corner, stop=False)

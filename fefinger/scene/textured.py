@@ -72,6 +72,11 @@ class Grating(PlateLike):
         return profiles.Grating(self.period, self.ridge, self.depth, self.shift, flank)
 
     @property
+    def raised(self) -> bool:
+        """Whether the radius of its crests is stated."""
+        return self.edge is not None
+
+    @property
     def feature(self) -> float:
         """Width in mm of a ridge or of a groove, whichever is less."""
         return min(self.ridge, self.period - self.ridge)

@@ -13,9 +13,9 @@ from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
 from fefinger.fem.contact.friction_compiled import FrictionState
-from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED
+from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, accumulate
 from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
-from fefinger.fem.elements.spaces import Array
+from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
 
@@ -28,16 +28,16 @@ class Grip(NamedTuple):
     """What a pad with friction remembers besides its stress.
 
     gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
-    mm³: weighted slip since first contact; step (2n,): that of the last step; lost (1,) uJ;
-    stiffness (1,) mN/mm: of the last steps under force control.
+    mm³: weighted slip since first contact; lost (1,) uJ; stiffness (1,) mN/mm: of the last steps
+    under force control; limits (n,): outcome of a step with contact at the vertex, as of `Output`.
     """
 
     gap: Array
     projected: Array
     slip: Array
-    step: Array
     lost: Array
     stiffness: Array
+    limits: Integers
 
 
 def grip(gap: Array, projected: Array) -> Grip:
@@ -47,9 +47,9 @@ def grip(gap: Array, projected: Array) -> Grip:
         gap=np.array(gap, dtype=np.float64),
         projected=np.array(projected, dtype=np.float64),
         slip=np.zeros(2 * n),
-        step=np.zeros(2 * n),
         lost=np.zeros(1),
         stiffness=np.zeros(1),
+        limits=np.zeros(n, dtype=np.int64),
     )
 
 
@@ -59,7 +59,7 @@ def reset(s: FrictionState, m: PadState, c: Grip) -> None:
     friction.release(s)
     for array in (m.terms, m.moved_terms):
         array[:] = 0.0
-    for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.step, c.lost, c.stiffness):
+    for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.lost, c.stiffness):
         row[:] = 0.0
 
 
@@ -90,6 +90,9 @@ def step(
     else:
         m.depth[0] = target
         failed = _at_depth(s, m, c, g, target)
+    for j in range(n):
+        if failed == DONE and s.x[j] > 0.0:
+            failed = c.limits[j]
     if failed != DONE:
         friction.restore(s)
         m.depth[0], m.peak[0] = depth, peak
@@ -97,6 +100,18 @@ def step(
     _slip(s, m, c, g)
     store_history(m, s.x, s.moved, dt, g)
     return DONE
+
+
+@njit(cache=True)
+def strains(m: PadState, rows: Floats, chosen: Integers, factor: Floats, strain: Floats) -> None:
+    """Compute the strain under the elastic traction; `rows` (3n, n_strains)."""
+    k = 0
+    for j in range(len(m.elastic)):
+        if m.elastic[j] != 0.0:
+            chosen[k], factor[k] = j, m.elastic[j]
+            k += 1
+    strain[:] = 0.0
+    accumulate(strain, rows, chosen, factor, k)
 
 
 @njit(cache=True)
@@ -161,19 +176,18 @@ def _slip(s: FrictionState, m: PadState, c: Grip, g: float) -> None:
         for a in range(2):
             k = (a + 1) * n + j
             slid = (s.moved[k] + m.offset[k]) / g if pressed else 0.0
-            c.step[a * n + j] = slid
             c.slip[a * n + j] = c.slip[a * n + j] + slid if pressed else 0.0
             c.lost[0] -= s.x[k] * slid
 
 
-def check(outcome: int, mu: float, steps: int, at: str) -> None:
+def check(outcome: int, mu: float, at: str) -> None:
     """Raise ConvergenceError for a failed step with the coefficient mu."""
     if outcome == DONE:
         return
     message = (
         f"contact: expected pressures and tractions that obey Coulomb's law with "
-        f"indenter.friction = {mu:g}, found none in {steps} Newton steps {at}; take a smaller "
-        "coefficient or a slower motion"
+        f"indenter.friction = {mu:g}, found none {at}; take a smaller coefficient or a slower "
+        "motion"
     )
     if outcome == MISSED:
         message = (

@@ -91,8 +91,7 @@ def slide_with_friction(
         outcome = friction_step.step(
             s, m, grip, dt, float(moved[0]), float(moved[1]), float(target), by_force
         )
-        at = f"at {time[k]:.4g} s"
-        friction_step.check(outcome, mu, int(s.counts[friction_compiled.SOLVED]), at)
+        friction_step.check(outcome, mu, f"at {time[k]:.4g} s")
         check_ahead(rim, s.x[:n], shift[k], time[k])
         depth[k], x[k], elastic[k], lost[k] = m.depth[0], s.x, m.elastic, grip.lost[0]
         slopes[k], slip[k] = travel.push(shift[k], s.x[:n]), grip.slip.reshape(2, n) / projected

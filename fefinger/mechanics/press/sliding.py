@@ -76,9 +76,7 @@ def reduced_to(
 
     The patch of the result then has the unit loads of pressure and traction.
     """
-    if not press.friction:
-        return press.method.reduce(press.body, on, probe, report)
-    three = with_tractions(press.body, on, press.obstacle.axis)
+    three = with_tractions(press.body, on, press.obstacle.axis) if press.friction else on
     made = press.method.reduce(press.body, three, probe, report)
     return replace(made, patch=replace(on, loads=three.loads))
 
