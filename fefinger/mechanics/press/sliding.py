@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.body import Reduced, Solid
+from fefinger.fem.condensation import Operator
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, directed, patch
 from fefinger.fem.contact.sliding_march import slide, slide_with_friction
 from fefinger.fem.contact.travel import Heights, Travel, envelope
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press import problem
+from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import on_seen
 from fefinger.mechanics.press.problem import Press
@@ -70,14 +71,22 @@ def with_tractions(body: Solid, on: Patch, axis: Array) -> Patch:
 
 
 def reduced_to(
-    press: Press, on: Patch, probe: sparse.csr_matrix, report: Callable[[float], None]
+    press: Press,
+    on: Patch,
+    points: Array,
+    probe: sparse.csr_matrix,
+    report: Callable[[float], None],
 ) -> Reduced:
-    """Reduce the body to a patch; with friction to its tractions as well.
+    """Reduce the body to a patch and to the strain `probe` at points (n, 3).
 
-    The patch of the result then has the unit loads of pressure and traction.
+    With friction to its tractions as well: the patch of the result then has the unit loads of
+    both. What an operator is reduced to for a path is cached: it serves every object on it.
     """
     three = with_tractions(press.body, on, press.obstacle.axis) if press.friction else on
-    made = press.method.reduce(press.body, three, probe, report)
+    if press.slides and isinstance(press.body, Operator):
+        made = operator.reduced(press.finger, press.body, three, points, lambda: probe)
+    else:
+        made = press.method.reduce(press.body, three, probe, report)
     return replace(made, patch=replace(on, loads=three.loads))
 
 

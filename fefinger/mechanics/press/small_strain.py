@@ -107,7 +107,7 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
         candidates = _candidates(press, reach, rings)
         limits.check_under(motion, len(candidates.vertices))
         with stages.stage("unit loads") as report:
-            reduced = sliding.reduced_to(press, candidates, probe, report)
+            reduced = sliding.reduced_to(press, candidates, where, probe, report)
         relaxation = Relaxation(
             np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
         )
