@@ -53,4 +53,4 @@ def cells(text: str) -> Iterator[tuple[int, ...]]:
 
 
 def _dots(digits: str) -> tuple[int, ...]:
-    return tuple(int(digit) - 1 for digit in digits)
+    return tuple(sorted(int(digit) - 1 for digit in digits))

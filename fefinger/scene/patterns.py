@@ -56,11 +56,17 @@ class Raised(PlateLike):
 
     height: float
     edge: float
+    roll: float
 
     @property
     def raised(self) -> bool:
         """True."""
         return True
+
+    @property
+    def turn(self) -> float:
+        """The roll in degrees."""
+        return self.roll
 
     @property
     def flank(self) -> float:
@@ -295,8 +301,8 @@ class Braille(Text):
         return np.asarray(self.diameter / 2 - cKDTree(self.centers).query(places)[0])
 
     def describe(self) -> str:
-        """Return "a rigid plate of Braille", with its text."""
-        return f"a rigid plate with {self.text!r} in Braille, {self.height:g} mm high"
+        """Return "a rigid plate of braille", with its text."""
+        return f"a rigid plate of braille, {self.text!r}, {self.height:g} mm high"
 
 
 @final

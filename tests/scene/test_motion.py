@@ -12,17 +12,13 @@ from fefinger.scene.motions import (
     ForceRampHold,
     ForceRampSinusoid,
     ForceSampled,
-    ForceSampledPath,
     ForceSinusoid,
-    ForceSlide,
     ForceTrapezoid,
     Ramp,
     RampHold,
     RampSinusoid,
     Sampled,
-    SampledPath,
     Sinusoid,
-    Slide,
     Trapezoid,
     Vibration,
 )
@@ -49,10 +45,6 @@ EVERY = [
         ForceTrapezoid(2, 1, hold=0.1, corner=corner),
         ForceRampSinusoid(2, 1, settle=0.1, corner=corner, **SINE),
         ForceSampled([0, 0.3, 1], [0, 1, 0.5], corner=corner),
-        Slide(60, 1.5, distance=10, direction=30, passes=3, settle=0.2, corner=corner),
-        ForceSlide(60, 1.5, distance=10, settle=0.2, corner=corner),
-        SampledPath([0, 0.1, 0.5], [0, 1, 0], [0, 0, 3], [0, 1, 1], corner=corner),
-        ForceSampledPath([0, 0.1, 0.5], [0, 1, 0], [0, 0, 3], [0, 1, 1], corner=corner),
     )
 ]
 
