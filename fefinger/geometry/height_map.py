@@ -29,8 +29,8 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
     import trimesh
 
     try:
-        mesh = trimesh.load(file, force="mesh")
-        corners = np.asarray(mesh.triangles, dtype=np.float64)
+        mesh = trimesh.load_mesh(file)
+        corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
     except Exception as error:  # the readers raise whatever they meet
         message = f"indenter.file: cannot read the surface {str(file)!r}: {error}"
         raise InputError(message) from None

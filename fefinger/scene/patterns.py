@@ -218,16 +218,18 @@ class Text(Raised):
     @cached_property
     def profile(self) -> profiles.Relief:
         """The surface of text and plate."""
-        x, y = (
-            np.linspace(low, high, int(np.ceil((high - low) / self.pitch)) + 1)
-            for low, high in self.extent
-        )
+        x, y = (self._lines(low, high) for low, high in self.extent)
         return profiles.Relief(x, y, self.rising(self.inside(x - self.start, y)))
 
     @property
     def mirrored(self) -> bool:
         """False: a text is not symmetric."""
         return False
+
+    def _lines(self, low: float, high: float) -> Array:
+        """Return grid lines (n,) mm of the surface."""
+        count = int(np.ceil((high - low) / self.pitch)) + 1
+        return np.linspace(low, high, count, dtype=np.float64)
 
     def _set_text(self) -> None:
         self._set("start", unit="mm")

@@ -163,5 +163,5 @@ class SampledPathMotion(SampledMotion):
         """Read the columns time (s), x, y (mm) and depth (mm) or force (N)."""
         names = ("time", "x", "y", cls.control)
         columns = read_columns("motion.file", Path(file), names)
-        given: dict[str, Any] = dict(zip(names, columns, strict=True))
-        return cls(**given, corner=corner)
+        given: dict[str, Any] = dict(zip(names, columns, strict=True)) | {"corner": corner}
+        return cls(**given)

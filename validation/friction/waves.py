@@ -98,4 +98,4 @@ def exact(speed: float) -> float:
 
 def wave_places() -> Array:
     """Return the places (n,) mm of the nodes."""
-    return LENGTH / NODES * np.arange(NODES)
+    return np.asarray(LENGTH / NODES * np.arange(NODES), dtype=np.float64)

@@ -121,8 +121,8 @@ class Travel:
         owner = column[part.triangles]
         hats = part.linear[None] * part.weights[:, None, :]
         rows = np.broadcast_to(owner[:, :, None], hats.shape).ravel()
-        points = np.arange(len(places)).reshape(len(owner), 1, -1)
-        points = np.broadcast_to(points, hats.shape).ravel()
+        numbers = np.arange(len(places)).reshape(len(owner), 1, -1)
+        points = np.broadcast_to(numbers, hats.shape).ravel()
         owned = rows >= 0
         entries = (hats.ravel()[owned], (rows[owned], points[owned]))
         weights = sparse.coo_matrix(entries, shape=(len(on.vertices), len(places))).tocsr()

@@ -153,7 +153,7 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
         shift=sliding.shift,
         force=force,
         torque=_torque(press, history),
-        stick_area=sliding.sticking @ areas[: len(on.vertices)],
+        stick_area=np.asarray(sliding.sticking @ areas[: len(on.vertices)], dtype=np.float64),
         traction=traction if press.pressure else None,
         slip=slip if press.pressure else None,
         work=press.sides * sliding.lost * MILLIJOULE_PER_MICROJOULE,
