@@ -172,7 +172,7 @@ class Dots(Raised):
 
         count = max(int(np.ceil(self.tile / self.pitch)), 2 * SAMPLES)
         step, beyond = self.tile / count, 2 * SAMPLES
-        lines = step * np.arange(-beyond, count + beyond + 1)
+        lines = step * np.arange(-beyond, count + beyond + 1, dtype=np.float64)
         places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1)
         away, _ = cKDTree(self.centers, boxsize=self.tile).query(places % self.tile)
         heights = self.rising(self.diameter / 2 - away)
