@@ -25,10 +25,14 @@ CONE = 1e-10  # residual that counts as none, over the largest pressure
 ITERATIONS = 200
 SMOOTHING = 10  # sweeps where no part of a Newton step comes closer
 SHORTEST = 1 / 16  # part of a Newton step
+FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
 ROUNDS = 60  # of vertices that join
 
-K, SOLVED, SWEPT = 0, 1, 2
-"""Indices of `FrictionState.counts`: vertices in the block; Newton steps, and sweeps."""
+KINDS = 5  # of unknowns
+
+K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4
+"""Indices of `FrictionState.counts`: vertices in the block; Newton steps, and sweeps; unknowns of
+the last matrix, and whether its inverse is at hand."""
 
 
 class FrictionState(NamedTuple):
@@ -37,7 +41,8 @@ class FrictionState(NamedTuple):
     flexibility F (3n, 3n); mu (1,); x and moved = F x (3n,); block (3n, 3n): rows of the vertices
     `where` (n,) in question, whose position is `place` (n,) or -1; compressed, constant and rest
     (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton step; vertex and
-    extra (3n,), column and row (3n, 3): its unknowns; counts (3,); residual (1,): of the last
+    extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and those of the last
+    matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
     solution; chosen and factor (3n,): work; saved (2, 3n) and saved_where (n + 1,): x, moved and
     the vertices at the last `save`.
     """
@@ -58,6 +63,9 @@ class FrictionState(NamedTuple):
     extra: Array
     column: Array
     row: Array
+    code: Integers
+    kept: Integers
+    inverse: Array
     counts: Integers
     residual: Array
     chosen: Integers
@@ -86,7 +94,10 @@ def friction_state(flexibility: Array, mu: float) -> FrictionState:
         extra=np.zeros(3 * n),
         column=np.zeros((3 * n, 3)),
         row=np.zeros((3 * n, 3)),
-        counts=np.zeros(3, dtype=np.int64),
+        code=np.zeros(3 * n, dtype=np.int64),
+        kept=np.zeros(3 * n, dtype=np.int64),
+        inverse=np.zeros((3 * n, 3 * n)),
+        counts=np.zeros(5, dtype=np.int64),
         residual=np.zeros(1),
         chosen=np.zeros(3 * n, dtype=np.int64),
         factor=np.zeros(3 * n),
@@ -229,66 +240,112 @@ def _residual(s: FrictionState) -> float:
 
 
 @njit(cache=True)
-def _newton(s: FrictionState) -> int:
-    """Solve for the iterate at which all projections are as at this one, into `start`.
+def _unknowns(s: FrictionState) -> int:
+    """List the unknowns of a Newton step: their number.
 
-    Unknown are the pressures in contact, both tractions of what sticks, and of what slips the one
-    across the slip, whose projection turns with it. Returns how many unknowns there are.
+    Pressures in contact, both tractions of what sticks, and of what slips the one across the slip,
+    whose projection turns with it. Each is a column of up to three entries of a vertex, and a row
+    of up to two; `code` tells of which vertex and kind it is.
     """
-    k, x = s.counts[K], s.compressed
-    # Each unknown is a column of up to three entries of a vertex, and a row of up to two.
-    vertex, column, row = s.vertex, s.column, s.row
-    extra = s.extra
-    q = 0
-    for i in range(k):
+    x, q = s.compressed, 0
+    for i in range(s.counts[K]):
         p, u, v, stiff = _target(s, i)
         if p <= 0.0:
             continue
         bound, size = s.mu[0] * x[3 * i], np.hypot(u, v)
-        vertex[q], extra[q] = i, 0.0
-        column[q], row[q] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+        slips = size > bound
+        s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + (1 if slips else 0)
+        s.column[q], s.row[q] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
         q += 1
-        if size > bound:
+        if slips:
             a, b = u / size, v / size
-            column[q - 1] = (1.0, s.mu[0] * a, s.mu[0] * b)
+            s.column[q - 1] = (1.0, s.mu[0] * a, s.mu[0] * b)
             free = min(s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]) > 0.0
             if free and bound > 0.0:
-                vertex[q], extra[q] = i, (size / bound - 1.0) * stiff
-                column[q], row[q] = (0.0, -b, a), (0.0, -b, a)
+                s.vertex[q], s.extra[q] = i, (size / bound - 1.0) * stiff
+                s.column[q], s.row[q] = (0.0, -b, a), (0.0, -b, a)
+                s.code[q] = KINDS * s.where[i] + 2
                 q += 1
             continue
-        for a in (1, 2):
-            if s.block[3 * i + a, 3 * i + a] > 0.0:
-                vertex[q], extra[q] = i, 0.0
-                column[q] = row[q] = (0.0, 0.0, 0.0)
-                column[q, a] = row[q, a] = 1.0
+        for c in (1, 2):
+            if s.block[3 * i + c, 3 * i + c] > 0.0:
+                s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + 2 + c
+                s.column[q], s.row[q] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+                s.column[q, c] = s.row[q, c] = 1.0
                 q += 1
-    matrix, right = np.empty((q, q)), np.empty(q)
+    return q
+
+
+@njit(cache=True, fastmath={"contract"})
+def _matrix(s: FrictionState, q: int) -> Array:
+    """Assemble the matrix (q, q) of a Newton step."""
+    matrix, m, line = np.empty((q, q)), 3 * s.counts[K], np.empty(3 * s.counts[K])
     for a in range(q):
-        i = 3 * vertex[a]
-        right[a] = 0.0
-        for r in range(3):
-            right[a] -= row[a, r] * s.constant[i + r]
+        line[:] = 0.0
+        for c in range(3):
+            if s.row[a, c] != 0.0:
+                _add(line, s.block[3 * s.vertex[a] + c], s.row[a, c], m)
         for b in range(q):
-            j, total = 3 * vertex[b], 0.0
-            for r in range(3):
-                if row[a, r] != 0.0:
-                    entries = s.block[i + r]
-                    total += row[a, r] * (
-                        column[b, 0] * entries[j]
-                        + column[b, 1] * entries[j + 1]
-                        + column[b, 2] * entries[j + 2]
-                    )
-            matrix[a, b] = total
-        matrix[a, a] += extra[a]
+            j, column = 3 * s.vertex[b], s.column[b]
+            matrix[a, b] = column[0] * line[j] + column[1] * line[j + 1] + column[2] * line[j + 2]
+        matrix[a, a] += s.extra[a]
+    return matrix
+
+
+@njit(cache=True)
+def _newton(s: FrictionState) -> int:
+    """Solve for the iterate at which all projections are as at this one, into `start`.
+
+    Return how many unknowns there are. Where they are the same as the last time, the inverse of
+    that matrix is used again, which is out of date by the turn of the slip.
+    """
+    q = _unknowns(s)
     if q == 0:
         return 0
-    values = np.linalg.solve(matrix, right)
-    s.start[: 3 * k] = 0.0
+    same = q == s.counts[KEPT]
     for a in range(q):
-        for r in range(3):
-            s.start[3 * vertex[a] + r] += column[a, r] * values[a]
+        same = same and s.code[a] == s.kept[a]
+    if same:
+        if s.counts[INVERTED] == 0:
+            s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
+            s.counts[INVERTED] = 1
+        values = _corrected(s, q)
+    else:
+        s.counts[KEPT], s.counts[INVERTED] = q, 0
+        s.kept[:q] = s.code[:q]
+        right = np.empty(q)
+        for a in range(q):
+            i = 3 * s.vertex[a]
+            right[a] = -(
+                s.row[a, 0] * s.constant[i]
+                + s.row[a, 1] * s.constant[i + 1]
+                + s.row[a, 2] * s.constant[i + 2]
+            )
+        values = np.linalg.solve(_matrix(s, q), right)
+    s.start[: 3 * s.counts[K]] = 0.0
+    for a in range(q):
+        for c in range(3):
+            s.start[3 * s.vertex[a] + c] += s.column[a, c] * values[a]
     return q
+
+
+@njit(cache=True, fastmath={"contract"})
+def _corrected(s: FrictionState, q: int) -> Array:
+    """Return the unknowns (q,) of the iterate, corrected by the inverse times their residual."""
+    values, right = np.empty(q), np.empty(q)
+    for a in range(q):
+        i = 3 * s.vertex[a]
+        now = rest = 0.0
+        for c in range(3):
+            now += s.row[a, c] * s.compressed[i + c]
+            rest += s.row[a, c] * s.rest[i + c]
+        values[a], right[a] = now, -rest - s.extra[a] * now
+    for a in range(q):
+        line, total = s.inverse[a], 0.0
+        for b in range(q):
+            total += line[b] * right[b]
+        values[a] += total
+    return values
 
 
 @njit(cache=True)
@@ -314,23 +371,35 @@ def _settle(s: FrictionState, offset: Array) -> bool:
         for a in range(3):
             s.constant[3 * i + a] = offset[a * n + s.where[i]]
     _load(s)
+    inverse = s.counts[INVERTED] == 1
     for _ in range(ITERATIONS):
-        _sweep(s)
+        if not inverse:
+            _sweep(s)
         now = _residual(s)
         if now <= CONE:
             _load(s)
             if _residual(s) <= CONE:
                 return True
         s.before[: 3 * k] = s.compressed[: 3 * k]
-        if not np.isfinite(now) or _newton(s) == 0:
+        if not np.isfinite(now):
             return False
+        if _newton(s) == 0:  # nothing is in contact: sweeps take the rest of the pressure off
+            inverse = False
+            continue
         s.counts[SOLVED] += 1
+        inverse = s.counts[INVERTED] == 1
         part, closer = 1.0, False
         while part >= SHORTEST and not closer:
             _go(s, part)
-            closer = _residual(s) < now
+            after = _residual(s)
+            closer = after < now
             part /= 2.0
-        if not closer:
+        if inverse and not after <= FALLING * now:
+            s.counts[KEPT], s.counts[INVERTED] = 0, 0
+            inverse = False
+            if not closer:
+                _go(s, 0.0)
+        elif not closer:
             _go(s, 0.0)
             for _ in range(SMOOTHING):
                 _sweep(s)
