@@ -64,6 +64,8 @@ if TYPE_CHECKING:
     from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
     from fefinger.scene.tissue import Tissue as Tissue
+    from fefinger.studies.receptive_field import ReceptiveField as ReceptiveField
+    from fefinger.studies.receptive_field import receptive_field as receptive_field
     from fefinger.studies.study import study as study
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
@@ -96,6 +98,7 @@ _HOMES = {
     "mechanics.realtime.rolling": ("Rolling",),
     "mechanics.realtime.sliding": ("Sliding",),
     "scene.scene": ("Scene",),
+    "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
     "mechanics.realtime.stiffening": ("Stiffening",),

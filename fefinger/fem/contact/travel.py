@@ -46,6 +46,10 @@ class Swept:
             nearest = np.minimum(nearest, self.obstacle.moved(shift).gap(points)[0])
         return nearest, np.broadcast_to(self.axis, points.shape)
 
+    def beyond(self, points: Array) -> NDArray[np.bool_]:
+        """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""
+        return np.zeros(points.shape[:-1], dtype=bool)
+
 
 def envelope(obstacle: Obstacle, path: Array) -> Rigid:
     """Return what the candidates of a path (n, 2) mm are chosen by; of a plate, its plane."""
@@ -105,11 +109,13 @@ class Heights:
 class Travel:
     """Weighted gaps of a patch under an obstacle that slides over it.
 
-    over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats.
+    over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats;
+    vertices: the obstacle over those of the patch.
     """
 
     over: Heights
     weights: sparse.csr_matrix
+    vertices: Heights
 
     @classmethod
     def of(cls, space: Space, normals: Array, on: Patch, obstacle: Obstacle) -> Self:
@@ -126,22 +132,24 @@ class Travel:
         owned = rows >= 0
         entries = (hats.ravel()[owned], (rows[owned], points[owned]))
         weights = sparse.coo_matrix(entries, shape=(len(on.vertices), len(places))).tocsr()
-        return cls(Heights.over(obstacle, places), weights)
+        vertices = Heights.over(obstacle, space.points[on.vertices])
+        return cls(Heights.over(obstacle, places), weights, vertices)
 
     def gap(self, shift: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the weighted gaps (n,) mm³ at a place (2,) mm, and the rim (n,) of the obstacle.
 
         Where it is not ahead of all that the hat of a vertex covers, that stays out of contact; the
-        vertices beside those are the rim.
+        vertices beside those are the rim, and those at which its shape has ended.
         """
-        distance = self.over.distance(shift)
-        ahead = np.isfinite(distance)
+        distance, profile = self.over.distance(shift), self.over.obstacle.profile
+        ahead, ended = np.isfinite(distance), profile.beyond(self.vertices.places(shift))
         if ahead.all():
-            return self.weights @ distance, np.zeros(self.weights.shape[0], dtype=bool)
+            return self.weights @ distance, ended
         beyond = self.weights @ (~ahead).astype(float) > 0
         gaps = self.weights @ np.where(ahead, distance, FAR)
         gaps[beyond] = FAR * self._areas[beyond]
-        return gaps, ~beyond & (self.weights @ (self._shares @ beyond.astype(float)) > 0)
+        beside = self.weights @ (self._shares @ beyond.astype(float)) > 0
+        return gaps, ended | (beside & ~beyond)
 
     @cached_property
     def _areas(self) -> Array:
