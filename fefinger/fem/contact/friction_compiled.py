@@ -305,11 +305,12 @@ def _newton(s: FrictionState) -> int:
     same = q == s.counts[KEPT]
     for a in range(q):
         same = same and s.code[a] == s.kept[a]
+    values = np.empty(q)
     if same:
         if s.counts[INVERTED] == 0:
             s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
             s.counts[INVERTED] = 1
-        values = _corrected(s, q)
+        _correct(s, values)
     else:
         s.counts[KEPT], s.counts[INVERTED] = q, 0
         s.kept[:q] = s.code[:q]
@@ -321,7 +322,7 @@ def _newton(s: FrictionState) -> int:
                 + s.row[a, 1] * s.constant[i + 1]
                 + s.row[a, 2] * s.constant[i + 2]
             )
-        values = np.linalg.solve(_matrix(s, q), right)
+        values[:] = np.linalg.solve(_matrix(s, q), right)
     s.start[: 3 * s.counts[K]] = 0.0
     for a in range(q):
         for c in range(3):
@@ -330,9 +331,10 @@ def _newton(s: FrictionState) -> int:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _corrected(s: FrictionState, q: int) -> Array:
-    """Return the unknowns (q,) of the iterate, corrected by the inverse times their residual."""
-    values, right = np.empty(q), np.empty(q)
+def _correct(s: FrictionState, values: Array) -> None:
+    """Set `values` (q,) to the unknowns, corrected by the inverse times their residual."""
+    q = len(values)
+    right = np.empty(q)
     for a in range(q):
         i = 3 * s.vertex[a]
         now = rest = 0.0
@@ -345,7 +347,6 @@ def _corrected(s: FrictionState, q: int) -> Array:
         for b in range(q):
             total += line[b] * right[b]
         values[a] += total
-    return values
 
 
 @njit(cache=True)

@@ -168,7 +168,7 @@ def _mesh_error(report: str, mechanics: Candidate, case: Situation) -> tuple[flo
     round indenter. A small error may be by chance; infinite where the mesh is too coarse for it.
     """
     if case.indenter.raised:
-        return RAISED[case.mesh], "raised parts"
+        return RAISED[case.mesh], "raised parts as of reports/friction.json"
     finer = RESOLUTIONS[RESOLUTIONS.index(case.mesh) :]
     candidates = [replace(mechanics, resolution=name) for name in finer]
     rows = [table.table().presses(report, MESH_ERROR, candidate) for candidate in candidates]
