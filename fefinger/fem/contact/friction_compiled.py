@@ -26,6 +26,7 @@ ITERATIONS = 200
 SMOOTHING = 10  # sweeps where no part of a Newton step comes closer
 SHORTEST = 1 / 16  # part of a Newton step
 FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
+REFRESHED = 8  # steps with an inverse after which it is computed anew, the next time
 ROUNDS = 60  # of vertices that join
 
 KINDS = 5  # of unknowns
@@ -373,13 +374,15 @@ def _settle(s: FrictionState, offset: Array) -> bool:
             s.constant[3 * i + a] = offset[a * n + s.where[i]]
     _load(s)
     inverse = s.counts[INVERTED] == 1
-    for _ in range(ITERATIONS):
+    for number in range(ITERATIONS):
         if not inverse:
             _sweep(s)
         now = _residual(s)
         if now <= CONE:
             _load(s)
             if _residual(s) <= CONE:
+                if number > REFRESHED:
+                    s.counts[INVERTED] = 0
                 return True
         s.before[: 3 * k] = s.compressed[: 3 * k]
         if not np.isfinite(now):
